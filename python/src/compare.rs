@@ -15,10 +15,7 @@ use toprise::analysis::subject::Subject;
 use toprise::analysis::verify as checks;
 use toprise::archive::input::is_recording;
 use toprise::archive::recording::Recording;
-use toprise::archive::sink::SinkError;
 use toprise::run::scenario::{PRESETS, Scenario as Checked};
-use toprise::telemetry::Message;
-use toprise::telemetry::side::Side;
 
 /// A run argument: a `Run`, or anything that identifies one.
 pub enum Given<'py> {
@@ -71,15 +68,8 @@ impl Meant {
 struct Watching(Interrupt);
 
 impl Observer for Watching {
-    fn message(&mut self, _: Side, _: &Message<'_>) -> Result<(), SinkError> {
-        if !self.0.is_asked() {
-            return Ok(());
-        }
-        // Not shown: the caller gets the exception of the signal's handler.
-        Err(SinkError::Viewer("interrupted".into()))
-    }
-
     fn carry_on(&self) -> Box<dyn Fn() -> bool + Send + Sync> {
+        // The error is not shown: the caller gets the exception of the signal's handler.
         let interrupt = self.0.clone();
         Box::new(move || !interrupt.is_asked())
     }

@@ -56,9 +56,8 @@ pub use crate::analysis::subject::Subject;
 
 use self::field::seconds;
 use self::pairing::read_both;
-use crate::archive::recording::{FileChannel, Recording};
+use crate::archive::recording::FileChannel;
 use crate::run::scenario::Scenario;
-use crate::telemetry::Topic;
 use std::collections::BTreeSet;
 
 /// Compares two runs.
@@ -83,7 +82,12 @@ pub fn compare_observed<'a>(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Result<Report, DiffError> {
-    let mut report = compare_given([a.into(), b.into()], options, observer)?;
+    let runs = [a.into(), b.into()];
+    let mut report = if runs.iter().all(|run| run.is_ours()) {
+        compare_runs(runs, options, observer)?
+    } else {
+        compare_files(runs, options, observer)?
+    };
     let is_part = !options.topics.is_empty() || !options.tolerances.ignored.is_empty();
     if is_part && [Verdict::Identical, Verdict::SameValues].contains(&report.verdict) {
         report.verdict = Verdict::Equal;
@@ -91,46 +95,53 @@ pub fn compare_observed<'a>(
     Ok(report)
 }
 
-fn compare_given(
-    runs: [Subject<'_>; 2],
+/// Compares two runs of toprise.
+fn compare_runs(
+    given: [Subject<'_>; 2],
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Result<Report, DiffError> {
-    if let [false, _] | [_, false] = runs.map(Subject::is_ours) {
-        return compare_files(runs, options, observer);
-    }
-    let again = resampled(runs);
-    let named = runs;
-    let runs = match &again {
-        Some(scenario) => [runs[0], Subject::Scenario(scenario)],
-        None => runs,
-    };
-    let topics = common_topics(runs, options)?;
-    let paired = read_both(runs, &topics, options, observer)?;
+    let again = resampled(given);
+    let [a, b] = given;
+    let runs = [a, again.as_ref().map_or(b, Subject::Scenario)];
+    let topics = runs.map(Subject::topics);
+    let fields = topics.iter().flatten().flat_map(|topic| topic.numbers());
+    let fields = fields.map(|field| field.to_string());
+    let others = runs.into_iter().flat_map(|run| strangers(run, true));
+    let known: Vec<_> = fields.chain(others).collect();
+    options.tolerances.match_any_of(&known)?;
+    let names = topics.map(|of_run| of_run.iter().map(ToString::to_string).collect());
+    let (common, only_in) = common_topics(&names, options)?;
+    let setup = setup::compare(given, only_in);
+    let carry_on = observer.carry_on();
+    let paired = read_both(runs, &common, options, observer, &carry_on)?;
     for (run, side) in paired.runs.iter().zip(["A", "B"]) {
         if run.history.messages == 0 && paired.runs.iter().any(|run| run.history.messages > 0) {
-            let losses = run.losses.join("; ");
-            return Err(DiffError::NoMessages { side, losses });
+            let losses = match run.losses.join("; ").as_str() {
+                "" => String::new(),
+                losses => format!(" ({losses})"),
+            };
+            let reason = format!("{side} has no readable messages{losses}");
+            return Err(DiffError::Refused(reason));
         }
     }
     let floor = match paired.common_end() {
-        Some(end) if options.floor => floor::compute(runs, seconds(end), &observer.carry_on()),
+        Some(end) if options.floor => floor::compute(runs, seconds(end), &carry_on),
         _ => None,
     };
     let others = match runs {
         [Subject::Recording(a), Subject::Recording(b)] if options.topics.is_empty() => {
             // View channels are derived; compare them only if everything else is equal.
             let with_views = a.encoding() == b.encoding() && paired.is_identical();
-            let [of_a, of_b] = runs.map(|run| strangers(run, with_views));
-            let mut common: BTreeSet<String> = of_a.intersection(&of_b).cloned().collect();
-            common.retain(|topic| !options.tolerances.ignores(topic));
-            others::compare([a, b], &common, &mut |_| {}).0
+            let [mut common, of_b] = runs.map(|run| strangers(run, with_views));
+            common.retain(|topic| of_b.contains(topic) && !options.tolerances.ignores(topic));
+            others::compare([a, b], &Vec::from_iter(common), &mut |_| {}).0
         }
         _ => Vec::new(),
     };
-    let mut report = Report::of_runs(runs, &paired, others, floor, options);
+    let mut report = Report::of_runs(runs, &paired, setup, others, floor);
     if again.is_some() {
-        report.note_resampling(named);
+        report.note_resampling();
     }
     Ok(report)
 }
@@ -146,37 +157,33 @@ fn resampled(runs: [Subject<'_>; 2]) -> Option<Scenario> {
     b.with([("sampling.period", period.into())]).ok()
 }
 
-/// The topics of the table that are compared.
-fn common_topics(runs: [Subject<'_>; 2], options: &Options) -> Result<Vec<Topic>, DiffError> {
-    let [a, b] = runs.map(Subject::topics);
-    let names = |topics: &[Topic]| {
-        let names: Vec<String> = topics.iter().map(ToString::to_string).collect();
-        names.join(", ")
-    };
-    let numbers = a.iter().chain(&b).flat_map(|topic| topic.numbers());
-    let numbers = numbers.map(|field| field.to_string());
-    let known: Vec<String> = numbers
-        .chain(runs.into_iter().flat_map(|run| strangers(run, true)))
-        .collect();
-    options.tolerances.match_any_of(&known)?;
-    let is_common = |topic: &Topic| b.contains(topic) && !options.tolerances.ignores(topic.name());
-    let common: Vec<Topic> = a.iter().copied().filter(is_common).collect();
+/// The topics that are compared, and those that only A and only B has. Ignored topics are left out, and others than those
+/// that are asked for.
+fn common_topics(
+    [a, b]: &[Vec<String>; 2],
+    options: &Options,
+) -> Result<(Vec<String>, [Vec<String>; 2]), DiffError> {
+    let divided = [(a, b), (b, a)].map(|(run, other)| {
+        let mut topics = run.clone();
+        topics.retain(|topic| !options.tolerances.ignores(topic));
+        topics.into_iter().partition(|topic| other.contains(topic))
+    });
+    let [(mut common, of_a), (_, of_b)]: [(Vec<_>, Vec<_>); 2] = divided;
     if common.is_empty() {
-        let (a, b) = (names(&a), names(&b));
-        return Err(DiffError::NoCommonTopics { a, b });
+        let [a, b] = [a, b].map(|topics| topics.join(", "));
+        let reason = format!("no common topics to compare: A has {a}; B has {b}");
+        return Err(DiffError::Refused(reason));
     }
-    for name in &options.topics {
-        if !common.iter().any(|topic| topic.name() == name) {
-            return Err(DiffError::UnknownTopic {
-                topic: name.clone(),
-                common: names(&common),
-            });
-        }
+    if let Some(topic) = options.topics.iter().find(|topic| !common.contains(topic)) {
+        let common = common.join(", ");
+        let reason = format!("topic {topic} can't be compared; common topics: {common}");
+        return Err(DiffError::Refused(reason));
     }
-    let is_wanted = |topic: &Topic| {
-        options.topics.is_empty() || options.topics.iter().any(|name| topic.name() == name)
-    };
-    Ok(common.into_iter().filter(is_wanted).collect())
+    if options.topics.is_empty() {
+        return Ok((common, [of_a, of_b]));
+    }
+    common.retain(|topic| options.topics.contains(topic));
+    Ok((common, Default::default()))
 }
 
 /// Foreign topics of a toprise recording, optionally with view topics.
@@ -196,45 +203,25 @@ fn compare_files(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Result<Report, DiffError> {
-    let [a, b] = match runs {
-        [Subject::Recording(a), Subject::Recording(b)] => [a, b],
-        [Subject::Scenario(_), _] => return Err(DiffError::Mixed { side: "B" }),
-        [_, Subject::Scenario(_)] => return Err(DiffError::Mixed { side: "A" }),
+    let [Subject::Recording(a), Subject::Recording(b)] = runs else {
+        let side = if runs[0].is_ours() { "B" } else { "A" };
+        let reason = "is not a toprise recording; it can only be compared with another MCAP file";
+        return Err(DiffError::Refused(format!("{side} {reason}")));
     };
-    let all = |recording: &Recording| -> Vec<String> {
+    let topics = [a, b].map(|recording| {
         let channels = recording.channels().iter();
-        channels.map(|channel| channel.topic.clone()).collect()
+        let topics: BTreeSet<_> = channels.map(|channel| channel.topic.clone()).collect();
+        Vec::from_iter(topics)
+    });
+    options.tolerances.match_any_of(&topics.concat())?;
+    let is_ignored = |topic: &String| options.tolerances.ignores(topic);
+    let (common, only_in) = if options.topics.is_empty() && topics.iter().flatten().all(is_ignored)
+    {
+        Default::default()
+    } else {
+        common_topics(&topics, options)?
     };
-    options
-        .tolerances
-        .match_any_of(&[all(a), all(b)].concat())?;
-    let topics = |recording: &Recording| -> BTreeSet<String> {
-        let topics = all(recording).into_iter();
-        topics
-            .filter(|topic| !options.tolerances.ignores(topic))
-            .collect()
-    };
-    let [of_a, of_b] = [a, b].map(topics);
-    let names = |topics: &BTreeSet<String>| {
-        let names: Vec<&str> = topics.iter().map(String::as_str).collect();
-        names.join(", ")
-    };
-    let mut common: BTreeSet<String> = of_a.intersection(&of_b).cloned().collect();
-    if common.is_empty() && !(of_a.is_empty() && of_b.is_empty()) {
-        let (a, b) = (names(&of_a), names(&of_b));
-        return Err(DiffError::NoCommonTopics { a, b });
-    }
-    let mut only_in = [&of_a - &of_b, &of_b - &of_a].map(|alone| alone.into_iter().collect());
-    if !options.topics.is_empty() {
-        if let Some(topic) = options.topics.iter().find(|topic| !common.contains(*topic)) {
-            return Err(DiffError::UnknownTopic {
-                topic: topic.clone(),
-                common: names(&common),
-            });
-        }
-        common.retain(|topic| options.topics.contains(topic));
-        only_in = Default::default();
-    }
     let (others, losses) = others::compare([a, b], &common, &mut |bytes| observer.progress(bytes));
-    Ok(Report::of_files(runs, others, only_in, &losses))
+    let setup = setup::compare(runs, only_in);
+    Ok(Report::of_files(runs, setup, others, &losses))
 }

@@ -39,31 +39,11 @@ use thiserror::Error;
 
 /// The topics that an explanation needs.
 const NEEDED: [Topic; 4] = [STATE, ACCELERATION, ENERGY, EVENTS];
-/// Error of `explain`.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum ExplainError {
-    /// Not a toprise recording.
-    #[error("not a toprise recording")]
-    Foreign,
-    /// The recording has no scenario that can be used.
-    #[error("{0}")]
-    NoScenario(String),
-    /// A channel was not recorded.
-    #[error("it has no {missing}; required topics: {}", NEEDED.map(Topic::name).join(", "))]
-    Channel {
-        /// The topic.
-        missing: Topic,
-    },
-    /// There are hardly any samples.
-    #[error("it has fewer than two samples{}", .loss.as_ref().map_or_else(String::new, |loss| format!(": it lacks {loss}")))]
-    Empty {
-        /// First part that could not be read.
-        loss: Option<String>,
-    },
-    /// Cancelled by the caller.
-    #[error("interrupted")]
-    Interrupted,
-}
+
+/// The reason why a run can't be explained.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{0}")]
+pub struct ExplainError(String);
 
 /// The explanation of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -117,12 +97,12 @@ pub fn explain<'a>(subject: impl Into<Subject<'a>>) -> Result<Explanation, Expla
 /// Like [`explain`], but cancelled if `carry_on`, called for each message, returns false.
 ///
 /// # Errors
-/// As [`explain`], and [`ExplainError::Interrupted`].
+/// As [`explain`], and if it is cancelled.
 pub fn explain_while<'a>(
     subject: impl Into<Subject<'a>>,
     carry_on: &dyn Fn() -> bool,
 ) -> Result<Explanation, ExplainError> {
-    let (evidence, losses) = gather(subject.into(), carry_on)?;
+    let evidence = gather(subject.into(), carry_on)?;
     let [motion, cause, energy] = if evidence.scenario.model.support.is_free() {
         [free::motion, free::cause, free::energy]
     } else {
@@ -141,28 +121,27 @@ pub fn explain_while<'a>(
         events: event_summaries(&evidence.history),
         stages: precession::stages(&evidence),
         summary: evidence.summary,
-        losses,
+        losses: evidence.losses,
     })
 }
 
 /// Reads a run.
-fn gather(
-    subject: Subject<'_>,
-    carry_on: &dyn Fn() -> bool,
-) -> Result<(Evidence, Vec<String>), ExplainError> {
+fn gather(subject: Subject<'_>, carry_on: &dyn Fn() -> bool) -> Result<Evidence, ExplainError> {
+    let refused = |reason: String| Err(ExplainError(reason));
     if !subject.is_ours() {
-        return Err(ExplainError::Foreign);
+        return refused("not a toprise recording".to_owned());
     }
     if let Some(missing) = NEEDED.into_iter().find(|topic| !subject.has_topic(*topic)) {
-        return Err(ExplainError::Channel { missing });
+        let needed = NEEDED.map(Topic::name).join(", ");
+        return refused(format!("it has no {missing}; required topics: {needed}"));
     }
     let scenario = match subject {
         Subject::Scenario(scenario) => scenario.clone(),
         Subject::Recording(recording) => recording
             .scenario()
-            .map_err(|error| ExplainError::NoScenario(error.to_string()))?,
+            .map_err(|error| ExplainError(error.to_string()))?,
     };
-    let mut history = RunHistory::new(Some(scenario.model), scenario.stop.theta_risen);
+    let mut history = RunHistory::new(Some(scenario.model), None);
     let ended = subject.read(&Topics::All, &mut |message, _| {
         history.take(message);
         if carry_on() {
@@ -172,7 +151,7 @@ fn gather(
         }
     });
     if !carry_on() {
-        return Err(ExplainError::Interrupted);
+        return refused("interrupted".to_owned());
     }
     history.finish(ended.end);
     let mut losses = ended.losses;
@@ -183,15 +162,16 @@ fn gather(
         .states
         .is_some_and(|[first, last]| first.time < last.time);
     if !has_samples {
-        let loss = losses.into_iter().next();
-        return Err(ExplainError::Empty { loss });
+        let loss = losses.first().map(|loss| format!(": it lacks {loss}"));
+        let loss = loss.unwrap_or_default();
+        return refused(format!("it has fewer than two samples{loss}"));
     }
-    let evidence = Evidence {
+    Ok(Evidence {
         summary: history.summary(),
         scenario,
         history,
-    };
-    Ok((evidence, losses))
+        losses,
+    })
 }
 
 fn title(evidence: &Evidence) -> String {

@@ -55,15 +55,15 @@ pub(crate) struct RunHistory {
     pub(crate) cycles: Vec<Cycle>,
     /// The first and the last sample.
     pub(crate) states: Option<[State; 2]>,
-    pub(crate) energies: Energies,
+    pub(crate) energies: Option<Energies>,
     /// The angular momentum about the vertical, kg m²/s.
     pub(crate) vertical_momentum: Option<Constancy>,
     /// Time of inversion (θ = π/2), s: from the end record, otherwise interpolated between samples.
     pub(crate) inverted: Option<f64>,
     /// Length of the path slipped, m.
     pub(crate) slip_path: Option<f64>,
-    /// First crossing of the requested θ level.
-    pub(crate) rise: FirstCrossing,
+    /// First crossing of the requested θ level, if there is one.
+    pub(crate) rise: Option<FirstCrossing>,
     /// The phases of a free peg.
     pub(crate) peg: Option<PegHistory>,
     /// The end record; `None` if the run did not end.
@@ -80,7 +80,7 @@ impl RunHistory {
         let free = model.filter(|model| model.support.is_free());
         Self {
             peg: free.map(PegHistory::new),
-            rise: FirstCrossing::of(level),
+            rise: level.map(FirstCrossing::of),
             ..Self::default()
         }
     }
@@ -89,14 +89,16 @@ impl RunHistory {
     pub(crate) fn take(&mut self, message: &Message<'_>) {
         self.messages += 1;
         self.last_ns = self.last_ns.max(Some(message.time_ns));
-        self.rise.take(message);
+        if let Some(rise) = &mut self.rise {
+            rise.take(message);
+        }
         if let Some(peg) = &mut self.peg {
             peg.take(message);
         }
         match message.topic() {
             STATE => self.state(message),
             ACCELERATION => self.terms(message),
-            ENERGY => self.energies.take(message),
+            ENERGY => Energies::take(&mut self.energies, message),
             MOMENTUM => {
                 let vertical = momentum::VERTICAL.of(message);
                 Constancy::take(&mut self.vertical_momentum, vertical);
@@ -268,10 +270,10 @@ impl RunHistory {
             stop_reason: reason,
             stop_time: end_time,
             nutations: (!self.cycles.is_empty()).then_some(self.cycles.len() as u64),
-            energy_first: self.energies.first(),
-            energy_last: self.energies.last(),
-            friction_work: self.energies.work(),
-            energy_imbalance: self.energies.imbalance(),
+            energy_first: self.energies.map(|energies| energies.first),
+            energy_last: self.energies.map(|energies| energies.last),
+            friction_work: self.energies.map(|energies| energies.work),
+            energy_imbalance: self.energies.map(|energies| energies.imbalance),
             slip_path: self.slip_path,
             vertical_momentum_deviation: momentum
                 .map(|m| m.deviation / m.first.abs())

@@ -2,9 +2,10 @@
 
 use crate::archive::format::end_entries;
 use crate::archive::recording::{Condition, Entries, Reader, Recording, Selection};
+use crate::archive::sink::RecordError;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::Simulation;
-use crate::telemetry::{Message, Telemetry, TelemetryError, Topic, Topics};
+use crate::telemetry::{Message, Telemetry, Topic, Topics};
 use std::ops::ControlFlow;
 
 /// A run to be analysed.
@@ -123,7 +124,8 @@ fn read(
         topics: Topics::Only(topics),
         ..Selection::default()
     };
-    let mut undecodable = Undecodable::default();
+    // The first error of a message, and the number of errors.
+    let mut undecodable: Option<(String, u64)> = None;
     let mut reader = recording.reader(selection).in_order_of_time();
     loop {
         let bytes = reader.progress();
@@ -133,38 +135,28 @@ fn read(
                     break;
                 }
             }
-            Some(Err(error)) => undecodable.add(&error),
+            Some(Err(error)) => {
+                undecodable.get_or_insert_with(|| (error.to_string(), 0)).1 += 1;
+            }
             None => break,
         }
     }
+    let mut losses = losses(&reader);
+    losses.extend(undecodable.map(|(first, count)| match count {
+        1 => first,
+        _ => format!("{first} (the first of {count} messages that can't be decoded)"),
+    }));
     Ended {
         end: recording.end().cloned(),
-        losses: undecodable.losses(&reader),
+        losses,
     }
 }
 
-/// Undecodable messages: first error and count.
-#[derive(Default)]
-pub(crate) struct Undecodable(Option<(String, u64)>);
-
-impl Undecodable {
-    pub(crate) fn add(&mut self, error: &impl ToString) {
-        match &mut self.0 {
-            Some((_, count)) => *count += 1,
-            none => *none = Some((error.to_string(), 1)),
-        }
-    }
-
-    /// Parts that could not be read, in sentences: these messages and the reader's losses.
-    pub(crate) fn losses(self, reader: &Reader<'_>) -> Vec<String> {
-        let mut losses: Vec<_> = reader.losses().iter().map(ToString::to_string).collect();
-        losses.extend(reader.left_out().map(ToString::to_string));
-        losses.extend(self.0.map(|(first, count)| match count {
-            1 => first,
-            _ => format!("{first} (the first of {count} messages that can't be decoded)"),
-        }));
-        losses
-    }
+/// Parts that a reader could not read, in sentences.
+pub(super) fn losses(reader: &Reader<'_>) -> Vec<String> {
+    let losses = reader.losses().iter().map(ToString::to_string);
+    let left_out = reader.left_out().map(ToString::to_string);
+    losses.chain(left_out).collect()
 }
 
 fn simulate(
@@ -172,13 +164,12 @@ fn simulate(
     topics: &Topics,
     take: &mut dyn FnMut(&Message<'_>, u64) -> ControlFlow<()>,
 ) -> Ended {
-    let lost = |reason: String| Ended {
-        end: None,
-        losses: vec![reason],
-    };
     let mut simulation = match Simulation::new(scenario) {
         Ok(simulation) => simulation,
-        Err(error) => return lost(format!("the motion: {error}")),
+        Err(error) => {
+            let losses = vec![format!("the motion: {error}")];
+            return Ended { end: None, losses };
+        }
     };
     let mut telemetry = Telemetry::with_topics(topics);
     let mut losses = Vec::new();
@@ -186,17 +177,14 @@ fn simulate(
     while flow.is_continue()
         && let Some(record) = simulation.next()
     {
-        let sent = record
-            .map_err(|error| error.to_string())
-            .and_then(|record| {
-                let sent = telemetry.messages(&record, |message| {
-                    if flow.is_continue() {
-                        flow = take(message, 0);
-                    }
-                    Ok::<_, TelemetryError>(())
-                });
-                sent.map_err(|error| error.to_string())
-            });
+        let sent = record.map_err(RecordError::from).and_then(|record| {
+            telemetry.messages(&record, |message| {
+                if flow.is_continue() {
+                    flow = take(message, 0);
+                }
+                Ok::<_, RecordError>(())
+            })
+        });
         if let Err(error) = sent {
             losses.push(format!("the rest of the motion: {error}"));
             break;

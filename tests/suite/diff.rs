@@ -14,8 +14,8 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use tempfile::{TempDir, tempdir};
 use toprise::analysis::diff::{
-    ChannelDifference, DiffError, FieldDifference, Finding, Observer, Options, Report, Verdict,
-    compare, compare_observed,
+    ChannelDifference, FieldDifference, Finding, Observer, Options, Report, Verdict, compare,
+    compare_observed,
 };
 use toprise::archive::memory::Owned;
 use toprise::archive::pipeline::McapSink;
@@ -235,10 +235,8 @@ fn a_flipped_bit_costs_a_chunk_and_no_more() {
     assert_eq!(report.b.losses.len(), 1);
     let all = damaged("all.mcap", &chunks);
     let error = compare(&whole, &all, &quick()).unwrap_err();
-    assert!(
-        matches!(error, DiffError::NoMessages { side: "B", .. }),
-        "{error}"
-    );
+    let error = error.to_string();
+    assert!(error.starts_with("B has no readable messages ("), "{error}");
 }
 
 // Runs that differ.
@@ -320,8 +318,8 @@ fn what_matches_nothing_is_an_error() {
     let scenario = short(&[("stop.duration", "0.1")]);
     let refused = |options: &Options| compare(&scenario, &scenario, options).unwrap_err();
     for options in [ignoring("/top/torq"), tolerating("/top/stat.*=1")] {
-        let error = refused(&options);
-        assert!(matches!(error, DiffError::UnknownField { .. }), "{error}");
+        let error = refused(&options).to_string();
+        assert!(error.starts_with("no field matches"), "{error}");
     }
     let error = refused(&tolerating("/top/state.thet=1")).to_string();
     assert!(error.contains("/top/state.theta"), "{error}");

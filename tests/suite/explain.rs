@@ -6,7 +6,7 @@ use assert_cmd::Command;
 use std::f64::consts::FRAC_PI_2;
 use std::fs;
 use tempfile::tempdir;
-use toprise::analysis::explain::{ExplainError, Explanation, Fact, explain, explain_while};
+use toprise::analysis::explain::{Explanation, Fact, explain, explain_while};
 use toprise::archive::recording::Recording;
 use toprise::archive::writer::Form;
 use toprise::physics::kinematics::Tilt;
@@ -328,14 +328,19 @@ fn what_can_t_be_explained_is_refused() {
     archive(&path, &scenario, &["/top/state"], Form::default()).unwrap();
     let error = explain(&Recording::open(&path).unwrap()).unwrap_err();
     let missing = ACCELERATION;
-    assert_eq!(error, ExplainError::Channel { missing });
+    let error = error.to_string();
+    assert!(
+        error.starts_with(&format!("it has no {missing}")),
+        "{error}"
+    );
     let file = fs::File::create(directory.path().join("b.mcap")).unwrap();
     mcap::Writer::new(std::io::BufWriter::new(file))
         .unwrap()
         .finish()
         .unwrap();
     let foreign = Recording::open(&directory.path().join("b.mcap")).unwrap();
-    assert_eq!(explain(&foreign), Err(ExplainError::Foreign));
+    let error = explain(&foreign).unwrap_err().to_string();
+    assert_eq!(error, "not a toprise recording");
 }
 
 #[test]
@@ -348,7 +353,7 @@ fn an_explanation_can_be_interrupted() {
     // A run of an hour, which takes minutes.
     let scenario = scenario("frictionless", &[("stop.duration", "3600")]);
     let explanation = explain_while(&scenario, &carry_on);
-    assert_eq!(explanation, Err(ExplainError::Interrupted));
+    assert_eq!(explanation.unwrap_err().to_string(), "interrupted");
     assert_eq!(asked.get(), 101);
 }
 

@@ -6,6 +6,7 @@
 
 use crate::analysis::history::curve::Curve;
 use crate::analysis::history::{Cycle, RunHistory};
+use crate::archive::memory::Owned;
 use crate::telemetry::fields::{NUTATION, NumberField, nutation};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -109,9 +110,8 @@ fn deviation(field: NumberField, times: &[f64], [a, b]: &[Curve; 2]) -> Option<D
     })
 }
 
-/// B − A of the fields of `/top/nutation` at equal times: at the middle of each cycle of A, as long as B nutates. Each has
-/// its time (ns) and the cycle's number.
-pub(super) fn differences(a: &RunHistory, b: &RunHistory) -> Vec<(u64, u32, Vec<f64>)> {
+/// B − A of the fields of `/top/nutation` at equal times: at the middle of each cycle of A, as long as B nutates.
+pub(super) fn differences(a: &RunHistory, b: &RunHistory) -> Vec<Owned> {
     let fields: Vec<NumberField> = NUTATION.numbers().collect();
     let curve = |field: &NumberField| b.of_cycles(|cycle| cycle.of_field(*field));
     let curves: Vec<Curve> = fields.iter().map(curve).collect();
@@ -119,12 +119,13 @@ pub(super) fn differences(a: &RunHistory, b: &RunHistory) -> Vec<(u64, u32, Vec<
         let time = cycle.middle();
         let numbers = fields.iter().zip(&curves);
         let numbers = numbers.map(|(field, of_b)| Some(of_b.at(time)? - cycle.of_field(*field)));
-        let time_ns = (1e9 * time) as u64;
-        Some((
-            time_ns,
-            cycle.of_field(nutation::CYCLE) as u32,
-            numbers.collect::<Option<_>>()?,
-        ))
+        Some(Owned {
+            channel: NUTATION.index(),
+            sequence: cycle.of_field(nutation::CYCLE) as u32,
+            time_ns: (1e9 * time) as u64,
+            numbers: numbers.collect::<Option<_>>()?,
+            texts: Vec::new(),
+        })
     });
     cycles.collect()
 }

@@ -150,12 +150,10 @@ fn amplitude(cycle: &Cycle) -> f64 {
 ///
 /// Amplitude and drift are evaluated at the first crossing, because they can change during a large lead.
 pub(super) fn ripple(history: &RunHistory, time: f64) -> Option<[f64; 2]> {
-    let (first, last) = history.of_cycles(Cycle::amplitude).domain()?;
+    let of_theta = history.of_cycles(amplitude);
+    let of_rate = history.of_cycles(Cycle::amplitude);
+    let (first, last) = of_rate.domain()?;
     let crossing = time.clamp(first, last);
-    let (of_theta, of_rate) = (
-        history.of_cycles(amplitude),
-        history.of_cycles(Cycle::amplitude),
-    );
     let mean = history.of_cycles(|cycle| cycle.means[0]);
     let earlier = |time: f64| Some(of_theta.at(time)? / mean.slope(time)?.abs());
     let later = |time: f64| {
@@ -164,11 +162,9 @@ pub(super) fn ripple(history: &RunHistory, time: f64) -> Option<[f64; 2]> {
     };
     let since = crossing - earlier(crossing)?;
     let middles = history.cycles.iter().map(Cycle::middle);
-    let times = middles
-        .filter(|middle| (since..crossing).contains(middle))
-        .chain([crossing]);
+    let times = middles.filter(|middle| (since..crossing).contains(middle));
     let mut range = [0.0_f64, f64::NEG_INFINITY];
-    for time in times {
+    for time in times.chain([crossing]) {
         range = [range[0].min(-earlier(time)?), range[1].max(later(time)?)];
     }
     range.iter().all(|time| time.is_finite()).then_some(range)

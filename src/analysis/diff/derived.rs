@@ -3,86 +3,64 @@
 use super::field::{FieldDifference, FieldTally};
 use super::tolerance::Tolerance;
 use crate::physics::math::{atan2, unwrap_near};
-use crate::telemetry::Topic;
-use crate::telemetry::fields::{self, NumberField, pose, state};
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use crate::telemetry::fields::{NumberField, POSE, STATE, pose, state};
+use crate::telemetry::{Message, Topic};
+use nalgebra::{Quaternion, Vector3};
+
+/// The angle from A's message to B's, rad.
+type Angle = fn(&Message<'_>, &Message<'_>) -> f64;
+
+/// The angles of topics, with their names.
+const ANGLES: [(Topic, &str, Angle); 4] = [
+    (STATE, "φ modulo 2π", |a, b| turn(state::PHI, a, b)),
+    (STATE, "ψ as a direction", |a, b| turn(state::PSI, a, b)),
+    (POSE, "angle between orientations", |a, b| {
+        between_orientations(pose::ORIENTATION.of(a), pose::ORIENTATION.of(b))
+    }),
+    (POSE, "angle between axes", |a, b| {
+        between_directions(&pose::AXIS.of(a), &pose::AXIS.of(b))
+    }),
+];
+
+/// The angle between two directions in a plane, ignoring whole turns.
+fn turn(field: NumberField, a: &Message<'_>, b: &Message<'_>) -> f64 {
+    unwrap_near(field.of(b) - field.of(a), 0.0)
+}
+
+fn between_orientations(a: Quaternion<f64>, b: Quaternion<f64>) -> f64 {
+    let turn = a.conjugate() * b;
+    2.0 * atan2(turn.imag().norm(), turn.scalar().abs())
+}
+
+fn between_directions(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+    atan2(a.cross(b).norm(), a.dot(b))
+}
 
 /// A derived difference: the angle between two directions or orientations.
 #[derive(Clone, Debug)]
 pub(super) struct Derived {
     name: &'static str,
-    kind: DerivedKind,
+    angle: Angle,
     tally: FieldTally,
-}
-
-/// Kinds of derived differences, with their source columns.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum DerivedKind {
-    /// The angle between two directions in a plane, ignoring whole turns.
-    Direction(usize),
-    /// The angle between two orientations (x, y, z, w).
-    Orientation([usize; 4]),
-    /// The angle between two vectors.
-    Between([usize; 3]),
-}
-
-impl DerivedKind {
-    /// The angle from A's to B's, rad.
-    fn difference(self, a: &[f64], b: &[f64]) -> f64 {
-        match self {
-            Self::Direction(at) => unwrap_near(b[at] - a[at], 0.0),
-            Self::Orientation(at) => {
-                let of = |row: &[f64]| {
-                    let [x, y, z, w] = at.map(|at| row[at]);
-                    UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z))
-                };
-                let turn = of(a).conjugate() * of(b);
-                2.0 * atan2(turn.imag().norm(), turn.scalar().abs())
-            }
-            Self::Between(at) => {
-                let of = |row: &[f64]| Vector3::from(at.map(|at| row[at]));
-                let (a, b) = (of(a), of(b));
-                atan2(a.cross(&b).norm(), a.dot(&b))
-            }
-        }
-    }
 }
 
 impl Derived {
     /// The derived numbers of a topic.
     pub(super) fn of(topic: Topic) -> Vec<Self> {
-        let direction = |name, field: NumberField| (name, DerivedKind::Direction(field.index()));
-        let kinds = match topic {
-            fields::STATE => vec![
-                direction("φ modulo 2π", state::PHI),
-                direction("ψ as a direction", state::PSI),
-            ],
-            fields::POSE => {
-                let of = pose::ORIENTATION.components().map(NumberField::index);
-                let axis = pose::AXIS.components().map(NumberField::index);
-                vec![
-                    ("angle between orientations", DerivedKind::Orientation(of)),
-                    ("angle between axes", DerivedKind::Between(axis)),
-                ]
-            }
-            _ => Vec::new(),
-        };
-        let derived = |(name, kind)| Self {
+        let of_topic = ANGLES.iter().filter(|angle| angle.0 == topic);
+        let derived = of_topic.map(|(_, name, angle)| Self {
             name,
-            kind,
+            angle: *angle,
             tally: FieldTally::new(Tolerance::default()),
-        };
-        kinds.into_iter().map(derived).collect()
+        });
+        derived.collect()
     }
 
-    /// Adds the numbers of a pair.
-    pub(super) fn add(&mut self, time_ns: u64, a: &[f64], b: &[f64]) {
-        let difference = if a == b {
-            0.0
-        } else {
-            self.kind.difference(a, b)
-        };
-        self.tally.add(time_ns, 0.0, difference);
+    /// Adds a pair of messages.
+    pub(super) fn add(&mut self, a: &Message<'_>, b: &Message<'_>) {
+        let is_same = a.numbers == b.numbers;
+        let angle = if is_same { 0.0 } else { (self.angle)(a, b) };
+        self.tally.add(a.time_ns, 0.0, angle);
     }
 
     /// The differences so far.
@@ -98,37 +76,39 @@ impl Derived {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::kinematics::{Euler, world_from_body};
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    fn assert_near(found: f64, expected: f64) {
+        assert!((found - expected).abs() < 1e-12, "{found}");
+    }
 
     #[test]
     fn directions_and_orientations_don_t_count_turns() {
-        let near = |kind: DerivedKind, a: &[f64], b: &[f64], expected: f64| {
-            let found = kind.difference(a, b);
-            assert!((found - expected).abs() < 1e-12, "{kind:?}: {found}");
+        let of_phi = |phi: f64| {
+            let mut numbers = vec![0.0; STATE.numbers().count()];
+            numbers[state::PHI.index()] = phi;
+            numbers
         };
-        near(
-            DerivedKind::Direction(0),
-            &[0.1],
-            &[0.3 + 20.0 * std::f64::consts::PI],
-            0.2,
-        );
-        let turned =
-            crate::physics::kinematics::world_from_body(crate::physics::kinematics::Euler {
-                phi: 0.4,
-                theta: 0.0,
-                psi: 0.0,
-            });
-        let c = turned.coords;
-        near(
-            DerivedKind::Orientation([0, 1, 2, 3]),
-            &[0.0, 0.0, 0.0, 1.0],
-            &[-c.x, -c.y, -c.z, -c.w],
+        let [a, b] = [0.1, 0.3 + 20.0 * PI].map(of_phi);
+        let [a, b] = [&a, &b].map(|numbers| Message {
+            channel: STATE.index(),
+            sequence: 0,
+            time_ns: 0,
+            numbers,
+            texts: &[],
+        });
+        assert_near(turn(state::PHI, &a, &b), 0.2);
+        let turned = world_from_body(Euler {
+            phi: 0.4,
+            theta: 0.0,
+            psi: 0.0,
+        });
+        assert_near(
+            between_orientations(Quaternion::identity(), -turned.into_inner()),
             0.4,
         );
-        near(
-            DerivedKind::Between([0, 1, 2]),
-            &[1.0, 0.0, 0.0],
-            &[0.0, 0.0, 2.0],
-            0.5 * std::f64::consts::PI,
-        );
+        let right = between_directions(&Vector3::x(), &(2.0 * Vector3::z()));
+        assert_near(right, FRAC_PI_2);
     }
 }

@@ -3,7 +3,7 @@
 //! Evaluates the torques and accelerations of both models at the states of A. This shows the difference of the models,
 //! independent of phase and drift. For a free peg only sliding states are used.
 
-use super::field::Moments;
+use super::field::{rms, seconds};
 use crate::physics::dynamics::{Integrals, Model, Motion, Peg, Phase};
 use crate::physics::kinematics::{Euler, Tilt, world_to_lean};
 use crate::telemetry::Message;
@@ -37,7 +37,7 @@ pub struct Discrepancy {
 }
 
 /// A difference between two models along one motion.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Residual {
     /// The quantity.
     pub quantity: String,
@@ -61,16 +61,8 @@ pub(super) struct Residuals {
     motion: Option<(u64, Motion)>,
     slides: bool,
     states: u64,
-    tallies: [ResidualSums; QUANTITIES.len()],
-}
-
-/// Statistics of the differences in a quantity.
-#[derive(Clone, Copy, Debug, Default)]
-struct ResidualSums {
-    largest: f64,
-    at_ns: u64,
-    differences: Moments,
-    own: Moments,
+    /// The result so far, with sums of squares instead of their RMS.
+    found: Vec<Residual>,
 }
 
 /// Output of a model for a state: friction torque about the peg's centre (node frame, N m), frictional and total
@@ -119,12 +111,17 @@ impl Residuals {
     /// `None` if B's model does not apply to A's states (B fixed, A free).
     pub(super) fn new(a: Model, b: Model) -> Option<Self> {
         let is_defined = b.support.is_free() || !a.support.is_free();
-        is_defined.then_some(Self {
+        let residual = |(quantity, unit): (&str, &str)| Residual {
+            quantity: quantity.to_owned(),
+            unit: unit.to_owned(),
+            ..Residual::default()
+        };
+        is_defined.then(|| Self {
             models: [a, b],
             motion: None,
             slides: false,
             states: 0,
-            tallies: [ResidualSums::default(); QUANTITIES.len()],
+            found: QUANTITIES.map(residual).into(),
         })
     }
 
@@ -157,29 +154,25 @@ impl Residuals {
         let [a, b] = self.models.map(|model| action(&model, motion));
         let differences = quantities(std::array::from_fn(|i| b[i] - a[i]));
         self.states += 1;
-        for ((tally, difference), a) in self.tallies.iter_mut().zip(differences).zip(quantities(a))
-        {
-            if difference.abs() > tally.largest {
-                (tally.largest, tally.at_ns) = (difference.abs(), time_ns);
+        for ((found, difference), a) in self.found.iter_mut().zip(differences).zip(quantities(a)) {
+            if difference.abs() > found.largest {
+                (found.largest, found.at) = (difference.abs(), seconds(time_ns));
             }
-            tally.differences.add(difference);
-            tally.own.add(a);
+            found.rms += difference * difference;
+            found.rms_a += a * a;
         }
     }
 
     /// The result, if there was any state.
     pub(super) fn report(&self) -> Option<Discrepancy> {
-        let residual = |((quantity, unit), tally): (&(&str, &str), &ResidualSums)| Residual {
-            quantity: (*quantity).to_owned(),
-            unit: (*unit).to_owned(),
-            largest: tally.largest,
-            at: tally.at_ns as f64 / 1e9,
-            rms: tally.differences.rms(self.states),
-            rms_a: tally.own.rms(self.states),
+        let residual = |found: &Residual| Residual {
+            rms: rms(found.rms, self.states),
+            rms_a: rms(found.rms_a, self.states),
+            ..found.clone()
         };
         (self.states > 0).then(|| Discrepancy {
             states: self.states,
-            quantities: QUANTITIES.iter().zip(&self.tallies).map(residual).collect(),
+            quantities: self.found.iter().map(residual).collect(),
         })
     }
 }

@@ -45,7 +45,8 @@ const ROUNDINGS: f64 = 8.0;
 pub(super) struct FieldTally {
     /// The result so far, without name, RMS and errors.
     pub(super) found: FieldDifference,
-    moments: Moments,
+    /// The sum of the squares of all finite differences.
+    squares: f64,
 }
 
 impl FieldTally {
@@ -55,7 +56,7 @@ impl FieldTally {
                 tolerance,
                 ..FieldDifference::default()
             },
-            moments: Moments::default(),
+            squares: 0.0,
         }
     }
 
@@ -80,7 +81,7 @@ impl FieldTally {
         }
         let difference = (b - a).clamp(f64::MIN, f64::MAX);
         found.scale = found.scale.max(b.abs());
-        self.moments.add(difference);
+        self.squares += difference * difference;
         if difference.abs() > found.largest.abs() {
             (found.largest, found.at) = (difference, seconds(time_ns));
         }
@@ -99,7 +100,7 @@ impl FieldTally {
         FieldDifference {
             field: field.to_owned(),
             unit: unit.to_owned(),
-            rms: self.moments.rms(found.count),
+            rms: rms(self.squares, found.count),
             floor,
             is_below_floor: errors.is_some_and(|e| differs && found.largest.abs() <= e),
             ..found.clone()
@@ -107,23 +108,9 @@ impl FieldTally {
     }
 }
 
-/// Streaming sum of squares.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Moments {
-    squares: f64,
-}
-
-impl Moments {
-    /// Adds a finite number.
-    #[inline]
-    pub(super) fn add(&mut self, number: f64) {
-        self.squares += number * number;
-    }
-
-    /// The RMS over `count` numbers; numbers not added count as zero.
-    pub(super) fn rms(self, count: u64) -> f64 {
-        (self.squares / count.max(1) as f64).sqrt().min(f64::MAX)
-    }
+/// The RMS of `count` numbers with this sum of squares.
+pub(super) fn rms(squares: f64, count: u64) -> f64 {
+    (squares / count.max(1) as f64).sqrt().min(f64::MAX)
 }
 
 /// A time in s.

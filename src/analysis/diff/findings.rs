@@ -32,30 +32,16 @@ pub struct Finding {
 }
 
 impl Finding {
-    fn new(what: impl Into<String>, unit: &str, [a, b]: [Option<f64>; 2]) -> Self {
+    /// A's and B's number with the integration error of their difference, which is also its uncertainty.
+    fn new(what: &str, unit: &str, [a, b]: [Option<f64>; 2], error: Option<f64>) -> Self {
         Self {
-            what: what.into(),
+            what: what.to_owned(),
             unit: unit.to_owned(),
             a,
             b,
             difference: a.zip(b).map(|(a, b)| b - a),
-            ..Self::default()
-        }
-    }
-
-    /// Sets the integration error, which is also the uncertainty if no other is set.
-    fn computed_within(self, error: Option<f64>) -> Self {
-        Self {
-            uncertainty: self.uncertainty.or(error),
+            uncertainty: error,
             integration_error: error,
-            ..self
-        }
-    }
-
-    fn uncertain_by(self, uncertainty: Option<f64>) -> Self {
-        Self {
-            uncertainty,
-            ..self
         }
     }
 
@@ -63,9 +49,7 @@ impl Finding {
     fn is_known(&self) -> bool {
         self.a.is_some() || self.b.is_some() || self.difference.is_some()
     }
-}
 
-impl Finding {
     /// Whether the numbers differ by more than the integration error, or exist in one run only.
     pub fn differs(&self) -> bool {
         let error = self.integration_error.unwrap_or(0.0);
@@ -128,8 +112,6 @@ const FIRST_EVENTS: [(EventKind, &str); 8] = [
 /// Everything that the findings are computed from.
 pub(super) struct Evidence<'e> {
     pub(super) paired: &'e Paired,
-    /// The level of θ that both reach if they rise, rad.
-    pub(super) level: Option<f64>,
     pub(super) averaged: Option<&'e Averaged>,
     pub(super) discrepancy: Option<&'e Discrepancy>,
     pub(super) floor: Option<&'e Floor>,
@@ -152,18 +134,14 @@ pub(super) fn findings(evidence: &Evidence<'_>) -> Vec<Finding> {
     let summaries = [0, 1].map(|side| evidence.paired.runs[side].history.summary());
     let mut found = vec![end(evidence, &summaries)];
     found.extend(crossing(evidence));
-    found.push(rise(evidence));
+    found.extend(rise(evidence));
     found.extend(event_summaries(evidence));
     found.extend(peg(evidence, &summaries));
     found.extend(averages(evidence));
-    found.push(energy_lost(evidence));
+    found.extend(energy_lost(evidence));
     found.extend(torque(evidence));
     found.retain(Finding::is_known);
     found
-}
-
-fn both<T>(items: &[T; 2], of: impl Fn(&T) -> Option<f64>) -> [Option<f64>; 2] {
-    [of(&items[0]), of(&items[1])]
 }
 
 fn end(evidence: &Evidence<'_>, summaries: &[RunSummary; 2]) -> Finding {
@@ -176,8 +154,8 @@ fn end(evidence: &Evidence<'_>, summaries: &[RunSummary; 2]) -> Finding {
     // `stop.duration` is exact.
     let are_events = reasons != [Some(StopReason::Duration.name()); 2];
     let error = evidence.error_of_time().filter(|_| are_events);
-    let times = both(summaries, |c| c.stop_time);
-    Finding::new(what.replace('_', " "), "s", times).computed_within(error)
+    let times = summaries.each_ref().map(|run| run.stop_time);
+    Finding::new(&what.replace('_', " "), "s", times, error)
 }
 
 /// The times at which the averaged motions cross a common level.
@@ -189,17 +167,19 @@ fn crossing(evidence: &Evidence<'_>) -> Option<Finding> {
     let found = LevelCrossing::find(&a.history, &b.history, integrators)?;
     let what = format!("mean θ crosses {} rad", significant(found.level, 3));
     let times = found.times.map(Some);
-    let crossing = Finding::new(what, "s", times).uncertain_by(Some(found.uncertainty));
-    Some(crossing.computed_within(evidence.floor.map(|_| found.integration_error)))
+    let error = evidence.floor.map(|_| found.integration_error);
+    Some(Finding {
+        uncertainty: Some(found.uncertainty),
+        ..Finding::new(&what, "s", times, error)
+    })
 }
 
 /// The first crossing times of the common level by θ, which depend on the nutation phase.
-fn rise(evidence: &Evidence<'_>) -> Finding {
-    let Some(level) = evidence.level else {
-        return Finding::default();
-    };
+fn rise(evidence: &Evidence<'_>) -> Option<Finding> {
     let runs = &evidence.paired.runs;
-    let risen = runs.each_ref().map(|run| run.history.rise.time());
+    let crossings = runs.each_ref().map(|run| run.history.rise.as_ref());
+    let level = crossings[0]?.level;
+    let risen = crossings.map(|crossing| crossing?.time);
     let by_nutation = |side: usize| {
         let [earliest, latest] = ripple(&runs[side].history, risen[side]?)?;
         Some(earliest.abs().max(latest.abs()))
@@ -208,8 +188,10 @@ fn rise(evidence: &Evidence<'_>) -> Finding {
     let uncertainty = by_nutation(0).zip(by_nutation(1));
     let uncertainty = uncertainty.map(|(a, b)| a + b + errors.unwrap_or(0.0));
     let what = format!("θ first reaches {} rad", significant(level, 3));
-    let rise = Finding::new(what, "s", risen).uncertain_by(uncertainty);
-    rise.computed_within(errors)
+    Some(Finding {
+        uncertainty: uncertainty.or(errors),
+        ..Finding::new(&what, "s", risen, errors)
+    })
 }
 
 /// Events of only one run, and those of both at different times.
@@ -224,18 +206,18 @@ fn event_summaries(evidence: &Evidence<'_>) -> Vec<Finding> {
         let inverted = histories.map(|run| run.inverted);
         let is_exact = |run: &RunHistory| run.inverted.is_none() || run.has_exact_inversion();
         if histories.into_iter().all(is_exact) {
-            found.push(Finding::new("inverts", "s", inverted).computed_within(errors));
+            found.push(Finding::new("inverts", "s", inverted, errors));
         }
     }
     // A tippe top can precess backward without loops.
     let loops = count(EventKind::LoopingBegins);
     if !is_tippe && loops != [Some(0.0); 2] {
         let first = time(EventKind::LoopingBegins);
-        found.push(Finding::new("first loop", "s", first).computed_within(errors));
-        found.push(Finding::new("loops", "", loops));
+        found.push(Finding::new("first loop", "s", first, errors));
+        found.push(Finding::new("loops", "", loops, None));
     }
     for (kind, what) in FIRST_EVENTS {
-        found.push(Finding::new(what, "s", time(kind)).computed_within(errors));
+        found.push(Finding::new(what, "s", time(kind), errors));
     }
     found
 }
@@ -250,14 +232,14 @@ fn peg(evidence: &Evidence<'_>, summaries: &[RunSummary; 2]) -> Vec<Finding> {
     let flights = of(|peg| peg.hops.map(|count| count as f64));
     let first_roll = of(|peg| peg.first_roll);
     let rolls_at = of(|peg| peg.rolls_to_end_at);
-    let mut found = vec![
-        Finding::new("first rolls", "s", first_roll).computed_within(evidence.error_of_time()),
-        Finding::new("θ at start of final rolling", "rad", rolls_at)
-            .computed_within(evidence.error_of(state::THETA)),
-    ];
+    let mut found = Vec::new();
     if flights.iter().flatten().any(|count| *count > 0.0) {
-        found.insert(0, Finding::new("flights", "", flights));
+        found.push(Finding::new("flights", "", flights, None));
     }
+    let errors = [evidence.error_of_time(), evidence.error_of(state::THETA)];
+    found.push(Finding::new("first rolls", "s", first_roll, errors[0]));
+    let what = "θ at start of final rolling";
+    found.push(Finding::new(what, "rad", rolls_at, errors[1]));
     found
 }
 
@@ -269,8 +251,8 @@ fn averages(evidence: &Evidence<'_>) -> Vec<Finding> {
     let mean = |field, name: &str| {
         let deviation = averaged.of(field)?;
         let what = format!("{name} at {}", moment(deviation.at));
-        let found = Finding::new(what, &deviation.unit, deviation.values.map(Some));
-        Some(found.computed_within(evidence.error_of(field)))
+        let (unit, values) = (&deviation.unit, deviation.values.map(Some));
+        Some(Finding::new(&what, unit, values, evidence.error_of(field)))
     };
     let runs = &evidence.paired.runs;
     let is_tippe = runs.iter().any(|run| run.history.is_of_tippe_top());
@@ -287,53 +269,46 @@ fn averages(evidence: &Evidence<'_>) -> Vec<Finding> {
     let phase = averaged.phase.as_ref().map(|phase| {
         let last = runs[0].history.cycles.last();
         let of_start = evidence.error_of(nutation::START).zip(last);
-        let ahead = Finding {
-            what: format!("nutation phase lead in cycles at {}", moment(phase.at)),
+        let what = format!("nutation phase lead in cycles at {}", moment(phase.at));
+        let error = of_start.map(|(error, last)| error / last.period);
+        Finding {
             difference: Some(phase.ahead),
-            ..Finding::default()
-        };
-        ahead.computed_within(of_start.map(|(error, last)| error / last.period))
+            ..Finding::new(&what, "", [None; 2], error)
+        }
     });
     let amplitudes = averaged.amplitudes.map(|amplitudes| {
         let what = format!("nutation amplitude of θ̇ at {}", moment(averaged.to));
         let bounds = [nutation::THETA_DOT_MIN, nutation::THETA_DOT_MAX];
         let [least, greatest] = bounds.map(|bound| evidence.error_of(bound));
         let error = least.zip(greatest).map(|(a, b)| 0.5 * (a + b));
-        Finding::new(what, "rad/s", amplitudes.map(Some)).computed_within(error)
+        Finding::new(&what, "rad/s", amplitudes.map(Some), error)
     });
     means.chain(phase).chain(amplitudes).collect()
 }
 
 /// The energy lost by the last sample that both runs have.
-fn energy_lost(evidence: &Evidence<'_>) -> Finding {
+fn energy_lost(evidence: &Evidence<'_>) -> Option<Finding> {
     let common = &evidence.paired.common;
-    let Some(time) = common[0].until() else {
-        return Finding::default();
-    };
-    let what = format!("energy lost by {}", moment(time));
+    let what = format!("energy lost by {}", moment(common[0]?.until));
     let field = energy::TOTAL.to_string();
     let errors = evidence.floor.map_or([None; 2], |floor| {
         [&floor.a, &floor.b].map(|error| error.of(&field))
     });
     let lost = [0, 1].map(|side| {
-        let is_error = |lost: &f64| lost.abs() <= errors[side].unwrap_or(0.0);
-        let lost = common[side].lost()?;
-        Some(if is_error(&lost) { 0.0 } else { lost })
+        let lost = common[side].map(|energies| energies.first - energies.last)?;
+        let is_error = lost.abs() <= errors[side].unwrap_or(0.0);
+        Some(if is_error { 0.0 } else { lost })
     });
-    if lost == [Some(0.0); 2] {
-        return Finding::default();
-    }
-    let errors = errors[0].zip(errors[1]).map(|(a, b)| a + b);
-    Finding::new(what, "J", lost).computed_within(errors)
+    let error = evidence.error_of(energy::TOTAL);
+    (lost != [Some(0.0); 2]).then(|| Finding::new(&what, "J", lost, error))
 }
 
 /// Difference of the models' friction torques at the states of A.
 fn torque(evidence: &Evidence<'_>) -> Option<Finding> {
     let torque = evidence.discrepancy?.quantities.first()?;
+    let what = "max. friction torque difference at A's states";
     Some(Finding {
-        what: "max. friction torque difference at A's states".to_owned(),
-        unit: torque.unit.clone(),
         difference: Some(torque.largest),
-        ..Finding::default()
+        ..Finding::new(what, &torque.unit, [None; 2], None)
     })
 }

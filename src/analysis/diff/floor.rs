@@ -4,7 +4,6 @@
 //! estimates the error of the coarser run. A difference between A and B below the combined error is not significant.
 
 use super::averages;
-use super::observer::While;
 use super::pairing::{Paired, read_both};
 use super::tolerance::Options;
 use super::topic::TopicTally;
@@ -97,8 +96,9 @@ pub(super) fn compute(
 fn error(scenario: &Scenario, carry_on: &(dyn Fn() -> bool + Sync)) -> Option<IntegratorError> {
     let tighter = tightened(scenario)?;
     let runs = [Subject::Scenario(scenario), Subject::Scenario(&tighter)];
-    let topics: Vec<Topic> = Topic::all_with(scenario.model.support).collect();
-    let paired = read_both(runs, &topics, &Options::default(), &mut While(carry_on)).ok()?;
+    let topics = Topic::all_with(scenario.model.support);
+    let topics: Vec<_> = topics.map(|topic| topic.to_string()).collect();
+    let paired = read_both(runs, &topics, &Options::default(), &mut (), carry_on).ok()?;
     let Paired { runs: [a, b], .. } = &paired;
     let averaged = averages::compare(&a.history, &b.history);
     let theta = averaged.and_then(|averaged| Some(averaged.of(nutation::THETA_MEAN)?.largest));

@@ -27,7 +27,7 @@ pub trait Observer {
     /// Receives the number of further bytes of the files that have been read.
     fn progress(&mut self, _bytes: u64) {}
 
-    /// Returns a thread-safe cancellation check.
+    /// Returns a thread-safe check whether to carry on; otherwise the comparison ends with an error.
     fn carry_on(&self) -> Box<dyn Fn() -> bool + Send + Sync> {
         Box::new(|| true)
     }
@@ -35,16 +35,3 @@ pub trait Observer {
 
 /// An observer that ignores everything.
 impl Observer for () {}
-
-/// An observer that ends the comparison once this returns false.
-pub(super) struct While<'a>(pub(super) &'a (dyn Fn() -> bool + Sync));
-
-impl Observer for While<'_> {
-    fn message(&mut self, _: Side, _: &Message<'_>) -> Result<(), SinkError> {
-        if self.0() {
-            Ok(())
-        } else {
-            Err(SinkError::Viewer("interrupted".into()))
-        }
-    }
-}

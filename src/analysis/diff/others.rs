@@ -1,12 +1,12 @@
 //! Foreign topics, compared by time and bytes.
 
 use super::field::seconds;
+use crate::analysis::subject;
 use crate::archive::recording::{FileChannel, Recording, Selection};
 use crate::telemetry::Topics;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::collections::{BTreeMap, BTreeSet};
-use std::iter::Peekable;
+use std::collections::VecDeque;
 
 /// A topic of two files whose messages are compared byte by byte.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
@@ -31,124 +31,84 @@ impl TopicBytes {
         self.different == 0 && self.unmatched == [0; 2] && !self.is_described_differently
     }
 
-    fn note(&mut self, time_ns: u64) {
+    /// Counts a pair of messages, or one that is unmatched.
+    fn count(&mut self, time_ns: u64, messages: [Option<Box<[u8]>>; 2]) {
+        let count = match messages {
+            [Some(a), Some(b)] if a == b => {
+                self.equal += 1;
+                return;
+            }
+            [Some(_), Some(_)] => &mut self.different,
+            [a, _] => &mut self.unmatched[usize::from(a.is_none())],
+        };
+        *count += 1;
         self.first.get_or_insert(seconds(time_ns));
     }
 }
 
-/// Messages at one time, by topic.
-type Messages = BTreeMap<String, Vec<Box<[u8]>>>;
-/// A time, ns, with its messages.
-type Moment = (u64, Messages);
+/// A message: its time (ns), the index of its topic, and its bytes.
+type Foreign = (u64, usize, Box<[u8]>);
 
 /// Compares topics that both files have; also returns the losses of A and B.
 pub(super) fn compare(
     [a, b]: [&Recording; 2],
-    topics: &BTreeSet<String>,
+    topics: &[String],
     progress: &mut dyn FnMut(u64),
 ) -> (Vec<TopicBytes>, [Vec<String>; 2]) {
-    let mut found: BTreeMap<&str, TopicBytes> = BTreeMap::new();
-    for topic in topics {
-        let of_topic = TopicBytes {
-            topic: topic.clone(),
-            is_described_differently: description(a, topic) != description(b, topic),
-            ..TopicBytes::default()
-        };
-        found.insert(topic, of_topic);
-    }
+    let of_topic = |topic: &String| TopicBytes {
+        topic: topic.clone(),
+        is_described_differently: description(a, topic) != description(b, topic),
+        ..TopicBytes::default()
+    };
+    let mut found: Vec<_> = topics.iter().map(of_topic).collect();
     let mut losses = [Vec::new(), Vec::new()];
     let [of_a, of_b] = &mut losses;
-    let (mut a, mut b) = (
-        moments(a, topics, of_a).peekable(),
-        moments(b, topics, of_b).peekable(),
-    );
-    while let Some((time_ns, [in_a, in_b])) = next(&mut a, &mut b) {
-        progress(size(&in_a) + size(&in_b));
-        for (topic, found) in &mut found {
-            let empty = Vec::new();
-            let [x, y] = [&in_a, &in_b].map(|m| m.get(*topic).unwrap_or(&empty));
-            compare_moment(found, time_ns, x, y);
+    let mut a = messages(a, topics, of_a).peekable();
+    let mut b = messages(b, topics, of_b).peekable();
+    // A's messages at one time, by topic.
+    let mut waiting = vec![VecDeque::new(); topics.len()];
+    loop {
+        let next = [a.peek(), b.peek()].into_iter().flatten();
+        let Some(time_ns) = next.map(|message| message.0).min() else {
+            break;
+        };
+        while let Some((_, topic, data)) = a.next_if(|message| message.0 == time_ns) {
+            progress(data.len() as u64);
+            waiting[topic].push_back(data);
+        }
+        while let Some((_, topic, data)) = b.next_if(|message| message.0 == time_ns) {
+            progress(data.len() as u64);
+            found[topic].count(time_ns, [waiting[topic].pop_front(), Some(data)]);
+        }
+        for (found, alone) in found.iter_mut().zip(&mut waiting) {
+            for data in alone.drain(..) {
+                found.count(time_ns, [Some(data), None]);
+            }
         }
     }
     drop((a, b));
-    (found.into_values().collect(), losses)
-}
-
-fn compare_moment(found: &mut TopicBytes, time_ns: u64, a: &[Box<[u8]>], b: &[Box<[u8]>]) {
-    for (a, b) in a.iter().zip(b) {
-        if a == b {
-            found.equal += 1;
-        } else {
-            found.different += 1;
-            found.note(time_ns);
-        }
-    }
-    let more = [
-        a.len().saturating_sub(b.len()),
-        b.len().saturating_sub(a.len()),
-    ];
-    for (unmatched, more) in found.unmatched.iter_mut().zip(more) {
-        *unmatched += more as u64;
-    }
-    if more != [0; 2] {
-        found.note(time_ns);
-    }
-}
-
-/// The earliest messages of both.
-fn next(
-    a: &mut Peekable<impl Iterator<Item = Moment>>,
-    b: &mut Peekable<impl Iterator<Item = Moment>>,
-) -> Option<(u64, [Messages; 2])> {
-    let times = [a.peek().map(|m| m.0), b.peek().map(|m| m.0)];
-    let time = times.into_iter().flatten().min()?;
-    let of_a = a.next_if(|moment| moment.0 == time);
-    let of_b = b.next_if(|moment| moment.0 == time);
-    Some((
-        time,
-        [of_a, of_b].map(|m| m.map_or_else(BTreeMap::new, |m| m.1)),
-    ))
+    (found, losses)
 }
 
 /// The messages of some topics in the order of time; `losses` takes what can't be read.
-fn moments<'r>(
+fn messages<'r>(
     recording: &'r Recording,
-    topics: &BTreeSet<String>,
+    topics: &'r [String],
     losses: &'r mut Vec<String>,
-) -> impl Iterator<Item = Moment> + 'r {
+) -> impl Iterator<Item = Foreign> + 'r {
     let selection = Selection {
-        topics: Topics::Only(topics.iter().cloned().collect()),
+        topics: Topics::Only(topics.to_vec()),
         ..Selection::default()
     };
     let mut reader = recording.reader(selection).in_order_of_time();
-    let mut ahead: Option<(u64, String, Box<[u8]>)> = None;
     std::iter::from_fn(move || {
-        let mut moment: Option<Moment> = None;
-        loop {
-            let message = ahead.take().or_else(|| {
-                let raw = reader.next_undecoded()?;
-                Some((raw.log_time, raw.channel.topic.clone(), raw.data.into()))
-            });
-            let Some((time_ns, topic, data)) = message else {
-                if moment.is_none() {
-                    losses.extend(reader.losses().iter().map(ToString::to_string));
-                    losses.extend(reader.left_out().map(ToString::to_string));
-                }
-                return moment;
-            };
-            let (time, messages) = moment.get_or_insert_with(|| (time_ns, BTreeMap::new()));
-            if *time != time_ns {
-                ahead = Some((time_ns, topic, data));
-                return moment;
-            }
-            messages.entry(topic).or_default().push(data);
+        if let Some(raw) = reader.next_undecoded() {
+            let topic = topics.iter().position(|name| *name == raw.channel.topic)?;
+            return Some((raw.log_time, topic, raw.data.into()));
         }
+        losses.extend(subject::losses(&reader));
+        None
     })
-}
-
-fn size(messages: &Messages) -> u64 {
-    let all = messages.values().flatten();
-    all.map(|data| data.len() as u64).sum()
 }
 
 /// The encodings and schemas of a topic's channels.

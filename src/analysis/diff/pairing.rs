@@ -14,9 +14,11 @@ use crate::analysis::history::RunHistory;
 use crate::analysis::history::energy::Energies;
 use crate::analysis::subject::{Ended, Subject};
 use crate::archive::memory::Owned;
+use crate::archive::sink::SinkError;
 use crate::telemetry::fields::{ENERGY, NUTATION};
 use crate::telemetry::side::Side;
 use crate::telemetry::{Message, Topic, Topics};
+use std::cmp::Ordering;
 use std::collections::{BTreeSet, VecDeque};
 use std::ops::ControlFlow;
 use std::sync::mpsc::Receiver;
@@ -39,7 +41,7 @@ pub(super) struct Paired {
     /// For each topic of the table the comparison of its messages; `None` for topics that are not compared.
     pub(super) topics: Vec<Option<TopicTally>>,
     /// The energies of A and of B at equal times.
-    pub(super) common: [Energies; 2],
+    pub(super) common: [Option<Energies>; 2],
     /// The differences of the two models at A's states, if both scenarios are known.
     pub(super) residuals: Option<Residuals>,
 }
@@ -80,9 +82,10 @@ enum Parcel {
 /// Reads both runs and compares the messages of `compared` topics.
 pub(super) fn read_both(
     runs: [Subject<'_>; 2],
-    compared: &[Topic],
+    compared: &[String],
     options: &Options,
     observer: &mut dyn Observer,
+    carry_on: &dyn Fn() -> bool,
 ) -> Result<Paired, DiffError> {
     let mut pairing = Pairing::new(runs, compared, options, observer);
     #[cfg(not(target_family = "wasm"))]
@@ -92,15 +95,18 @@ pub(super) fn read_both(
             scope.spawn(move || read(run, &|parcel| out.send(parcel).is_ok()));
             incoming
         });
-        pairing.take_all(&incoming)
+        pairing.take_all(&incoming, carry_on)
     })?;
     // Without threads (WebAssembly), the runs are read sequentially and buffered.
     #[cfg(target_family = "wasm")]
-    pairing.take_all(&runs.map(|run| {
-        let (out, incoming) = channel();
-        read(run, &|parcel| out.send(parcel).is_ok());
-        incoming
-    }))?;
+    pairing.take_all(
+        &runs.map(|run| {
+            let (out, incoming) = channel();
+            read(run, &|parcel| out.send(parcel).is_ok());
+            incoming
+        }),
+        carry_on,
+    )?;
     pairing.show_mean_differences()?;
     Ok(pairing.paired)
 }
@@ -139,26 +145,29 @@ struct Pairing<'o> {
 impl<'o> Pairing<'o> {
     fn new(
         runs: [Subject<'_>; 2],
-        compared: &[Topic],
+        compared: &[String],
         options: &Options,
         observer: &'o mut dyn Observer,
     ) -> Self {
         let scenarios = runs.map(Subject::scenario);
         let models = scenarios.each_ref().map(|s| s.as_ref().map(|s| s.model));
+        // The common level of θ is the larger `stop.theta_risen`, rad.
+        let levels = scenarios.each_ref().map(|s| s.as_ref()?.stop.theta_risen);
+        let level = levels.into_iter().flatten().reduce(f64::max);
         let missing = runs.map(missing_fields);
         let periods = scenarios
             .each_ref()
             .map(|scenario| scenario.as_ref().map(|s| s.sample_period_ns));
         let has_sequences = periods[0] == periods[1];
         let tally = |topic: Topic| {
-            let is_compared = compared.contains(&topic);
+            let is_compared = compared.iter().any(|name| topic.name() == name);
             is_compared
                 .then(|| TopicTally::new(topic, &missing, &options.tolerances, has_sequences))
         };
         let paired = Paired {
             topics: Topic::all().map(tally).collect(),
             runs: models.map(|model| RunData {
-                history: RunHistory::new(model, level_of_both(runs)),
+                history: RunHistory::new(model, level),
                 ..RunData::default()
             }),
             common: Default::default(),
@@ -176,8 +185,15 @@ impl<'o> Pairing<'o> {
     }
 
     /// Receives all messages, always from the run that is behind.
-    fn take_all(&mut self, incoming: &[Receiver<Parcel>; 2]) -> Result<(), DiffError> {
+    fn take_all(
+        &mut self,
+        incoming: &[Receiver<Parcel>; 2],
+        carry_on: &dyn Fn() -> bool,
+    ) -> Result<(), DiffError> {
         while let Some(side) = self.behind() {
+            if !carry_on() {
+                return Err(SinkError::Viewer("interrupted".into()).into());
+            }
             match incoming[side.index()].recv() {
                 Ok(Parcel::Batch(messages, bytes)) => {
                     self.observer.progress(bytes);
@@ -189,7 +205,9 @@ impl<'o> Pairing<'o> {
                 // Its thread has panicked.
                 Err(_) => self.end(side, Ended::default()),
             }
-            self.pair()?;
+            for topic in Topic::all() {
+                self.pair(topic)?;
+            }
         }
         Ok(())
     }
@@ -230,78 +248,57 @@ impl<'o> Pairing<'o> {
         Ok(())
     }
 
-    /// Compares all paired messages and counts unmatched ones.
-    fn pair(&mut self) -> Result<(), DiffError> {
-        for topic in Topic::all() {
-            if self.paired.topics[topic.index()].is_some() {
-                self.pair_topic(topic)?;
-            }
-        }
-        Ok(())
-    }
-
-    fn pair_topic(&mut self, topic: Topic) -> Result<(), DiffError> {
-        let key = |message: &Owned| {
-            if topic.info().is_sampled {
-                message.time_ns
-            } else {
-                u64::from(message.sequence)
-            }
-        };
-        loop {
-            let [a, b] = &self.waiting[topic.index()];
-            let alone = match (a.front(), b.front()) {
-                (Some(x), Some(y)) if key(x) == key(y) => {
-                    self.compare_fronts(topic)?;
-                    continue;
-                }
-                (Some(x), Some(y)) if key(x) < key(y) => Side::A,
-                (Some(_), Some(_)) => Side::B,
-                (Some(_), None) if self.paired.runs[1].is_ended => Side::A,
-                (None, Some(_)) if self.paired.runs[0].is_ended => Side::B,
-                _ => return Ok(()),
-            };
-            let queue = &mut self.waiting[topic.index()][alone.index()];
-            let Some(message) = queue.pop_front() else {
-                return Ok(());
-            };
-            self.leave_alone(topic, alone, message.time_ns);
-        }
-    }
-
-    fn compare_fronts(&mut self, topic: Topic) -> Result<(), DiffError> {
+    /// Compares the messages of a topic that have a partner, and counts those that have none.
+    fn pair(&mut self, topic: Topic) -> Result<(), DiffError> {
         let [a, b] = &mut self.waiting[topic.index()];
-        let (Some(a), Some(b)) = (a.pop_front(), b.pop_front()) else {
-            return Ok(());
-        };
         let Some(tally) = &mut self.paired.topics[topic.index()] else {
             return Ok(());
         };
-        let [a, b] = [&a, &b].map(Owned::as_message);
-        tally.add(&a, &b);
-        if topic == ENERGY {
-            self.paired.common[0].take(&a);
-            self.paired.common[1].take(&b);
-        }
-        let difference = tally.difference();
-        if topic != NUTATION && difference.iter().all(|number| number.is_finite()) {
-            self.observer.difference(&Message {
-                numbers: difference,
-                texts: &[],
-                ..a
-            })?;
-        }
-        Ok(())
-    }
-
-    /// Counts an unmatched message. Extra samples of the finer run are counted separately.
-    fn leave_alone(&mut self, topic: Topic, side: Side, time_ns: u64) {
-        let other = self.periods[side.other().index()];
-        let is_between =
-            topic.info().is_sampled && other.is_some_and(|period| !time_ns.is_multiple_of(period));
-        let end = self.paired.runs[side.other().index()].history.last_ns;
-        let is_beyond = end.is_none_or(|end| time_ns > end);
-        if let Some(tally) = &mut self.paired.topics[topic.index()] {
+        let is_sampled = topic.info().is_sampled;
+        let key = |message: &Owned| match is_sampled {
+            true => message.time_ns,
+            false => u64::from(message.sequence),
+        };
+        loop {
+            let order = match (a.front(), b.front()) {
+                (Some(x), Some(y)) => key(x).cmp(&key(y)),
+                (Some(_), None) if self.paired.runs[1].is_ended => Ordering::Less,
+                (None, Some(_)) if self.paired.runs[0].is_ended => Ordering::Greater,
+                _ => return Ok(()),
+            };
+            let x = a.pop_front_if(|_| order != Ordering::Greater);
+            let y = b.pop_front_if(|_| order != Ordering::Less);
+            let (side, alone) = match (x, y) {
+                (Some(x), Some(y)) => {
+                    let [x, y] = [&x, &y].map(Owned::as_message);
+                    let numbers = tally.add(&x, &y);
+                    if topic == ENERGY {
+                        Energies::take(&mut self.paired.common[0], &x);
+                        Energies::take(&mut self.paired.common[1], &y);
+                    }
+                    if let Some(numbers) = &numbers
+                        && topic != NUTATION
+                        && numbers.iter().all(|number| number.is_finite())
+                    {
+                        let texts = &[];
+                        self.observer.difference(&Message {
+                            numbers,
+                            texts,
+                            ..x
+                        })?;
+                    }
+                    continue;
+                }
+                (Some(x), None) => (Side::A, x),
+                (None, Some(y)) => (Side::B, y),
+                (None, None) => return Ok(()),
+            };
+            // Extra samples of the finer run are counted separately.
+            let time_ns = alone.time_ns;
+            let period = self.periods[side.other().index()].filter(|_| is_sampled);
+            let is_between = period.is_some_and(|period| !time_ns.is_multiple_of(period));
+            let end = self.paired.runs[side.other().index()].history.last_ns;
+            let is_beyond = end.is_none_or(|end| time_ns > end);
             tally.leave_alone(side, time_ns, is_between, is_beyond);
         }
     }
@@ -309,23 +306,11 @@ impl<'o> Pairing<'o> {
     /// Reports the differences of the averages to the observer, at the midpoints of A's nutations.
     fn show_mean_differences(&mut self) -> Result<(), DiffError> {
         let [a, b] = &self.paired.runs;
-        for (time_ns, sequence, numbers) in averages::differences(&a.history, &b.history) {
-            self.observer.difference(&Message {
-                channel: NUTATION.index(),
-                sequence,
-                time_ns,
-                numbers: &numbers,
-                texts: &[],
-            })?;
+        for difference in averages::differences(&a.history, &b.history) {
+            self.observer.difference(&difference.as_message())?;
         }
         Ok(())
     }
-}
-
-/// The common θ level: the larger `stop.theta_risen` of both runs, rad.
-pub(super) fn level_of_both(runs: [Subject<'_>; 2]) -> Option<f64> {
-    let levels = runs.map(|run| run.scenario()?.stop.theta_risen);
-    levels.into_iter().flatten().reduce(f64::max)
 }
 
 /// Table fields missing in a recording of another version.

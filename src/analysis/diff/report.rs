@@ -4,17 +4,16 @@
 
 use super::averages::{self, Averaged};
 use super::discrepancy::{Discrepancy, Residuals};
+use super::field::seconds;
 use super::findings::{Evidence, Finding, findings};
 use super::floor::Floor;
 use super::others::TopicBytes;
-use super::pairing::{Paired, RunData, level_of_both};
-use super::setup::{self, KeyDifference, SetupDifferences};
-use super::tolerance::Options;
+use super::pairing::{Paired, RunData};
+use super::setup::{KeyDifference, SetupDifferences};
 use super::topic::{ChannelDifference, TopicTally};
 use crate::analysis::history::RunSummary;
 use crate::analysis::subject::Subject;
 use crate::archive::recording::Condition;
-use crate::telemetry::Topic;
 use crate::telemetry::side::Side;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -103,32 +102,31 @@ impl Report {
     pub(super) fn of_runs(
         runs: [Subject<'_>; 2],
         paired: &Paired,
+        mut setup: SetupDifferences,
         others: Vec<TopicBytes>,
         floor: Option<Floor>,
-        options: &Options,
     ) -> Self {
         let floor_of = |field: &str| floor.as_ref()?.of(field);
-        let [a, b] = [0, 1].map(|side| ComparedRun::of(runs[side], &paired.runs[side]));
+        let [a, b] = [0, 1].map(|side| {
+            let RunData {
+                history, losses, ..
+            } = &paired.runs[side];
+            ComparedRun {
+                messages: history.messages,
+                last: history.last_ns.map_or(0.0, seconds),
+                summary: Some(history.summary()),
+                ..ComparedRun::of(runs[side], losses)
+            }
+        });
         let averaged = averages::compare(&paired.runs[0].history, &paired.runs[1].history);
         let discrepancy = paired.residuals.as_ref().and_then(Residuals::report);
         let evidence = Evidence {
             paired,
-            level: level_of_both(runs),
             averaged: averaged.as_ref(),
             discrepancy: discrepancy.as_ref(),
             floor: floor.as_ref(),
         };
         let findings = findings(&evidence);
-        let mut setup = setup::compare(runs[0], runs[1]);
-        if options.topics.is_empty() {
-            setup.topics_only_in = [[0, 1], [1, 0]].map(|[own, other]| {
-                let topics = runs[own].topics().into_iter();
-                let ignores = |topic: &Topic| options.tolerances.ignores(topic.name());
-                let alone =
-                    topics.filter(|topic| !runs[other].has_topic(*topic) && !ignores(topic));
-                alone.map(|topic| topic.to_string()).collect()
-            });
-        }
         setup.fields_only_in = [Side::A, Side::B].map(|side| {
             let fields = paired.compared().flat_map(|topic| topic.only_in(side));
             fields.cloned().collect()
@@ -161,26 +159,19 @@ impl Report {
     /// The report of two files, at least one of which is not a toprise recording.
     pub(super) fn of_files(
         runs: [Subject<'_>; 2],
+        setup: SetupDifferences,
         others: Vec<TopicBytes>,
-        only_in: [Vec<String>; 2],
         losses: &[Vec<String>; 2],
     ) -> Self {
         let [a, b] = [0, 1].map(|side| {
             let messages = others
                 .iter()
                 .map(|topic| topic.equal + topic.different + topic.unmatched[side]);
-            let data = RunData {
-                losses: losses[side].clone(),
-                ..RunData::default()
-            };
             ComparedRun {
                 messages: messages.sum(),
-                summary: None,
-                ..ComparedRun::of(runs[side], &data)
+                ..ComparedRun::of(runs[side], &losses[side])
             }
         });
-        let mut setup = setup::compare(runs[0], runs[1]);
-        setup.topics_only_in = only_in;
         let is_equal = others.iter().all(TopicBytes::is_equal);
         let has_same_topics = setup.topics_only_in.iter().all(Vec::is_empty);
         let is_complete = a.losses.is_empty() && b.losses.is_empty();
@@ -203,13 +194,10 @@ impl Report {
 }
 
 impl ComparedRun {
-    fn of(subject: Subject<'_>, data: &RunData) -> Self {
+    fn of(subject: Subject<'_>, losses: &[String]) -> Self {
         let mut run = Self {
             name: subject.name(),
-            messages: data.history.messages,
-            last: data.history.last_ns.map_or(0.0, super::field::seconds),
-            losses: data.losses.clone(),
-            summary: Some(data.history.summary()),
+            losses: losses.to_vec(),
             ..Self::default()
         };
         if let Subject::Recording(recording) = subject {
@@ -262,13 +250,8 @@ fn verdict(
 }
 
 impl Report {
-    /// Records that B was resimulated with A's sampling period. The setup compares the original runs, and the verdict
-    /// cannot be `Identical`.
-    pub(super) fn note_resampling(&mut self, named: [Subject<'_>; 2]) {
-        let setup = setup::compare(named[0], named[1]);
-        self.setup.scenario = setup.scenario;
-        self.setup.equal_keys = setup.equal_keys;
-        self.setup.files = setup.files;
+    /// Records that B was resimulated with A's sampling period. The verdict cannot be `Identical`.
+    pub(super) fn note_resampling(&mut self) {
         if self.verdict != Verdict::Different {
             self.verdict = Verdict::Agreeing;
         }

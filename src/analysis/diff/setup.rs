@@ -2,9 +2,10 @@
 
 use crate::analysis::subject::Subject;
 use crate::archive::recording::Recording;
-use crate::run::scenario::{KEYS, Value};
+use crate::run::scenario::{KEYS, Value, hex};
 use schemars::JsonSchema;
 use serde::Serialize;
+use sha2::{Digest as _, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The differences in the set-up of two runs.
@@ -45,8 +46,14 @@ impl KeyDifference {
 /// Keys, each with its value as text.
 type Flat = BTreeMap<String, String>;
 
-pub(super) fn compare(a: Subject<'_>, b: Subject<'_>) -> SetupDifferences {
-    let mut setup = SetupDifferences::default();
+pub(super) fn compare(
+    [a, b]: [Subject<'_>; 2],
+    topics_only_in: [Vec<String>; 2],
+) -> SetupDifferences {
+    let mut setup = SetupDifferences {
+        topics_only_in,
+        ..SetupDifferences::default()
+    };
     if let (Some(a), Some(b)) = (flat_scenario(a), flat_scenario(b)) {
         let all: BTreeSet<&String> = a.keys().chain(b.keys()).collect();
         setup.scenario = differences(&a, &b);
@@ -124,8 +131,12 @@ fn facts(recording: &Recording, has_schemas: bool) -> Flat {
             add(format!("metadata {name}: {key}"), value.clone());
         }
     }
-    for (name, digests) in recording.attachment_digests() {
-        add(format!("attachment {name}"), digests.join(", "));
+    for attachment in &recording.layout.attachments {
+        let text = recording.attachment(&attachment.place).map_or_else(
+            |reason| reason,
+            |(head, data)| format!("{} {}", head.media_type, hex(&Sha256::digest(&data))),
+        );
+        add(format!("attachment {}", attachment.name), text);
     }
     let channels = recording.channels().iter();
     for channel in channels.filter(|_| has_schemas) {

@@ -44,12 +44,9 @@ impl Tolerances {
     /// Adds the tolerance of a pattern as on the command line: `PATTERN=1e-9`, or `PATTERN=abs:1e-9,rel:1e-6`.
     ///
     /// # Errors
-    /// [`DiffError::Tolerance`] if the text is invalid.
+    /// [`DiffError`] if the text is invalid.
     pub fn add(&mut self, text: &str) -> Result<(), DiffError> {
-        let malformed = |reason: &str| DiffError::Tolerance {
-            text: text.to_owned(),
-            reason: reason.to_owned(),
-        };
+        let malformed = |reason: &str| DiffError::Refused(format!("tolerance {text:?}: {reason}"));
         let (pattern, bounds) = text
             .rsplit_once('=')
             .filter(|(pattern, _)| !pattern.is_empty())
@@ -76,7 +73,7 @@ impl Tolerances {
     /// Checks that all tolerances are finite and not negative.
     ///
     /// # Errors
-    /// [`DiffError::Tolerance`] naming the first that isn't.
+    /// [`DiffError`] naming the first that isn't.
     pub fn check(&self) -> Result<(), DiffError> {
         let general = ("the general tolerance", &self.general);
         let fields = self
@@ -86,10 +83,10 @@ impl Tolerances {
         for (name, bound) in std::iter::once(general).chain(fields) {
             for (kind, value) in [("abs", bound.abs), ("rel", bound.rel)] {
                 if !(value >= 0.0 && value.is_finite()) {
-                    return Err(DiffError::Tolerance {
-                        text: format!("{name}: {kind} = {value}"),
-                        reason: "must be finite and not negative".to_owned(),
-                    });
+                    let text = format!("{name}: {kind} = {value}");
+                    return Err(DiffError::Refused(format!(
+                        "tolerance {text:?}: must be finite and not negative"
+                    )));
                 }
             }
         }
@@ -112,7 +109,7 @@ impl Tolerances {
     /// Whether each pattern matches one of the fields or topics.
     ///
     /// # Errors
-    /// [`DiffError::UnknownField`] with the first pattern that doesn't, and similar names.
+    /// [`DiffError`] with the first pattern that doesn't, and similar names.
     pub(super) fn match_any_of(&self, fields: &[String]) -> Result<(), DiffError> {
         let is_idle = |pattern: &&String| !fields.iter().any(|field| matches(pattern, field));
         let of_fields = self.fields.iter().map(|(pattern, _)| pattern);
@@ -120,21 +117,17 @@ impl Tolerances {
             return Ok(());
         };
         let likeness = |field: &String| strsim::jaro_winkler(pattern, field);
-        let mut near: Vec<_> = fields
-            .iter()
-            .map(|field| (likeness(field), field))
-            .collect();
-        near.sort_by(|(a, x), (b, y)| b.total_cmp(a).then_with(|| x.cmp(y)));
+        let mut near = fields.to_vec();
+        near.sort();
         near.dedup();
-        let near: Vec<_> = near
-            .iter()
-            .take(3)
-            .map(|(_, field)| field.as_str())
-            .collect();
-        Err(DiffError::UnknownField {
-            pattern: pattern.clone(),
-            near: near.join(", "),
-        })
+        near.sort_by(|x, y| likeness(y).total_cmp(&likeness(x)));
+        near.truncate(3);
+        let near = match near.join(", ").as_str() {
+            "" => "there are no fields".to_owned(),
+            near => format!("did you mean {near}?"),
+        };
+        let reason = format!("no field matches {pattern:?}; {near}");
+        Err(DiffError::Refused(reason))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::derived::Derived;
 use super::field::{FieldDifference, FieldTally, seconds};
-use super::tolerance::{Tolerances, full_name};
+use super::tolerance::Tolerances;
 use crate::telemetry::fields::{EVENTS, NumberField, events};
 use crate::telemetry::side::Side;
 use crate::telemetry::{Message, Topic};
@@ -48,19 +48,12 @@ pub struct FirstDifference {
     pub b: String,
 }
 
-/// A field of the table that both runs have.
-#[derive(Clone, Debug)]
-struct ComparedField {
-    number: NumberField,
-    tally: FieldTally,
-    is_ignored: bool,
-}
-
 /// Statistics of the pairs of a topic.
 #[derive(Clone, Debug)]
 pub(super) struct TopicTally {
     topic: Topic,
-    fields: Vec<ComparedField>,
+    /// The fields that both have and that are not ignored.
+    fields: Vec<(NumberField, FieldTally)>,
     /// Fields that only A and only B has.
     alone: [Vec<String>; 2],
     derived: Vec<Derived>,
@@ -70,8 +63,6 @@ pub(super) struct TopicTally {
     found: ChannelDifference,
     /// Pairs with different texts or sequence numbers.
     other_texts: u64,
-    /// B − A of each number of the last pair; NaN where one lacks it.
-    difference: Vec<f64>,
 }
 
 impl TopicTally {
@@ -87,13 +78,12 @@ impl TopicTally {
         for number in topic.numbers() {
             let name = number.to_string();
             match [0, 1].map(|side| missing[side].contains(&name)) {
-                [false, false] => fields.push(ComparedField {
-                    number,
-                    is_ignored: tolerances.ignores(&name),
-                    tally: FieldTally::new(tolerances.of(topic.name(), number.path())),
-                }),
-                [true, true] => {}
                 _ if tolerances.ignores(&name) => {}
+                [false, false] => {
+                    let tolerance = tolerances.of(topic.name(), number.path());
+                    fields.push((number, FieldTally::new(tolerance)));
+                }
+                [true, true] => {}
                 [is_in_b_only, _] => alone[usize::from(is_in_b_only)].push(name),
             }
         }
@@ -113,7 +103,6 @@ impl TopicTally {
                 ..ChannelDifference::default()
             },
             other_texts: 0,
-            difference: Vec::new(),
         }
     }
 
@@ -147,33 +136,27 @@ impl TopicTally {
         }
     }
 
-    /// Compares two messages.
-    pub(super) fn add(&mut self, a: &Message<'_>, b: &Message<'_>) {
+    /// Compares two messages. Returns B − A of their numbers, if they can be compared; NaN where one lacks a number.
+    pub(super) fn add(&mut self, a: &Message<'_>, b: &Message<'_>) -> Option<Vec<f64>> {
         self.found.pairs += 1;
-        self.difference.clear();
-        self.difference.resize(a.numbers.len(), f64::NAN);
         if self.topic == EVENTS && events::NAME.of(a) != events::NAME.of(b) {
             // Events of two kinds have no numbers to compare.
             self.other_texts += 1;
             self.note_texts(a, b);
-            return;
+            return None;
         }
         let is_numbered = a.sequence == b.sequence || !self.has_sequences;
         let mut is_same = a.texts == b.texts && is_numbered;
         self.other_texts += u64::from(!is_same);
-        for field in &mut self.fields {
-            let (x, y) = (field.number.of(a), field.number.of(b));
-            self.difference[field.number.index()] = y - x;
-            if field.is_ignored {
-                continue;
-            }
-            let was_equal = field.tally.is_equal();
-            field.tally.add(a.time_ns, x, y);
+        for (number, tally) in &mut self.fields {
+            let (x, y) = (number.of(a), number.of(b));
+            let was_equal = tally.is_equal();
+            tally.add(a.time_ns, x, y);
             is_same &= x.to_bits() == y.to_bits();
-            if was_equal && !field.tally.is_equal() && self.found.first.is_none() {
+            if was_equal && !tally.is_equal() && self.found.first.is_none() {
                 self.found.first = Some(FirstDifference {
                     time: seconds(a.time_ns),
-                    field: field.number.path().to_owned(),
+                    field: number.path().to_owned(),
                     a: format!("{x:?}"),
                     b: format!("{y:?}"),
                 });
@@ -181,9 +164,11 @@ impl TopicTally {
         }
         self.found.identical += u64::from(is_same);
         for derived in &mut self.derived {
-            derived.add(a.time_ns, a.numbers, b.numbers);
+            derived.add(a, b);
         }
         self.note_texts(a, b);
+        let numbers = a.numbers.iter().zip(b.numbers);
+        Some(numbers.map(|(a, b)| b - a).collect())
     }
 
     /// Records the first texts that differ.
@@ -198,15 +183,9 @@ impl TopicTally {
         }
     }
 
-    /// B − A of the last pair; NaN where one lacks a number.
-    pub(super) fn difference(&self) -> &[f64] {
-        &self.difference
-    }
-
     /// Whether all pairs agree within the tolerances and in their texts.
     pub(super) fn is_equal(&self) -> bool {
-        let mut fields = self.fields.iter().filter(|field| !field.is_ignored);
-        self.other_texts == 0 && fields.all(|field| field.tally.is_equal())
+        self.other_texts == 0 && self.fields.iter().all(|(_, tally)| tally.is_equal())
     }
 
     /// Whether all messages are paired and bit-identical.
@@ -232,16 +211,14 @@ impl TopicTally {
     /// The largest difference of each field, with its name.
     pub(super) fn largest(&self) -> impl Iterator<Item = (String, f64)> + '_ {
         let fields = self.fields.iter();
-        fields.map(|field| (field.number.to_string(), field.tally.found.largest.abs()))
+        fields.map(|(number, tally)| (number.to_string(), tally.found.largest.abs()))
     }
 
     /// The comparison; `floor` returns the integration error of a field.
     pub(super) fn report(&self, floor: &impl Fn(&str) -> Option<f64>) -> ChannelDifference {
-        let own = self.fields.iter().filter(|field| !field.is_ignored);
-        let own = own.map(|field| {
-            let path = field.number.path();
-            let floor = floor(&full_name(self.topic.name(), path));
-            field.tally.report(path, field.number.unit(), floor)
+        let own = self.fields.iter().map(|(number, tally)| {
+            let floor = floor(&number.to_string());
+            tally.report(number.path(), number.unit(), floor)
         });
         ChannelDifference {
             fields: own

@@ -12,6 +12,8 @@ pub(super) struct Evidence {
     pub(super) scenario: Scenario,
     pub(super) history: RunHistory,
     pub(super) summary: RunSummary,
+    /// Parts that could not be read.
+    pub(super) losses: Vec<String>,
 }
 
 impl Evidence {

@@ -106,15 +106,13 @@ pub(super) fn energy(evidence: &Evidence) -> Vec<Fact> {
 
 /// The change of energy and its agreement with the work of friction.
 pub(super) fn balance(evidence: &Evidence) -> Vec<Fact> {
-    let summary = &evidence.summary;
-    let energies = &evidence.history.energies;
-    let known = (energies.first(), energies.last(), energies.until());
-    let (Some(first), Some(last), Some(time)) = known else {
+    let Some(energies) = evidence.history.energies else {
         return Vec::new();
     };
-    let within = summary.energy_imbalance.unwrap_or(0.0);
+    let (first, last, within) = (energies.first, energies.last, energies.imbalance);
     let change = (last - first).abs();
-    let impacts = summary.peg.as_ref().and_then(|peg| peg.impacts);
+    let peg = evidence.summary.peg.as_ref();
+    let impacts = peg.and_then(|peg| peg.impacts);
     let has_impacts = impacts.is_some_and(|count| count > 0);
     let conserves = evidence.scenario.is_frictionless() && !has_impacts;
     if conserves || change <= evidence.floor(first) {
@@ -127,5 +125,6 @@ pub(super) fn balance(evidence: &Evidence) -> Vec<Fact> {
         within,
         has_impacts,
     };
+    let time = energies.until;
     vec![Fact::Energy { first, last, time }, balance]
 }

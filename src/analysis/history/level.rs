@@ -14,39 +14,31 @@ use crate::telemetry::fields::{EVENTS, STATE, events, state};
 const SAME_LEVEL: f64 = 1e-9;
 
 /// Finds the first crossing of a level.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct FirstCrossing {
-    /// The level, rad; `None` to skip the search.
-    level: Option<f64>,
-    time: Option<f64>,
+    /// The level, rad.
+    pub(crate) level: f64,
+    /// The time of the crossing, s.
+    pub(crate) time: Option<f64>,
     /// The last sample: its time (s), θ, θ̇ and θ̈.
     last: Option<(f64, [f64; 3])>,
 }
 
 impl FirstCrossing {
     /// Looks for the first time at which θ falls to a level, rad.
-    pub(crate) fn of(level: Option<f64>) -> Self {
-        Self {
-            level,
-            ..Self::default()
-        }
-    }
-
-    /// The time of the crossing, s.
-    pub(crate) fn time(&self) -> Option<f64> {
-        self.time
+    pub(super) fn of(level: f64) -> Self {
+        let (time, last) = (None, None);
+        Self { level, time, last }
     }
 
     /// Adds a message: a state, or the end of the run at the level, after the last sample.
     pub(super) fn take(&mut self, message: &Message<'_>) {
-        let Some(level) = self.level.filter(|_| self.time.is_none()) else {
-            return;
-        };
         match message.topic() {
-            STATE => self.state(message, level),
+            _ if self.time.is_some() => {}
+            STATE => self.state(message),
             EVENTS => {
                 let is_rise = events::NAME.of(message) == EventKind::Risen.name();
-                let distance = (events::THETA.of(message) - level).abs();
+                let distance = (events::THETA.of(message) - self.level).abs();
                 if is_rise && distance <= SAME_LEVEL {
                     self.time = Some(events::TIME.of(message));
                 }
@@ -55,14 +47,14 @@ impl FirstCrossing {
         }
     }
 
-    fn state(&mut self, message: &Message<'_>, level: f64) {
+    fn state(&mut self, message: &Message<'_>) {
         let now = [state::THETA, state::THETA_DOT, state::THETA_DDOT].map(|f| f.of(message));
         if now.iter().any(|value| !value.is_finite()) {
             return;
         }
         let time = message.time_ns as f64 / 1e9;
         if let Some((before, last)) = self.last.replace((time, now)) {
-            let [from, to] = [last, now].map(|[theta, rate, acc]| [theta - level, rate, acc]);
+            let [from, to] = [last, now].map(|[theta, rate, acc]| [theta - self.level, rate, acc]);
             let part = first_zero(from, to, time - before);
             self.time = part.map(|part| before + part * (time - before));
         }

@@ -44,9 +44,11 @@ impl Interval {
 const FLYING: f64 = 2.0;
 
 /// The history of a free peg.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct PegHistory {
-    model: Model,
+    /// Distance of the centre of mass from the centre of the sphere, and its radius, m.
+    center_distance: f64,
+    peg_radius: f64,
     /// Changes of phase: the new one, when (s), and θ then (rad).
     changes: Vec<(PegPhase, f64, f64)>,
     flies_at_first: bool,
@@ -55,9 +57,10 @@ pub(crate) struct PegHistory {
     impacts: u64,
     /// The energy that these took, J.
     impact_loss: f64,
-    /// Height above the table in the highest sample, m; NaN if no sample is in the air.
+    /// Height above the table in the highest sample, m; 0 if no sample is in the air.
     highest: f64,
-    axial: f64,
+    /// The angular momentum about the symmetry axis in the last sample, kg m²/s.
+    axial: Option<f64>,
     /// Jellett's integral, kg m³/s.
     jellett: Option<Constancy>,
     /// The largest sum of the magnitudes of its terms, |l L_n| + |R L_z′|, kg m³/s, which may cancel.
@@ -71,35 +74,25 @@ pub(crate) struct PegHistory {
 impl PegHistory {
     pub(super) fn new(model: Model) -> Self {
         Self {
-            model,
-            changes: Vec::new(),
-            flies_at_first: false,
-            has_events: false,
-            impacts: 0,
-            impact_loss: 0.0,
-            highest: f64::NAN,
-            axial: f64::NAN,
-            jellett: None,
-            jellett_terms: 0.0,
-            lost: None,
-            travelled: None,
+            center_distance: model.top.center_distance,
+            peg_radius: model.top.peg_radius,
+            ..Self::default()
         }
     }
 
     /// Whether the centre of mass is below the centre of the sphere when the axis is upright.
     pub(crate) fn is_tippe(&self) -> bool {
-        self.model.top.center_distance < 0.0
+        self.center_distance < 0.0
     }
 
     pub(super) fn take(&mut self, message: &Message<'_>) {
         match message.topic() {
             CONTACT => self.contact(message),
-            MOMENTUM => self.axial = momentum::AXIAL.of(message),
+            MOMENTUM => self.axial = Some(momentum::AXIAL.of(message)),
             CENTER_OF_MASS => {
                 let vertical = center_of_mass::ANGULAR_MOMENTUM.of(message).z;
-                let top = &self.model.top;
-                let terms = [top.center_distance * self.axial, top.peg_radius * vertical];
-                let size = terms.iter().map(|term| term.abs()).sum();
+                let of_axis = self.center_distance * self.axial.unwrap_or(f64::NAN);
+                let size = of_axis.abs() + (self.peg_radius * vertical).abs();
                 self.jellett_terms = self.jellett_terms.max(size);
             }
             FREE_PEG => self.free_peg(message),
@@ -138,9 +131,7 @@ impl PegHistory {
     fn free_peg(&mut self, message: &Message<'_>) {
         let gap = free_peg::GAP.of(message);
         self.flies_at_first |= self.lost.is_none() && gap > 0.0;
-        if gap > 0.0 {
-            self.highest = self.highest.max(gap);
-        }
+        self.highest = self.highest.max(gap);
         Constancy::take(&mut self.jellett, free_peg::JELLETT.of(message));
         let lost = [
             free_peg::LOST_SLIDING,
@@ -162,10 +153,10 @@ impl PegHistory {
             PegPhase::Sliding
         };
         let starts = [(first, 0.0, f64::NAN)].into_iter();
-        let starts: Vec<_> = starts.chain(self.changes.iter().copied()).collect();
+        let starts = starts.chain(self.changes.iter().copied());
+        let ends = self.changes.iter().map(|change| change.1).chain([end]);
         let mut intervals: Vec<Interval> = Vec::new();
-        for (at, (phase, from, theta)) in starts.iter().copied().enumerate() {
-            let to = starts.get(at + 1).map_or(end, |next| next.1);
+        for ((phase, from, theta), to) in starts.zip(ends) {
             // A phase that begins and ends at the same time is not a real phase.
             if to <= from {
                 continue;
@@ -199,7 +190,7 @@ impl PegHistory {
                 .filter(|lost| lost.is_finite()),
             first_flight: of(PegPhase::Flying).next().map(|i| i.from),
             time_in_air: is_known.then(|| time_in(PegPhase::Flying)),
-            highest: Some(self.highest).filter(|height| !height.is_nan()),
+            highest: Some(self.highest).filter(|height| *height > 0.0),
             first_roll: of(PegPhase::Rolling).next().map(|i| i.from),
             time_rolling: is_known.then(|| time_in(PegPhase::Rolling)),
             rolls_to_end_from: last.map(|i| i.from),

@@ -10,13 +10,11 @@ use crate::archive::error::{NoScenario, RecordingError};
 use crate::archive::format::{
     END_RECORD, Entries, Form, RUN_RECORD, SCENARIO_ATTACHMENT, STOP_REASON, recorded_form,
 };
-use crate::run::scenario::{Scenario, hex};
+use crate::run::scenario::Scenario;
 use crate::run::simulation::StopReason;
 use crate::telemetry::encoding::{Encoding, FieldDifferences};
 use crate::telemetry::{Topic, Topics};
 use mcap::records::Record;
-use sha2::{Digest as _, Sha256};
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Maximum size of a scenario, bytes.
@@ -212,22 +210,6 @@ impl Recording {
     /// Whether it has a footer.
     pub fn is_closed(&self) -> bool {
         self.layout.is_ended
-    }
-
-    /// SHA-256 of the attachments by name, in file order; an error text for unreadable ones.
-    pub(crate) fn attachment_digests(&self) -> BTreeMap<String, Vec<String>> {
-        let mut digests: BTreeMap<String, Vec<String>> = BTreeMap::new();
-        for attachment in &self.layout.attachments {
-            let digest = self.attachment(&attachment.place).map_or_else(
-                |reason| reason,
-                |(head, data)| format!("{} {}", head.media_type, hex(&Sha256::digest(&data))),
-            );
-            digests
-                .entry(attachment.name.clone())
-                .or_default()
-                .push(digest);
-        }
-        digests
     }
 
     /// An attachment's head and data, if its checksum is right.

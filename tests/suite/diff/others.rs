@@ -89,13 +89,13 @@ fn files_of_others_are_compared_byte_by_byte() {
     );
     let report = compare(&b, &b, &ignoring("/y")).unwrap();
     assert_eq!(report.others.len(), 2);
-    let error = compare(&b, &b, &ignoring("/yy")).unwrap_err();
-    assert!(matches!(error, DiffError::UnknownField { .. }), "{error}");
-    let error = compare(&a, &b, &only("/z")).unwrap_err();
-    assert!(matches!(error, DiffError::UnknownTopic { .. }), "{error}");
+    let error = compare(&b, &b, &ignoring("/yy")).unwrap_err().to_string();
+    assert!(error.starts_with("no field matches"), "{error}");
+    let error = compare(&a, &b, &only("/z")).unwrap_err().to_string();
+    assert!(error.starts_with("topic /z can't be compared"), "{error}");
     let alone = foreign(&directory, "z.mcap", "{}", &[("/z", 0, "1")]);
-    let error = compare(&a, &alone, &quick()).unwrap_err();
-    assert!(matches!(error, DiffError::NoCommonTopics { .. }), "{error}");
+    let error = compare(&a, &alone, &quick()).unwrap_err().to_string();
+    assert!(error.starts_with("no common topics"), "{error}");
 }
 
 #[test]
@@ -114,8 +114,8 @@ fn recordings_of_other_software_are_compared() {
         compare(&a, &scenario, &quick()),
         compare(&scenario, &a, &quick()),
     ] {
-        let error = error.unwrap_err();
-        assert!(matches!(error, DiffError::Mixed { .. }), "{error}");
+        let error = error.unwrap_err().to_string();
+        assert!(error.contains("is not a toprise recording"), "{error}");
     }
 }
 
