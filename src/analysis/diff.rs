@@ -164,6 +164,7 @@ fn common_topics(
     options: &Options,
 ) -> Result<(Vec<String>, [Vec<String>; 2]), DiffError> {
     let divided = [(a, b), (b, a)].map(|(run, other)| {
+        let other: BTreeSet<_> = other.iter().collect();
         let mut topics = run.clone();
         topics.retain(|topic| !options.tolerances.ignores(topic));
         topics.into_iter().partition(|topic| other.contains(topic))

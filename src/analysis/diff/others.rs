@@ -49,7 +49,7 @@ impl TopicBytes {
 /// A message: its time (ns), the index of its topic, and its bytes.
 type Foreign = (u64, usize, Box<[u8]>);
 
-/// Compares topics that both files have; also returns the losses of A and B.
+/// Compares topics that both files have, which are sorted; also returns the losses of A and B.
 pub(super) fn compare(
     [a, b]: [&Recording; 2],
     topics: &[String],
@@ -90,7 +90,7 @@ pub(super) fn compare(
     (found, losses)
 }
 
-/// The messages of some topics in the order of time; `losses` takes what can't be read.
+/// The messages of some topics, which are sorted, in the order of time; `losses` takes what can't be read.
 fn messages<'r>(
     recording: &'r Recording,
     topics: &'r [String],
@@ -103,7 +103,7 @@ fn messages<'r>(
     let mut reader = recording.reader(selection).in_order_of_time();
     std::iter::from_fn(move || {
         if let Some(raw) = reader.next_undecoded() {
-            let topic = topics.iter().position(|name| *name == raw.channel.topic)?;
+            let topic = topics.binary_search(&raw.channel.topic).ok()?;
             return Some((raw.log_time, topic, raw.data.into()));
         }
         losses.extend(subject::losses(&reader));

@@ -255,9 +255,12 @@ impl<'o> Pairing<'o> {
             return Ok(());
         };
         let is_sampled = topic.info().is_sampled;
-        let key = |message: &Owned| match is_sampled {
-            true => message.time_ns,
-            false => u64::from(message.sequence),
+        let key = |message: &Owned| {
+            if is_sampled {
+                message.time_ns
+            } else {
+                u64::from(message.sequence)
+            }
         };
         loop {
             let order = match (a.front(), b.front()) {
