@@ -71,7 +71,7 @@ fn text(word: &Path) -> Result<String, InputError> {
     if !is_named_so && !is_mcap(word) {
         return read_file(word).map_err(|reason| InputError::Io { path, reason });
     }
-    let text = Recording::open(word).and_then(|recording| Ok(recording.scenario_text()?));
+    let text = Recording::open(word).and_then(|recording| recording.scenario_text());
     text.map_err(|reason| InputError::Recording { path, reason })
 }
 

@@ -30,5 +30,5 @@ pub use self::overview::{ChannelOverview, EventOverview, Overview};
 pub use self::reader::{Reader, Selection, Undecoded};
 pub use crate::archive::container::channels::{FileChannel, FileSchema};
 pub use crate::archive::container::loss::Loss;
-pub use crate::archive::error::{MessageError, NoScenario, RecordingError};
+pub use crate::archive::error::{MessageError, RecordingError};
 pub use crate::archive::format::Entries;

@@ -35,7 +35,7 @@ impl Simulation {
     /// Starts the run that `scenario` defines.
     ///
     /// # Errors
-    /// [`SimulationError::Integrate`] if the accelerations are not finite at the start.
+    /// [`SimulationError`] if the accelerations are not finite at the start.
     pub fn new(scenario: &Scenario) -> Result<Self, SimulationError> {
         type Free = Runner<FreeRotation, { FreeRotation::STATE_LENGTH }>;
         type Euler = Runner<EulerAngles, { EulerAngles::STATE_LENGTH }>;

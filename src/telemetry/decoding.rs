@@ -1,6 +1,7 @@
 //! Shared parts of the decoders: rows, errors, message structure.
 
 use super::channel::ChannelInfo;
+use std::fmt::Display;
 use thiserror::Error;
 
 /// A decoded message (reusable buffer).
@@ -33,39 +34,16 @@ impl Row {
     }
 }
 
-/// Error of decoding a channel or message of a file.
+/// Error of decoding a channel or message of a file, as a text.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum DecodeError {
-    /// An encoding that is neither JSON nor protobuf.
-    #[error("unknown message encoding {0:?}; json and protobuf can be read")]
-    Encoding(String),
+#[error("{0}")]
+pub struct DecodeError(pub(crate) String);
+
+impl DecodeError {
     /// The schema of the channel can't be read.
-    #[error("its schema can't be read: {0}")]
-    Schema(String),
-    /// The message is malformed.
-    #[error("not a {encoding} message: {reason}")]
-    Malformed {
-        /// The encoding.
-        encoding: &'static str,
-        /// The reason.
-        reason: String,
-    },
-    /// The message's timestamp differs from its log time.
-    #[error("its timestamp, {stamp_ns} ns, differs from its log time")]
-    Timestamp {
-        /// The timestamp, ns.
-        stamp_ns: u64,
-    },
-    /// The fields of the message don't match its schema.
-    #[error("it has {found} of the {expected} fields of its schema, and {unknown} unknown fields")]
-    Fields {
-        /// Fields of the schema that are present.
-        found: usize,
-        /// Fields of the schema.
-        expected: usize,
-        /// Fields that the schema doesn't have.
-        unknown: usize,
-    },
+    pub(super) fn of_schema(reason: impl Display) -> Self {
+        Self(format!("its schema can't be read: {reason}"))
+    }
 }
 
 /// Field differences between a channel of a file and the table (other version).
@@ -112,6 +90,17 @@ pub(super) enum Target<K> {
     Skipped,
 }
 
+impl<K> Target<K> {
+    /// That of the field at `path` in a channel's messages.
+    pub(super) fn of(channel: &ChannelInfo, path: &str) -> Self {
+        let text = || channel.texts.iter().position(|text| text.path == path);
+        match channel.number_index(path) {
+            Some(index) => Self::Number(index),
+            None => text().map_or(Self::Skipped, Self::Text),
+        }
+    }
+}
+
 impl<K> Object<K> {
     /// The position of the member whose key satisfies `is`; `next` is tried first.
     #[inline]
@@ -144,6 +133,6 @@ impl Paths {
             return Ok(());
         }
         let reason = format!("its field paths exceed {MAX_PATHS_LENGTH} bytes");
-        Err(DecodeError::Schema(reason))
+        Err(DecodeError::of_schema(reason))
     }
 }

@@ -99,7 +99,7 @@ impl Decoder {
     /// schema data.
     ///
     /// # Errors
-    /// [`DecodeError::Encoding`] or [`DecodeError::Schema`].
+    /// [`DecodeError`] if the encoding is unknown, or the schema can't be read.
     pub fn new(
         channel: &'static ChannelInfo,
         encoding: &str,
@@ -108,7 +108,7 @@ impl Decoder {
     ) -> Result<Self, DecodeError> {
         if schema.len() > MAX_SCHEMA_LENGTH {
             let reason = format!("longer than {MAX_SCHEMA_LENGTH} bytes");
-            return Err(DecodeError::Schema(reason));
+            return Err(DecodeError::of_schema(reason));
         }
         let found = Encoding::find(encoding);
         let (format, present) = match found {
@@ -120,7 +120,11 @@ impl Decoder {
                 let (decoder, present) = ProtobufDecoder::new(channel, schema_name, schema)?;
                 (Format::Protobuf(decoder), present)
             }
-            None => return Err(DecodeError::Encoding(encoding.to_owned())),
+            None => {
+                return Err(DecodeError(format!(
+                    "unknown message encoding {encoding:?}; json and protobuf can be read"
+                )));
+            }
         };
         Ok(Self {
             channel,

@@ -20,12 +20,6 @@ impl NumberField {
         Self { topic, index, plot }
     }
 
-    /// The number at `path` of the channel `topic`, for names known only at run time.
-    pub fn find(topic: &str, path: &str) -> Option<Self> {
-        let mut numbers = Topic::find(topic)?.numbers();
-        numbers.find(|number| number.path() == path)
-    }
-
     /// Its channel.
     pub const fn topic(self) -> Topic {
         self.topic
@@ -146,11 +140,6 @@ impl RotationField {
         [first, part(first, 1), part(first, 2), part(first, 3)]
     }
 
-    /// Its channel.
-    pub const fn topic(self) -> Topic {
-        self.0.topic
-    }
-
     /// Its value in a message, as recorded; NaN if it is missing.
     #[inline]
     pub fn of(self, rows: &impl Numbers) -> Quaternion<f64> {
@@ -170,21 +159,6 @@ impl TextField {
     /// The text with this index in the messages of a channel.
     pub(super) const fn new(topic: Topic, index: usize, _: &'static str) -> Self {
         Self { topic, index }
-    }
-
-    /// Its channel.
-    pub const fn topic(self) -> Topic {
-        self.topic
-    }
-
-    /// Its index in [`Message::texts`].
-    pub const fn index(self) -> usize {
-        self.index
-    }
-
-    /// Its path in a message.
-    pub fn path(self) -> &'static str {
-        &self.topic.info().texts[self.index].path
     }
 
     /// Its value in a message; empty if it is missing.

@@ -10,22 +10,10 @@ use crate::physics::dynamics::Support;
 use crate::run::simulation::Record;
 use thiserror::Error;
 
-/// Error of converting a record to messages.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum TelemetryError {
-    /// A quantity is infinite or not a number.
-    #[error("{topic} {field} is {value} at t = {} s: only finite numbers are recorded", *time_ns as f64 / 1e9)]
-    NonFinite {
-        /// Its channel.
-        topic: &'static str,
-        /// Its field.
-        field: String,
-        /// Its value.
-        value: f64,
-        /// Simulation time, ns.
-        time_ns: u64,
-    },
-}
+/// Error of converting a record to messages: a quantity is infinite or not a number.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{0}: only finite numbers are recorded")]
+pub struct TelemetryError(String);
 
 /// Converts the records of a run to messages.
 #[derive(Debug)]
@@ -38,34 +26,29 @@ pub struct Telemetry {
 impl Default for Telemetry {
     /// With all topics.
     fn default() -> Self {
-        Self {
-            wanted: vec![true; channels().len()],
-            numbers: Vec::new(),
-            texts: Vec::new(),
-        }
+        Self::with_topics(&Topics::All)
     }
 }
 
 impl Telemetry {
     /// With some topics.
     pub fn with_topics(topics: &Topics) -> Self {
-        let wanted: Vec<_> = Topic::all().map(|topic| topics.include(&topic)).collect();
         Self {
-            wanted,
-            ..Self::default()
+            wanted: Topic::all().map(|topic| topics.include(&topic)).collect(),
+            numbers: Vec::new(),
+            texts: Vec::new(),
         }
     }
 
     /// The recorded topics for this support, in table order.
     pub fn topics(&self, support: Support) -> Topics {
-        if Topic::all_with(support).all(|topic| self.is_enabled(topic)) {
-            return Topics::All;
+        let all = Topic::all_with(support);
+        let (recorded, others): (Vec<_>, Vec<_>) = all.partition(|topic| self.is_enabled(*topic));
+        if others.is_empty() {
+            Topics::All
+        } else {
+            Topics::Only(recorded)
         }
-        Topics::Only(
-            Topic::all_with(support)
-                .filter(|topic| self.is_enabled(*topic))
-                .collect(),
-        )
     }
 
     /// Whether messages of this topic are produced.
@@ -76,7 +59,7 @@ impl Telemetry {
     /// Passes the messages of a record to `emit`, in table order.
     ///
     /// # Errors
-    /// [`TelemetryError::NonFinite`], or the first error of `emit`.
+    /// [`TelemetryError`], or the first error of `emit`.
     pub fn messages<E: From<TelemetryError>>(
         &mut self,
         record: &Record,
@@ -126,13 +109,11 @@ impl Telemetry {
             }
         }
         if let Some(wrong) = self.numbers.iter().position(|number| !number.is_finite()) {
-            let leaf = channels()[channel].numbers.get(wrong);
-            return Err(E::from(TelemetryError::NonFinite {
-                topic: row.topic,
-                field: leaf.map(|leaf| leaf.path.clone()).unwrap_or_default(),
-                value: self.numbers[wrong],
-                time_ns,
-            }));
+            let (topic, value) = (row.topic, self.numbers[wrong]);
+            let field = &channels()[channel].numbers[wrong].path;
+            let time = time_ns as f64 / 1e9;
+            let text = format!("{topic} {field} is {value} at t = {time} s");
+            return Err(E::from(TelemetryError(text)));
         }
         emit(&Message {
             channel,

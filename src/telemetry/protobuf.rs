@@ -285,10 +285,9 @@ impl ProtobufDecoder {
         name: &str,
         schema: &[u8],
     ) -> Result<(Self, Vec<String>), DecodeError> {
-        let set =
-            FileDescriptorSet::decode(schema).map_err(|e| DecodeError::Schema(e.to_string()))?;
+        let set = FileDescriptorSet::decode(schema).map_err(DecodeError::of_schema)?;
         let root = find_message(&set, name)
-            .ok_or_else(|| DecodeError::Schema(format!("it has no message {name}")))?;
+            .ok_or_else(|| DecodeError::of_schema(format!("it has no message {name}")))?;
         let mut builder = Builder {
             set: &set,
             channel,
@@ -305,10 +304,7 @@ impl ProtobufDecoder {
             row.numbers[*number] = 0.0;
         }
         let filled = self.message.fill(data, row);
-        filled.map_err(|reason| DecodeError::Malformed {
-            encoding: "protobuf",
-            reason,
-        })
+        filled.map_err(|reason| DecodeError(format!("not a protobuf message: {reason}")))
     }
 }
 
@@ -359,21 +355,17 @@ impl Builder<'_> {
                 return Ok(Target::Object(object));
             }
         }
-        let number = self.channel.number_index(&path);
-        let text = self.channel.texts.iter().position(|text| text.path == path);
-        let (target, path) = match (field.r#type(), number, text) {
-            (Type::Double, Some(index), _) => {
-                self.present.push(index);
-                (Target::Number(index), path)
-            }
-            (Type::String, _, Some(index)) => (Target::Text(index), path),
-            (_, None, None) => (Target::Skipped, path),
+        let target = Target::of(self.channel, &path);
+        match (field.r#type(), &target) {
+            (Type::Double, Target::Number(index)) => self.present.push(*index),
+            (Type::String, Target::Text(_)) | (_, Target::Skipped) => {}
             // A field of the table with another type counts as unknown.
-            (kind, ..) => {
+            (kind, _) => {
                 let path = format!("{path} (as {})", kind.as_str_name());
-                (Target::Skipped, path)
+                self.paths.leaves.push(path);
+                return Ok(Target::Skipped);
             }
-        };
+        }
         self.paths.leaves.push(path);
         Ok(target)
     }

@@ -84,18 +84,15 @@ fn timestamp() -> Value {
 }
 
 fn object(title: Option<&str>, description: &str, properties: Map<String, Value>) -> Value {
-    let required: Vec<_> = properties.keys().cloned().collect();
-    let mut schema = Map::new();
+    let mut schema = json!({});
     if let Some(title) = title {
-        schema.insert(
-            "$schema".to_owned(),
-            json!("https://json-schema.org/draft/2020-12/schema"),
-        );
-        schema.insert("title".to_owned(), json!(title));
+        schema["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
+        schema["title"] = json!(title);
     }
-    schema.insert("description".to_owned(), json!(description));
-    schema.insert("type".to_owned(), json!("object"));
-    schema.insert("properties".to_owned(), Value::Object(properties));
-    schema.insert("required".to_owned(), json!(required));
-    Value::Object(schema)
+    schema["description"] = json!(description);
+    schema["type"] = json!("object");
+    let required = properties.keys().cloned().collect();
+    schema["properties"] = Value::Object(properties);
+    schema["required"] = required;
+    schema
 }

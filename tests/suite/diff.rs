@@ -26,7 +26,7 @@ use toprise::archive::writer::Form;
 use toprise::run::scenario::{Scenario, Values};
 use toprise::run::simulation::{EventKind, Sample};
 use toprise::telemetry::encoding::Encoding;
-use toprise::telemetry::fields::{EVENTS, NUTATION, NumberField, nutation};
+use toprise::telemetry::fields::{EVENTS, NUTATION, nutation, torque};
 use toprise::telemetry::{Message, Telemetry};
 
 fn quick() -> Options {
@@ -246,7 +246,7 @@ fn one_ulp_in_one_number_is_named() {
     let directory = tempdir().unwrap();
     let scenario = short(&[]);
     let a = recorded(&directory, "a.mcap", &scenario, Encoding::Json);
-    let changed = NumberField::find("/top/torque", "friction_body.y").unwrap();
+    let changed = torque::FRICTION_BODY.y();
     let mut values = [0.0; 2];
     let b = rewritten(&directory, "b.mcap", &scenario, |message| {
         if message.channel == changed.topic().index() && message.time_ns == 123_000_000 {

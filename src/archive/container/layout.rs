@@ -50,7 +50,9 @@ impl Layout {
         let mut magic = Vec::new();
         source.read(0, MAGIC.len() as u64, &mut magic)?;
         if magic != MAGIC {
-            return Err(RecordingError::NotMcap);
+            return Err(RecordingError::because(
+                "not an MCAP file (wrong magic bytes)",
+            ));
         }
         let mut layout = Self::default();
         let mut scanner = Scanner::new(source);

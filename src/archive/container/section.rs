@@ -2,10 +2,8 @@
 
 use super::record::{HEAD, RecordSpan, head, parse};
 use super::source::Source;
-use mcap::McapError;
 use mcap::records::{ChunkHeader, Record, op};
 use std::io::{self, Read};
-use thiserror::Error;
 
 /// Maximum chunk size; larger chunks are treated as damage.
 const LARGEST_CHUNK: u64 = 1 << 28;
@@ -24,29 +22,6 @@ pub(crate) struct Section {
     pub(crate) is_chunk: bool,
     /// The times of its first and last message, ns; unknown outside of chunks.
     pub(crate) span: Option<(u64, u64)>,
-}
-
-/// The reason why a section can't be read.
-#[derive(Debug, Error)]
-pub(crate) enum SectionError {
-    #[error(transparent)]
-    Io(#[from] io::Error),
-    #[error("truncated")]
-    Cut,
-    #[error("unreadable header: {0}")]
-    Head(#[from] McapError),
-    #[error("larger than {LARGEST_CHUNK} bytes")]
-    TooLarge,
-    #[error("unsupported compression {0:?} (supported: zstd, lz4, none)")]
-    Compression(String),
-    #[error("decompression failed: {0}")]
-    Decompress(io::Error),
-    #[error("invalid record at byte {0} of the chunk")]
-    NoRecord(usize),
-    #[error("length {found} bytes, expected {expected}")]
-    Size { expected: u64, found: u64 },
-    #[error("checksum {found:08x}, expected {expected:08x}")]
-    Checksum { expected: u32, found: u32 },
 }
 
 /// Reusable buffers of a section.
@@ -75,33 +50,38 @@ impl Section {
     }
 
     /// Reads, decompresses and checks the section.
-    pub(crate) fn load(&self, source: &Source, buffers: &mut Buffers) -> Result<(), SectionError> {
-        if self.length > LARGEST_CHUNK {
-            return Err(SectionError::TooLarge);
-        }
+    pub(crate) fn load(&self, source: &Source, buffers: &mut Buffers) -> io::Result<()> {
+        check_size(self.length)?;
         if !self.is_chunk {
             source.read(self.offset, self.length, &mut buffers.records)?;
             let is_whole = buffers.records.len() as u64 == self.length;
-            return is_whole.then_some(()).ok_or(SectionError::Cut);
+            return is_whole.then_some(()).ok_or_else(cut);
         }
         source.read(self.offset, self.length, &mut buffers.raw)?;
-        let body = buffers.raw.get(HEAD as usize..).ok_or(SectionError::Cut)?;
-        match parse(op::CHUNK, body)? {
-            Record::Chunk { header, data } => decompress(&header, &data, &mut buffers.records),
-            _ => Err(SectionError::Cut),
+        let body = buffers.raw.get(HEAD as usize..).ok_or_else(cut)?;
+        match parse(op::CHUNK, body) {
+            Ok(Record::Chunk { header, data }) => decompress(&header, &data, &mut buffers.records),
+            Ok(_) => Err(cut()),
+            Err(error) => Err(io::Error::other(format!("unreadable header: {error}"))),
         }
     }
 }
 
-fn decompress(
-    header: &ChunkHeader,
-    data: &[u8],
-    records: &mut Vec<u8>,
-) -> Result<(), SectionError> {
-    let size = header.uncompressed_size;
-    if size > LARGEST_CHUNK {
-        return Err(SectionError::TooLarge);
+fn cut() -> io::Error {
+    io::Error::other("truncated")
+}
+
+fn check_size(length: u64) -> io::Result<()> {
+    if length > LARGEST_CHUNK {
+        let reason = format!("larger than {LARGEST_CHUNK} bytes");
+        return Err(io::Error::other(reason));
     }
+    Ok(())
+}
+
+fn decompress(header: &ChunkHeader, data: &[u8], records: &mut Vec<u8>) -> io::Result<()> {
+    let size = header.uncompressed_size;
+    check_size(size)?;
     match header.compression.as_str() {
         "" => read_pieces(data, size, records)?,
         "zstd" => {
@@ -110,26 +90,28 @@ fn decompress(
             read_pieces(decoder, size, records)?;
         }
         "lz4" => read_pieces(lz4_flex::frame::FrameDecoder::new(data), size, records)?,
-        other => return Err(SectionError::Compression(other.to_owned())),
+        other => {
+            let reason = format!("unsupported compression {other:?} (supported: zstd, lz4, none)");
+            return Err(io::Error::other(reason));
+        }
     }
     let found = records.len() as u64;
     if found != size {
-        return Err(SectionError::Size {
-            expected: size,
-            found,
-        });
+        let reason = format!("length {found} bytes, expected {size}");
+        return Err(io::Error::other(reason));
     }
     // Zero means that no checksum was computed.
     let found = crc32fast::hash(records);
     let expected = header.uncompressed_crc;
     if expected != 0 && found != expected {
-        return Err(SectionError::Checksum { expected, found });
+        let reason = format!("checksum {found:08x}, expected {expected:08x}");
+        return Err(io::Error::other(reason));
     }
     Ok(())
 }
 
 /// Decompresses in pieces up to the maximum chunk size (decompression bombs).
-fn read_pieces(decoder: impl Read, size: u64, records: &mut Vec<u8>) -> Result<(), SectionError> {
+fn read_pieces(decoder: impl Read, size: u64, records: &mut Vec<u8>) -> io::Result<()> {
     records.clear();
     // One extra byte to detect excess data.
     let mut decoder = decoder.take(size + 1);
@@ -137,12 +119,15 @@ fn read_pieces(decoder: impl Read, size: u64, records: &mut Vec<u8>) -> Result<(
     loop {
         let mut piece = decoder.by_ref().take(PIECE);
         let read = piece.read_to_end(records);
-        if (read.map_err(SectionError::Decompress)? as u64) < PIECE {
+        let read =
+            read.map_err(|error| io::Error::other(format!("decompression failed: {error}")))?;
+        if (read as u64) < PIECE {
             return Ok(());
         }
         while let Some((opcode, length)) = records.get(next..).and_then(head) {
             if !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE | 0x80..) {
-                return Err(SectionError::NoRecord(next));
+                let reason = format!("invalid record at byte {next} of the chunk");
+                return Err(io::Error::other(reason));
             }
             let length = usize::try_from(HEAD + length).unwrap_or(usize::MAX);
             next = next.saturating_add(length);

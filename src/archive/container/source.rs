@@ -18,16 +18,20 @@ impl Source {
     pub(crate) fn open(path: &Path) -> Result<Self, RecordingError> {
         let metadata = path.metadata()?;
         if metadata.is_dir() {
-            return Err(RecordingError::Directory);
+            return Err(RecordingError::because(
+                "it is a directory, not an MCAP file",
+            ));
         }
         // Opening a pipe without a writer would block.
         if !metadata.is_file() {
-            return Err(RecordingError::NoFile);
+            return Err(RecordingError::because(
+                "it is a pipe or device, not an MCAP file",
+            ));
         }
         let file = File::open(path)?;
         let length = file.metadata()?.len();
         if length == 0 {
-            return Err(RecordingError::Empty);
+            return Err(RecordingError::because("the file is empty"));
         }
         Ok(Self { file, length })
     }

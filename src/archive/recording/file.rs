@@ -6,7 +6,7 @@ use crate::archive::container::layout::Layout;
 use crate::archive::container::loss::Loss;
 use crate::archive::container::record::{HEAD, RecordSpan, parse};
 use crate::archive::container::source::Source;
-use crate::archive::error::{NoScenario, RecordingError};
+use crate::archive::error::RecordingError;
 use crate::archive::format::{
     END_RECORD, Entries, Form, RUN_RECORD, SCENARIO_ATTACHMENT, STOP_REASON, recorded_form,
 };
@@ -49,7 +49,9 @@ impl Recording {
         if let Some((_, twice)) = twice
             && recording.condition() != Condition::Foreign
         {
-            return Err(RecordingError::TwoChannels(twice.to_string()));
+            return Err(RecordingError::because(format!(
+                "it has two channels named {twice}, which is ambiguous"
+            )));
         }
         Ok(recording)
     }
@@ -184,12 +186,14 @@ impl Recording {
     /// Its scenario as the text that was attached.
     ///
     /// # Errors
-    /// [`NoScenario`] if it has none, or it is damaged.
-    pub fn scenario_text(&self) -> Result<String, NoScenario> {
+    /// [`RecordingError`] if it has none, or it is damaged.
+    pub fn scenario_text(&self) -> Result<String, RecordingError> {
         let attached = self.layout.attachments.iter();
         let mut attached = attached.filter(|attachment| attachment.name == SCENARIO_ATTACHMENT);
-        let place = &attached.next().ok_or(NoScenario::Missing)?.place;
-        let damaged = |reason: String| NoScenario::Damaged(reason);
+        let missing = || RecordingError::because("it has no scenario attached");
+        let place = &attached.next().ok_or_else(missing)?.place;
+        let damaged =
+            |reason: String| RecordingError::because(format!("its scenario is damaged: {reason}"));
         if place.length > LONGEST_SCENARIO {
             return Err(damaged(format!(
                 "it is longer than {LONGEST_SCENARIO} bytes"
@@ -202,9 +206,11 @@ impl Recording {
     /// Its scenario.
     ///
     /// # Errors
-    /// [`NoScenario`] if it has none, or it can't be used.
-    pub fn scenario(&self) -> Result<Scenario, NoScenario> {
-        Ok(Scenario::from_toml(&self.scenario_text()?)?)
+    /// [`RecordingError`] if it has none, or it can't be used.
+    pub fn scenario(&self) -> Result<Scenario, RecordingError> {
+        Scenario::from_toml(&self.scenario_text()?).map_err(|error| {
+            RecordingError::because(format!("its scenario can't be used: {error}"))
+        })
     }
 
     /// Whether it has a footer.

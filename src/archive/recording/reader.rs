@@ -237,24 +237,28 @@ impl<'r> Reader<'r> {
             return None;
         };
         let (sequence, time_ns) = (at.head.sequence, at.head.log_time);
-        let decoded = match decoder {
+        let mut decoded = match decoder {
             Ok(decoder) => decoder.decode(at.raw(&self.records).data, &mut self.row),
             Err(error) => Err(error.clone()),
         };
-        let stamp_ns = self.row.time_ns;
+        let stamp = self.row.time_ns;
+        if decoded.is_ok() && stamp != time_ns {
+            let reason = format!("its timestamp, {stamp} ns, differs from its log time");
+            decoded = Err(DecodeError(reason));
+        }
         Some(match decoded {
-            Ok(()) if stamp_ns == time_ns => Ok(Message {
+            Ok(()) => Ok(Message {
                 channel: topic.index(),
                 sequence,
                 time_ns,
                 numbers: &self.row.numbers,
                 texts: &self.row.texts,
             }),
-            decoded => Err(MessageError {
+            Err(reason) => Err(MessageError {
                 topic: topic.name(),
                 sequence,
                 time_ns,
-                reason: decoded.err().unwrap_or(DecodeError::Timestamp { stamp_ns }),
+                reason,
             }),
         })
     }

@@ -359,8 +359,12 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         row: &Row<M>,
         k: &[[f64; N]; K],
     ) -> [f64; N] {
-        let y = advance(y, h, &combine(S::CONTROLLED, row, k));
-        self.system.derivative(t + node * h, &y)
+        let slope = combine(S::CONTROLLED, row, k);
+        let mut state = [0.0; N];
+        for i in 0..S::CONTROLLED {
+            state[i] = y[i] + h * slope[i];
+        }
+        self.system.derivative(t + node * h, &state)
     }
 
     /// The stages of a step with those that only the dense output needs.

@@ -2,7 +2,7 @@
 
 use super::key::{Key, Kind};
 use super::keys::KEYS;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 /// The name of the schema in `schemas/`.
 pub const SCHEMA_FILE: &str = "scenario.json";
@@ -10,34 +10,25 @@ pub const SCHEMA_FILE: &str = "scenario.json";
 /// The JSON Schema of a scenario file. It checks keys individually; dependencies between keys are checked by
 /// [`Scenario::new`](super::Scenario::new).
 pub fn schema() -> String {
-    // Top-level keys are in a section without a name.
-    let mut sections: Vec<(&str, Map<String, Value>)> = Vec::new();
+    let mut schema = object();
     for key in KEYS {
-        let (section, name) = key.path.split_once('.').unwrap_or(("", key.path));
-        if sections.last().is_none_or(|(last, _)| *last != section) {
-            sections.push((section, Map::new()));
-        }
-        if let Some((_, properties)) = sections.last_mut() {
-            properties.insert(name.to_owned(), of_key(key));
-        }
-    }
-    let mut properties = Map::new();
-    for (section, keys) in sections {
-        match section {
-            "" => properties.extend(keys),
-            section => {
-                properties.insert(section.to_owned(), object(&keys));
+        let mut place = &mut schema["properties"];
+        let mut name = key.path;
+        if let Some((section, inner)) = key.path.split_once('.') {
+            if place.get(section).is_none() {
+                place[section] = object();
             }
+            (place, name) = (&mut place[section]["properties"], inner);
         }
+        place[name] = of_key(key);
     }
-    let mut schema = object(&properties);
     schema["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
     schema["title"] = json!("toprise scenario");
     format!("{schema:#}\n")
 }
 
-fn object(properties: &Map<String, Value>) -> Value {
-    json!({ "type": "object", "properties": properties, "additionalProperties": false })
+fn object() -> Value {
+    json!({ "type": "object", "properties": {}, "additionalProperties": false })
 }
 
 fn of_key(key: &Key) -> Value {

@@ -48,25 +48,23 @@ impl Values {
     /// # Errors
     /// An unknown key, a value of the wrong type or out of range.
     pub fn set(&mut self, path: &str, text: &str) -> Result<(), ScenarioError> {
+        let key = find_key(path)?;
         if text.is_empty() {
-            self.0.remove(find_key(path)?.path);
+            self.0.remove(key.path);
             return Ok(());
         }
-        let is_text = find_key(path)?.kind.is_text();
         let value = match format!("value = {text}").parse::<toml::Table>() {
             Ok(mut table) if table.len() == 1 => table.remove("value"),
             _ => None,
         };
-        let value = value
-            .filter(|value| !is_text || value.is_str())
+        let value = match value {
+            Some(value) if value.is_str() || !key.kind.is_text() => value,
+            _ if key.kind.is_text() => toml::Value::from(text),
             // Accept numbers such as `.5` and `1.`, which are not valid TOML.
-            .or_else(|| {
-                text.parse()
-                    .ok()
-                    .filter(|_| !is_text)
-                    .map(toml::Value::Float)
-            })
-            .unwrap_or_else(|| toml::Value::from(text));
+            _ => text
+                .parse()
+                .map_or_else(|_| toml::Value::from(text), toml::Value::Float),
+        };
         self.set_value(path, value)
     }
 

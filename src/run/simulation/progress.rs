@@ -31,7 +31,10 @@ impl Progress {
             return Ok(());
         }
         if time - *since < STALLED_TIME {
-            return Err(SimulationError::Stalled { time });
+            return Err(SimulationError(format!(
+                "the simulation stalled at t = {time:?} s: a discontinuous torque changes sign in every step (drilling \
+                 against a top that has stopped turning, or a law that is too steep)"
+            )));
         }
         self.steps = (0, time);
         Ok(())
@@ -48,7 +51,10 @@ impl Progress {
         if *phases < CHATTER_PHASES {
             Ok(*phases)
         } else {
-            Err(SimulationError::Chatters { time })
+            Err(SimulationError(format!(
+                "the simulation stalled at t = {time:?} s: endless lift-offs and landings (tolerances below 1e-9, \
+                 integrator.absolute_tolerance and integrator.relative_tolerance, may resolve them)"
+            )))
         }
     }
 }

@@ -33,36 +33,15 @@ impl Record {
     }
 }
 
-/// Error of a simulation.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-pub enum SimulationError {
-    /// The integration failed.
-    #[error("the motion can't be integrated further: {0}")]
-    Integrate(#[from] IntegrateError),
-    /// An impact can't be computed.
-    #[error("the impact at t = {time:?} s can't be computed: the friction law is too steep")]
-    Impact {
-        /// Time, s.
-        time: f64,
-    },
-    /// The run stalled: steps became too short.
-    #[error(
-        "the simulation stalled at t = {time:?} s: a discontinuous torque changes sign in every step (drilling against \
-             a top that has stopped turning, or a law that is too steep)"
-    )]
-    Stalled {
-        /// Time, s.
-        time: f64,
-    },
-    /// The run stalled: phases became too short.
-    #[error(
-        "the simulation stalled at t = {time:?} s: endless lift-offs and landings \
-             (tolerances below 1e-9, integrator.absolute_tolerance and integrator.relative_tolerance, may resolve them)"
-    )]
-    Chatters {
-        /// Time, s.
-        time: f64,
-    },
+/// Error of a simulation, as a text.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{0}")]
+pub struct SimulationError(pub(super) String);
+
+impl From<IntegrateError> for SimulationError {
+    fn from(error: IntegrateError) -> Self {
+        Self(format!("the motion can't be integrated further: {error}"))
+    }
 }
 
 /// End of a run, and counts.

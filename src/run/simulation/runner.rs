@@ -281,9 +281,12 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         }
         self.nutation.record_rates(time, &motion);
         let system = *self.integrator.system();
-        let entry = system
-            .enter(guard, state, self.reference)
-            .map_err(|_| SimulationError::Impact { time })?;
+        let entered = system.enter(guard, state, self.reference);
+        let entry = entered.map_err(|_| {
+            SimulationError(format!(
+                "the impact at t = {time:?} s can't be computed: the friction law is too steep"
+            ))
+        })?;
         let at = time + entry.delay;
         self.queue_entry_events(&entry, system.phase(), at);
         let sticks = entry.formulation.phase() == Phase::Sticking;
