@@ -232,10 +232,7 @@ fn replay(
     let mut tables = Tables::default();
     let ended = Subject::Recording(recording).read(topics, &mut |message, _| {
         tables.columns[message.channel].push(message);
-        if interrupt.is_asked() {
-            return ControlFlow::Break(());
-        }
-        ControlFlow::Continue(())
+        !interrupt.is_asked()
     });
     let mut losses = Vec::new();
     if recording.condition() != Condition::Whole {

@@ -34,7 +34,6 @@ use crate::telemetry::fields::{ACCELERATION, ENERGY, EVENTS, STATE};
 use crate::telemetry::{Topic, Topics};
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::ops::ControlFlow;
 use thiserror::Error;
 
 /// The topics that an explanation needs.
@@ -144,11 +143,7 @@ fn gather(subject: Subject<'_>, carry_on: &dyn Fn() -> bool) -> Result<Evidence,
     let mut history = RunHistory::new(Some(scenario.model), None);
     let ended = subject.read(&Topics::All, &mut |message, _| {
         history.take(message);
-        if carry_on() {
-            ControlFlow::Continue(())
-        } else {
-            ControlFlow::Break(())
-        }
+        carry_on()
     });
     if !carry_on() {
         return refused("interrupted".to_owned());

@@ -6,7 +6,6 @@ use crate::archive::sink::RecordError;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::Simulation;
 use crate::telemetry::{Message, Telemetry, Topic, Topics};
-use std::ops::ControlFlow;
 
 /// A run to be analysed.
 #[derive(Clone, Copy, Debug)]
@@ -40,12 +39,8 @@ pub struct Ended {
 
 impl Subject<'_> {
     /// Calls `take` with the messages of some topics in time order, and the number of bytes read since the last call,
-    /// until `take` breaks.
-    pub fn read(
-        self,
-        topics: &Topics,
-        take: &mut dyn FnMut(&Message<'_>, u64) -> ControlFlow<()>,
-    ) -> Ended {
+    /// as long as `take` returns true.
+    pub fn read(self, topics: &Topics, take: &mut dyn FnMut(&Message<'_>, u64) -> bool) -> Ended {
         match self {
             Self::Scenario(scenario) => simulate(scenario, topics, take),
             Self::Recording(recording) => read(recording, topics, take),
@@ -113,7 +108,7 @@ impl Subject<'_> {
 fn read(
     recording: &Recording,
     topics: &Topics,
-    take: &mut dyn FnMut(&Message<'_>, u64) -> ControlFlow<()>,
+    take: &mut dyn FnMut(&Message<'_>, u64) -> bool,
 ) -> Ended {
     let names = |topics: &[Topic]| topics.iter().map(ToString::to_string).collect();
     let topics = match topics {
@@ -131,7 +126,7 @@ fn read(
         let bytes = reader.progress();
         match reader.next() {
             Some(Ok(message)) => {
-                if take(&message, bytes).is_break() {
+                if !take(&message, bytes) {
                     break;
                 }
             }
@@ -162,7 +157,7 @@ pub(super) fn losses(reader: &Reader<'_>) -> Vec<String> {
 fn simulate(
     scenario: &Scenario,
     topics: &Topics,
-    take: &mut dyn FnMut(&Message<'_>, u64) -> ControlFlow<()>,
+    take: &mut dyn FnMut(&Message<'_>, u64) -> bool,
 ) -> Ended {
     let mut simulation = match Simulation::new(scenario) {
         Ok(simulation) => simulation,
@@ -173,15 +168,11 @@ fn simulate(
     };
     let mut telemetry = Telemetry::with_topics(topics);
     let mut losses = Vec::new();
-    let mut flow = ControlFlow::Continue(());
-    while flow.is_continue()
-        && let Some(record) = simulation.next()
-    {
+    let mut goes_on = true;
+    while goes_on && let Some(record) = simulation.next() {
         let sent = record.map_err(RecordError::from).and_then(|record| {
             telemetry.messages(&record, |message| {
-                if flow.is_continue() {
-                    flow = take(message, 0);
-                }
+                goes_on = goes_on && take(message, 0);
                 Ok::<_, RecordError>(())
             })
         });

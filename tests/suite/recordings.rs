@@ -6,7 +6,6 @@ use serde_json::json;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use toprise::analysis::subject::Subject;
@@ -125,7 +124,7 @@ fn topics_mean_the_same_for_scenarios_and_recordings() {
             let mut seen = BTreeSet::new();
             subject.read(&topics, &mut |message, _| {
                 seen.insert(message.topic());
-                ControlFlow::Continue(())
+                true
             });
             seen
         };

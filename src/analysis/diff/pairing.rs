@@ -20,7 +20,6 @@ use crate::telemetry::side::Side;
 use crate::telemetry::{Message, Topic, Topics};
 use std::cmp::Ordering;
 use std::collections::{BTreeSet, VecDeque};
-use std::ops::ControlFlow;
 use std::sync::mpsc::Receiver;
 #[cfg(target_family = "wasm")]
 use std::sync::mpsc::channel;
@@ -118,14 +117,10 @@ fn read(run: Subject<'_>, send: &dyn Fn(Parcel) -> bool) {
         batch.push(Owned::from(message));
         bytes += more;
         if batch.len() < BATCH {
-            return ControlFlow::Continue(());
+            return true;
         }
         let full = std::mem::replace(&mut batch, Vec::with_capacity(BATCH));
-        if send(Parcel::Batch(full, std::mem::take(&mut bytes))) {
-            ControlFlow::Continue(())
-        } else {
-            ControlFlow::Break(())
-        }
+        send(Parcel::Batch(full, std::mem::take(&mut bytes)))
     });
     if send(Parcel::Batch(batch, bytes)) {
         send(Parcel::End(ended));

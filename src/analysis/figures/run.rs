@@ -7,7 +7,6 @@ use crate::analysis::subject::Subject;
 use crate::archive::recording::Condition;
 use crate::telemetry::fields::{NUTATING, NUTATION, NumberField, nutation};
 use crate::telemetry::{Topic, Topics};
-use std::ops::ControlFlow;
 
 /// Largest gap between two nutations attributed to rounding, relative to the period.
 const GAP: f64 = 0.01;
@@ -48,7 +47,7 @@ impl Run {
                 run.channels
                     .iter_mut()
                     .for_each(|channel| channel.take(message));
-                ControlFlow::Continue(())
+                true
             });
             run.losses.extend(ended.losses);
             run.channels.iter_mut().for_each(Channel::finish);
