@@ -17,8 +17,8 @@
 
 mod evidence;
 mod fact;
+mod fixed;
 mod free;
-mod held;
 mod precession;
 
 use self::evidence::Evidence;
@@ -105,7 +105,7 @@ pub fn explain_while<'a>(
     let [motion, cause, energy] = if evidence.scenario.model.support.is_free() {
         [free::motion, free::cause, free::energy]
     } else {
-        [held::motion, held::cause, held::energy]
+        [fixed::motion, fixed::cause, fixed::energy]
     };
     let chapter = |heading, facts| Chapter { heading, facts };
     let mut chapters = vec![

@@ -66,7 +66,7 @@ impl Spec {
                 if axis.count() == Some(values.len() as u64) {
                     Ok(axis)
                 } else {
-                    Err(axis.wrong("a value in a list can't contain a comma"))
+                    Err(axis.wrong("each item of a list must be one value, without commas"))
                 }
             }
             value => Axis::parse(key, &plain(value)),
@@ -168,7 +168,7 @@ mod tests {
             ),
             (
                 "[over]\ndescription = [\"a, b\"]",
-                "description=a, b: a value in a list can't contain a comma",
+                "description=a, b: each item of a list must be one value, without commas",
             ),
             (
                 "sample = { count = 9, method = \"x\" }",

@@ -2,15 +2,15 @@
 
 use super::evidence::Evidence;
 use super::fact::Fact;
-use super::held;
+use super::fixed;
 use std::f64::consts::FRAC_PI_2;
 
 /// Facts of the summary.
 pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
     let history = &evidence.history;
     let end = history.stop_time().unwrap_or(0.0);
-    let mut facts = vec![held::start(evidence)];
-    facts.extend(held::mean_theta(evidence));
+    let mut facts = vec![fixed::start(evidence)];
+    facts.extend(fixed::mean_theta(evidence));
     if history.is_of_tippe_top() {
         let starts_inverted = evidence.scenario.angles.theta >= FRAC_PI_2;
         facts.extend(match history.inverted {
@@ -19,8 +19,8 @@ pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
             None => Some(Fact::NotInverted { time: end }),
         });
     } else {
-        facts.extend(held::loops(evidence));
-        facts.extend(held::limits(evidence));
+        facts.extend(fixed::loops(evidence));
+        facts.extend(fixed::limits(evidence));
     }
     let Some(peg) = &evidence.summary.peg else {
         return facts;
@@ -55,7 +55,7 @@ pub(super) fn cause(evidence: &Evidence) -> Vec<Fact> {
 
 /// The losses of energy.
 pub(super) fn energy(evidence: &Evidence) -> Vec<Fact> {
-    let mut facts = held::balance(evidence);
+    let mut facts = fixed::balance(evidence);
     let peg = evidence.summary.peg.as_ref();
     if let Some([sliding, losses, ..]) = peg.and_then(|peg| peg.lost)
         && sliding > 0.0
