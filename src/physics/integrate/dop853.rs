@@ -250,7 +250,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         loop {
             let h = self.resolvable_step()?;
             let k = self.stages(h);
-            let y = advance(self.y(), h, &combine(N, &SOLUTION, &k));
+            let y = advance(self.y(), h, &combine(&SOLUTION, &k));
             self.statistics.evaluations += 11;
             let error = self.error(h, &y, &k);
             if error <= 1.0 && all_finite(&y[..S::CONTROLLED]) {
@@ -281,7 +281,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         let rise = difference(&step.end_y, &step.y);
         let start_bend: [f64; N] = std::array::from_fn(|i| h * step.k[0][i] - rise[i]);
         let end_bend: [f64; N] = std::array::from_fn(|i| rise[i] - h * step.end_dy[i]);
-        let high = |row| combine(N, row, &k).map(|dy| h * dy);
+        let high = |row| combine(row, &k).map(|dy| h * dy);
         let coefficients = [
             step.y,
             rise,
@@ -359,7 +359,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         row: &Row<M>,
         k: &[[f64; N]; K],
     ) -> [f64; N] {
-        let slope = combine(S::CONTROLLED, row, k);
+        let slope = combine_controlled::<S, N, M, K>(row, k);
         let mut state = [0.0; N];
         for i in 0..S::CONTROLLED {
             state[i] = y[i] + h * slope[i];
@@ -383,8 +383,8 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     /// the fifth- and third-order estimates (book, II.10).
     #[inline]
     fn error(&self, h: f64, y: &[f64; N], k: &Stages<N>) -> f64 {
-        let third = combine(S::CONTROLLED, &ERROR_3, k);
-        let fifth = combine(S::CONTROLLED, &ERROR_5, k);
+        let third = combine_controlled::<S, N, _, STAGES>(&ERROR_3, k);
+        let fifth = combine_controlled::<S, N, _, STAGES>(&ERROR_5, k);
         let (mut third_squared, mut fifth_squared) = (0.0, 0.0);
         for i in 0..S::CONTROLLED {
             let scale = self.scale(larger(self.y()[i].abs(), y[i].abs()));
@@ -481,21 +481,35 @@ impl Statistics {
     }
 }
 
-/// The first `count` components of the linear combination of stages that `row` describes, summed in the order of the
-/// stages; 0 for the others.
+/// The linear combination of stages that `row` describes, summed in the order of the stages.
 #[inline(always)]
 fn combine<const N: usize, const M: usize, const K: usize>(
-    count: usize,
+    row: &Row<M>,
+    k: &[[f64; N]; K],
+) -> [f64; N] {
+    let (first, a) = row[0];
+    let mut sum = k[first].map(|dy| a * dy);
+    for &(stage, a) in &row[1..] {
+        for i in 0..N {
+            sum[i] += a * k[stage][i];
+        }
+    }
+    sum
+}
+
+/// The controlled components of [`combine`]; 0 for the quadratures.
+#[inline(always)]
+fn combine_controlled<S: System<N>, const N: usize, const M: usize, const K: usize>(
     row: &Row<M>,
     k: &[[f64; N]; K],
 ) -> [f64; N] {
     let mut sum = [0.0; N];
     let (first, a) = row[0];
-    for i in 0..count {
+    for i in 0..S::CONTROLLED {
         sum[i] = a * k[first][i];
     }
     for &(stage, a) in &row[1..] {
-        for i in 0..count {
+        for i in 0..S::CONTROLLED {
             sum[i] += a * k[stage][i];
         }
     }
