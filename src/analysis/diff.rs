@@ -171,7 +171,10 @@ fn common_topics(
     });
     let [(mut common, of_a), (_, of_b)]: [(Vec<_>, Vec<_>); 2] = divided;
     if common.is_empty() {
-        let [a, b] = [a, b].map(|topics| topics.join(", "));
+        let [a, b] = [of_a, of_b].map(|topics| match topics.join(", ").as_str() {
+            "" => "none".to_owned(),
+            names => names.to_owned(),
+        });
         let reason = format!("no common topics to compare: A has {a}; B has {b}");
         return Err(DiffError::Refused(reason));
     }

@@ -96,6 +96,9 @@ fn files_of_others_are_compared_byte_by_byte() {
     let alone = foreign(&directory, "z.mcap", "{}", &[("/z", 0, "1")]);
     let error = compare(&a, &alone, &quick()).unwrap_err().to_string();
     assert!(error.starts_with("no common topics"), "{error}");
+    let error = compare(&a, &alone, &ignoring("/z")).unwrap_err();
+    let error = error.to_string();
+    assert!(error.ends_with("B has none"), "{error}");
 }
 
 #[test]
