@@ -63,6 +63,9 @@ impl Axis {
         } else {
             let value = |item: &str| match item.trim() {
                 "" => Err(EMPTY.to_owned()),
+                word if word.starts_with(['"', '\'']) => {
+                    Err(format!("{word}: words have no quotes"))
+                }
                 word if key.kind.is_text() => Ok(Value::Text(word.to_owned())),
                 item => number(item).map(Value::Number),
             };
@@ -218,10 +221,16 @@ mod tests {
     }
 
     #[test]
-    fn values_in_a_list_are_never_empty() {
-        for list in ["a,,b", "a,", ""] {
+    fn values_in_a_list_are_neither_empty_nor_quoted() {
+        for (list, part) in [
+            ("a,,b", "a value is empty"),
+            ("a,", "a value is empty"),
+            ("", "a value is empty"),
+            ("'a,b',c", "'a: words have no quotes"),
+            ("\"a", "\"a: words have no quotes"),
+        ] {
             let message = Axis::parse("description", list).unwrap_err().to_string();
-            assert!(message.contains("a value is empty"), "{list}: {message}");
+            assert!(message.contains(part), "{list}: {message}");
         }
     }
 

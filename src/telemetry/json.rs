@@ -6,6 +6,7 @@ use super::message::Message;
 use super::template::Template;
 use serde::de::{self, DeserializeSeed, IgnoredAny, MapAccess, Visitor};
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::fmt;
 use std::io::Write as _;
 
@@ -69,6 +70,8 @@ pub(super) struct JsonDecoder {
     message: Object<String>,
     /// Leaves and parts of the timestamp that a message must have.
     expected: usize,
+    /// Number of unknown members of a message.
+    unknown: usize,
 }
 
 impl JsonDecoder {
@@ -80,13 +83,32 @@ impl JsonDecoder {
     ) -> Result<(Self, Vec<String>), DecodeError> {
         let schema: Value = serde_json::from_slice(schema).map_err(DecodeError::of_schema)?;
         let mut paths = Paths::default();
-        let mut message = object(channel, &schema, "", &mut paths)?;
+        unfold(&schema, "", &mut paths)?;
+        let present = paths.leaves;
         let stamps = [("sec", Target::Seconds), ("nsec", Target::Nanoseconds)];
         let stamp = stamps.map(|(name, target)| (name.to_owned(), target));
-        let stamp = Target::Object(Object(stamp.into()));
-        message.0.insert(0, (TIMESTAMP.to_owned(), stamp));
-        let expected = paths.leaves.len() + STAMP_PARTS;
-        Ok((Self { message, expected }, paths.leaves))
+        let mut members = vec![(TIMESTAMP.to_owned(), Target::Object(Object(stamp.into())))];
+        for (name, content) in channel.members() {
+            let target = match content {
+                Content::Text(index) => Target::Text(index),
+                Content::Number(index) => Target::Number(index),
+                Content::Object(inner) => {
+                    let inner = inner.iter();
+                    let inner = inner.map(|(name, at)| ((*name).to_owned(), Target::Number(*at)));
+                    Target::Object(Object(inner.collect()))
+                }
+            };
+            members.push((name.to_owned(), target));
+        }
+        let known = |path: &&String| channel.leaves().any(|leaf| leaf.path == **path);
+        let matched = present.iter().filter(known).count();
+        let message = Object(members);
+        let decoder = Self {
+            unknown: unknown_members(&message, &present),
+            message,
+            expected: matched + STAMP_PARTS,
+        };
+        Ok((decoder, present))
     }
 
     pub(super) fn decode(&self, data: &[u8], row: &mut Row) -> Result<(), DecodeError> {
@@ -101,24 +123,18 @@ impl JsonDecoder {
         };
         seed.deserialize(&mut deserializer).map_err(malformed)?;
         deserializer.end().map_err(malformed)?;
-        let (Tally { found, unknown }, expected) = (tally, self.expected);
-        if found == expected && unknown == 0 {
+        if tally.found == self.expected && tally.unknown == self.unknown {
             return Ok(());
         }
+        let (Tally { found, unknown }, expected) = (tally, self.expected);
         Err(DecodeError(format!(
             "it has {found} of the {expected} fields of its schema, and {unknown} unknown fields"
         )))
     }
 }
 
-/// The members of an object with this JSON Schema at a path, except the timestamp.
-fn object(
-    channel: &ChannelInfo,
-    schema: &Value,
-    prefix: &str,
-    paths: &mut Paths,
-) -> Result<Object<String>, DecodeError> {
-    let mut members = Vec::new();
+/// Finds the paths of all numbers and texts in a JSON Schema, except the timestamp.
+fn unfold(schema: &Value, prefix: &str, paths: &mut Paths) -> Result<(), DecodeError> {
     let properties = schema.get("properties").and_then(Value::as_object);
     for (name, inner) in properties.into_iter().flatten() {
         if prefix.is_empty() && name == TIMESTAMP {
@@ -126,16 +142,39 @@ fn object(
         }
         let path = format!("{prefix}{name}");
         paths.count(&path)?;
-        let target = if inner.get("properties").is_some() {
-            Target::Object(object(channel, inner, &format!("{path}."), paths)?)
+        if inner.get("properties").is_some() {
+            unfold(inner, &format!("{path}."), paths)?;
         } else {
-            let target = Target::of(channel, &path);
             paths.leaves.push(path);
-            target
-        };
-        members.push((name.clone(), target));
+        }
     }
-    Ok(Object(members))
+    Ok(())
+}
+
+/// Number of unknown members of a message with leaves at these paths. An unknown object counts once.
+fn unknown_members(message: &Object<String>, paths: &[String]) -> usize {
+    let members = paths
+        .iter()
+        .filter_map(|path| unknown_member(message, path));
+    members.collect::<BTreeSet<_>>().len()
+}
+
+/// The path of the outermost unknown member that contains a leaf, if any.
+fn unknown_member<'a>(message: &Object<String>, path: &'a str) -> Option<&'a str> {
+    let (mut object, mut start) = (message, 0);
+    loop {
+        let length = path[start..].find('.').unwrap_or(path.len() - start);
+        let end = start + length;
+        let name = &path[start..end];
+        let known = object.0.iter().find(|(known, _)| known == name);
+        match known {
+            Some((_, Target::Object(inner))) if end < path.len() => {
+                (object, start) = (inner, end + 1);
+            }
+            Some((_, Target::Number(_) | Target::Text(_))) if end == path.len() => return None,
+            _ => return Some(&path[..end]),
+        }
+    }
 }
 
 /// Progress of decoding.
@@ -200,6 +239,7 @@ impl<'de> Visitor<'de> for Filling<'_> {
                 }
                 Target::Skipped => {
                     map.next_value::<IgnoredAny>()?;
+                    continue;
                 }
             }
             self.tally.found += 1;

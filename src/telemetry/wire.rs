@@ -17,7 +17,18 @@ pub(super) enum Wire<'a> {
 /// Removes the first field. Returns its number and content.
 #[inline]
 pub(super) fn take_field<'a>(data: &mut &'a [u8]) -> Result<(u32, Wire<'a>), String> {
-    let (number, wire) = decode_key(data).map_err(|error| error.to_string())?;
+    let (number, wire) = match **data {
+        // Most field numbers are small.
+        [key @ 8..0x80, ..] => {
+            *data = &data[1..];
+            let wire = WireType::try_from(u64::from(key & 7));
+            (
+                u32::from(key >> 3),
+                wire.map_err(|error| error.to_string())?,
+            )
+        }
+        _ => decode_key(data).map_err(|error| error.to_string())?,
+    };
     let wire = match wire {
         WireType::Varint => Wire::Varint(varint(data)?),
         WireType::SixtyFourBit => Wire::Eight(u64::from_le_bytes(take_array(data)?)),
