@@ -1,8 +1,9 @@
 //! Sweeps: the outcomes of many runs as a table in Parquet.
 //!
 //! A [`Spec`] defines the runs: bases, and keys that vary over a grid, a sample or the rows of a table. Row *i* depends
-//! only on the spec and *i*. A *part* is [`PART_ROWS`] consecutive rows; its file depends only on the spec and the part number: the bytes don't depend on threads, machines or interruptions. [`run`] computes what is missing and merges the parts.
-//! [`values_of_row`] are those of the scenario of a row, which can be run again.
+//! only on the spec and *i*. A *part* is [`PART_ROWS`] consecutive rows; its file depends only on the spec and the part
+//! number: the bytes don't depend on threads, machines or interruptions. [`run`] computes what is missing and merges the
+//! parts. [`values_of_row`] are those of the scenario of a row, which can be run again.
 
 mod axis;
 mod base;

@@ -39,7 +39,7 @@ pub fn recording(path: &Path, error: &CannotRead) -> PyErr {
 fn of_recording(error: &CannotRead, text: String) -> PyErr {
     match error {
         CannotRead::Io(reason) => io(reason, text),
-        _ => RecordingError::new_err(text),
+        CannotRead::Unusable(_) => RecordingError::new_err(text),
     }
 }
 

@@ -102,7 +102,7 @@ pub fn run_entries(scenario: &Scenario) -> Entries {
     ])
 }
 
-/// The entries of [`RUN_RECORD`] for encoding, views and topics. Together with the scenario they determine every byte
+/// The entries of [`RUN_RECORD`] for form and topics. Together with the scenario they determine every byte
 /// of the file.
 pub fn form_entries(form: Form, topics: &Topics) -> Entries {
     let topics = match topics {

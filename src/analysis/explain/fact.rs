@@ -31,7 +31,7 @@ pub enum Fact {
     },
     /// A tippe top's axis has passed the horizontal.
     Inverted {
-        /// Time, s, interpolated between samples.
+        /// Time, s.
         time: f64,
     },
     /// A tippe top's axis has not passed the horizontal.

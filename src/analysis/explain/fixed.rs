@@ -7,7 +7,7 @@ use crate::physics::friction::Dissipation;
 use crate::run::simulation::EventKind;
 use crate::telemetry::fields::nutation;
 
-/// The event.
+/// What happened.
 pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
     let mut facts = vec![start(evidence)];
     facts.extend(mean_theta(evidence));

@@ -5,7 +5,7 @@ use super::fact::Fact;
 use super::fixed;
 use std::f64::consts::FRAC_PI_2;
 
-/// Facts of the summary.
+/// What happened.
 pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
     let history = &evidence.history;
     let end = history.stop_time().unwrap_or(0.0);

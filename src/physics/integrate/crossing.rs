@@ -91,8 +91,9 @@ impl SignTracker {
 
     /// Appends to `found` the sign changes of `g` within a step, in the order of `s`.
     ///
-    /// `values` are those of `g` at the [`KNOTS`]. Several crossings between adjacent knots are found if the interpolation polynomial has the turning points
-    /// between them. A search evaluates `g` at most 100 times and is skipped if `g` is far from zero.
+    /// `values` are those of `g` at the [`KNOTS`]. Several crossings between adjacent knots are found if the interpolation
+    /// polynomial has the turning points between them. A search evaluates `g` at most 100 times and is skipped if `g` is
+    /// far from zero.
     #[inline]
     pub fn scan(
         &mut self,

@@ -1,4 +1,4 @@
-//! Queue of the events of a step, in time order.
+//! Queue of the events, nutation cycles and impacts of a step, in time order; [`Queue::pop`] completes them.
 
 use super::event::{Event, EventKind};
 use super::record::Record;
