@@ -387,7 +387,7 @@ channels! {
     }
 
     /// The channel with a message for each impact of a free peg.
-    LANDINGS: ImpactRecord {
+    IMPACT: ImpactRecord {
         IMPACTS impacts: channel("/top/impact", "toprise.Impact",
             "each impact of a free peg on the table").free_peg_only() {
             TIME = number("time", Time, "time, not rounded to nanoseconds", |i| i.time);
@@ -422,12 +422,8 @@ pub fn channels() -> &'static [ChannelInfo] {
         let samples = SAMPLES.iter().map(|channel| info(channel, true));
         let cycles = CYCLES.iter().map(|channel| info(channel, false));
         let events = EVENT.iter().map(|channel| info(channel, false));
-        let landings = LANDINGS.iter().map(|channel| info(channel, false));
-        samples
-            .chain(cycles)
-            .chain(events)
-            .chain(landings)
-            .collect()
+        let impacts = IMPACT.iter().map(|channel| info(channel, false));
+        samples.chain(cycles).chain(events).chain(impacts).collect()
     })
 }
 

@@ -23,7 +23,7 @@ const LEFT_OUT: f64 = 4.0;
 
 /// A level of θ that both averaged motions cross.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct LevelCrossing {
+pub(super) struct MeanCrossing {
     /// The level, rad.
     pub(super) level: f64,
     /// The times at which A and B cross it, s.
@@ -34,7 +34,7 @@ pub(super) struct LevelCrossing {
     pub(super) integration_error: f64,
 }
 
-impl LevelCrossing {
+impl MeanCrossing {
     /// The farthest level that both averaged motions cross in the same direction with a known slope, if there is such a
     /// level. `integrators` are the errors of A's and B's averaged θ, rad.
     pub(super) fn find(a: &RunHistory, b: &RunHistory, integrators: [f64; 2]) -> Option<Self> {

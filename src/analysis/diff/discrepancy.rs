@@ -37,7 +37,7 @@ pub struct Discrepancy {
 }
 
 /// A difference between two models along one motion.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Residual {
     /// The quantity.
     pub quantity: String,
@@ -61,8 +61,20 @@ pub(super) struct Residuals {
     motion: Option<(u64, Motion)>,
     slides: bool,
     states: u64,
-    /// The result so far, with sums of squares instead of their RMS.
-    found: Vec<Residual>,
+    sums: [Sums; QUANTITIES.len()],
+}
+
+/// What is known of one quantity so far.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    /// The largest magnitude of the difference.
+    largest: f64,
+    /// Its time, ns.
+    at_ns: u64,
+    /// Sum of the squares of the difference.
+    difference: f64,
+    /// Sum of the squares of the quantity by A's model.
+    a: f64,
 }
 
 /// Output of a model for a state: friction torque about the peg's centre (node frame, N m), frictional and total
@@ -111,17 +123,12 @@ impl Residuals {
     /// `None` if B's model does not apply to A's states (B fixed, A free).
     pub(super) fn new(a: Model, b: Model) -> Option<Self> {
         let is_defined = b.support.is_free() || !a.support.is_free();
-        let residual = |(quantity, unit): (&str, &str)| Residual {
-            quantity: quantity.to_owned(),
-            unit: unit.to_owned(),
-            ..Residual::default()
-        };
         is_defined.then(|| Self {
             models: [a, b],
             motion: None,
             slides: false,
             states: 0,
-            found: QUANTITIES.map(residual).into(),
+            sums: Default::default(),
         })
     }
 
@@ -154,25 +161,32 @@ impl Residuals {
         let [a, b] = self.models.map(|model| action(&model, motion));
         let differences = quantities(std::array::from_fn(|i| b[i] - a[i]));
         self.states += 1;
-        for ((found, difference), a) in self.found.iter_mut().zip(differences).zip(quantities(a)) {
-            if difference.abs() > found.largest {
-                (found.largest, found.at) = (difference.abs(), seconds(time_ns));
+        for ((sums, difference), a) in self.sums.iter_mut().zip(differences).zip(quantities(a)) {
+            if difference.abs() > sums.largest {
+                (sums.largest, sums.at_ns) = (difference.abs(), time_ns);
             }
-            found.rms += difference * difference;
-            found.rms_a += a * a;
+            sums.difference += difference * difference;
+            sums.a += a * a;
         }
     }
 
     /// The result, if there was any state.
     pub(super) fn report(&self) -> Option<Discrepancy> {
-        let residual = |found: &Residual| Residual {
-            rms: rms(found.rms, self.states),
-            rms_a: rms(found.rms_a, self.states),
-            ..found.clone()
+        let residual = |((quantity, unit), sums): ((&str, &str), Sums)| Residual {
+            quantity: quantity.to_owned(),
+            unit: unit.to_owned(),
+            largest: sums.largest,
+            at: seconds(sums.at_ns),
+            rms: rms(sums.difference, self.states),
+            rms_a: rms(sums.a, self.states),
         };
         (self.states > 0).then(|| Discrepancy {
             states: self.states,
-            quantities: self.found.iter().map(residual).collect(),
+            quantities: QUANTITIES
+                .into_iter()
+                .zip(self.sums)
+                .map(residual)
+                .collect(),
         })
     }
 }

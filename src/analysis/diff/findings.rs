@@ -1,7 +1,7 @@
 //! Findings of a comparison: corresponding numbers of A and B, most important first.
 
 use super::averages::Averaged;
-use super::crossing::{LevelCrossing, ripple};
+use super::crossing::{MeanCrossing, ripple};
 use super::discrepancy::Discrepancy;
 use super::floor::Floor;
 use super::pairing::Paired;
@@ -164,7 +164,7 @@ fn crossing(evidence: &Evidence<'_>) -> Option<Finding> {
     let integrators = evidence
         .floor
         .map_or([0.0; 2], |floor| [floor.a.theta_mean, floor.b.theta_mean]);
-    let found = LevelCrossing::find(&a.history, &b.history, integrators)?;
+    let found = MeanCrossing::find(&a.history, &b.history, integrators)?;
     let what = format!("mean θ crosses {} rad", significant(found.level, 3));
     let times = found.times.map(Some);
     let error = evidence.floor.map(|_| found.integration_error);

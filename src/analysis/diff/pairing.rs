@@ -14,7 +14,6 @@ use crate::analysis::history::RunHistory;
 use crate::analysis::history::energy::Energies;
 use crate::analysis::subject::{Ended, Subject};
 use crate::archive::memory::Owned;
-use crate::archive::sink::SinkError;
 use crate::telemetry::fields::{ENERGY, NUTATION};
 use crate::telemetry::side::Side;
 use crate::telemetry::{Message, Topic, Topics};
@@ -187,7 +186,7 @@ impl<'o> Pairing<'o> {
     ) -> Result<(), DiffError> {
         while let Some(side) = self.behind() {
             if !carry_on() {
-                return Err(SinkError::Viewer("interrupted".into()).into());
+                return Err(DiffError::Refused("interrupted".to_owned()));
             }
             match incoming[side.index()].recv() {
                 Ok(Parcel::Batch(messages, bytes)) => {
@@ -245,10 +244,26 @@ impl<'o> Pairing<'o> {
 
     /// Compares the messages of a topic that have a partner, and counts those that have none.
     fn pair(&mut self, topic: Topic) -> Result<(), DiffError> {
-        let [a, b] = &mut self.waiting[topic.index()];
-        let Some(tally) = &mut self.paired.topics[topic.index()] else {
+        if self.paired.topics[topic.index()].is_none() {
             return Ok(());
-        };
+        }
+        while let Some(order) = self.next(topic) {
+            let [a, b] = &mut self.waiting[topic.index()];
+            let a = a.pop_front_if(|_| order != Ordering::Greater);
+            let b = b.pop_front_if(|_| order != Ordering::Less);
+            match (a, b) {
+                (Some(a), Some(b)) => self.compare(topic, &a.as_message(), &b.as_message())?,
+                (Some(a), None) => self.count_alone(topic, Side::A, a.time_ns),
+                (None, Some(b)) => self.count_alone(topic, Side::B, b.time_ns),
+                (None, None) => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Which run has the next message of a topic (`Less`: A, `Equal`: both, `Greater`: B); `None` if that isn't known
+    /// yet.
+    fn next(&self, topic: Topic) -> Option<Ordering> {
         let is_sampled = topic.info().is_sampled;
         let key = |message: &Owned| {
             if is_sampled {
@@ -257,46 +272,49 @@ impl<'o> Pairing<'o> {
                 u64::from(message.sequence)
             }
         };
-        loop {
-            let order = match (a.front(), b.front()) {
-                (Some(x), Some(y)) => key(x).cmp(&key(y)),
-                (Some(_), None) if self.paired.runs[1].is_ended => Ordering::Less,
-                (None, Some(_)) if self.paired.runs[0].is_ended => Ordering::Greater,
-                _ => return Ok(()),
-            };
-            let x = a.pop_front_if(|_| order != Ordering::Greater);
-            let y = b.pop_front_if(|_| order != Ordering::Less);
-            let (side, alone) = match (x, y) {
-                (Some(x), Some(y)) => {
-                    let [x, y] = [&x, &y].map(Owned::as_message);
-                    let numbers = tally.add(&x, &y);
-                    if topic == ENERGY {
-                        Energies::take(&mut self.paired.common[0], &x);
-                        Energies::take(&mut self.paired.common[1], &y);
-                    }
-                    if let Some(numbers) = &numbers
-                        && topic != NUTATION
-                        && numbers.iter().all(|number| number.is_finite())
-                    {
-                        let texts = &[];
-                        self.observer.difference(&Message {
-                            numbers,
-                            texts,
-                            ..x
-                        })?;
-                    }
-                    continue;
-                }
-                (Some(x), None) => (Side::A, x),
-                (None, Some(y)) => (Side::B, y),
-                (None, None) => return Ok(()),
-            };
-            // Extra samples of the finer run are counted separately.
-            let time_ns = alone.time_ns;
-            let period = self.periods[side.other().index()].filter(|_| is_sampled);
-            let is_between = period.is_some_and(|period| !time_ns.is_multiple_of(period));
-            let end = self.paired.runs[side.other().index()].history.last_ns;
-            let is_beyond = end.is_none_or(|end| time_ns > end);
+        let [a, b] = &self.waiting[topic.index()];
+        let [a_ended, b_ended] = self.paired.runs.each_ref().map(|run| run.is_ended);
+        match (a.front(), b.front()) {
+            (Some(a), Some(b)) => Some(key(a).cmp(&key(b))),
+            (Some(_), None) => b_ended.then_some(Ordering::Less),
+            (None, Some(_)) => a_ended.then_some(Ordering::Greater),
+            (None, None) => None,
+        }
+    }
+
+    /// Compares two messages, and shows the observer their difference if it is finite.
+    fn compare(&mut self, topic: Topic, a: &Message<'_>, b: &Message<'_>) -> Result<(), DiffError> {
+        let Some(tally) = &mut self.paired.topics[topic.index()] else {
+            return Ok(());
+        };
+        let difference = tally.add(a, b);
+        if topic == ENERGY {
+            for (energies, message) in self.paired.common.iter_mut().zip([a, b]) {
+                Energies::take(energies, message);
+            }
+        }
+        if let Some(numbers) = &difference
+            && topic != NUTATION
+            && numbers.iter().all(|number| number.is_finite())
+        {
+            let texts = &[];
+            self.observer.difference(&Message {
+                numbers,
+                texts,
+                ..*a
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Counts a message without a partner. Samples between those of the other run, and after its end, are told apart.
+    fn count_alone(&mut self, topic: Topic, side: Side, time_ns: u64) {
+        let other = side.other().index();
+        let period = self.periods[other].filter(|_| topic.info().is_sampled);
+        let is_between = period.is_some_and(|period| !time_ns.is_multiple_of(period));
+        let end = self.paired.runs[other].history.last_ns;
+        let is_beyond = end.is_none_or(|end| time_ns > end);
+        if let Some(tally) = &mut self.paired.topics[topic.index()] {
             tally.leave_alone(side, time_ns, is_between, is_beyond);
         }
     }
