@@ -1,6 +1,7 @@
 //! What all commands have in common: JSON by committed schemas, text that can't steer a terminal, streams that may
 //! break, names of files that are no text.
 
+use crate::support::assert_contains;
 use assert_cmd::Command;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -223,7 +224,7 @@ fn every_command_answers_in_markdown() {
 fn a_comparison_counts_the_findings_that_it_leaves_out() {
     let directory = TempDir::new().unwrap();
     let text = answer(&directory, "diff free-paper drop", 1);
-    assert!(text.contains("more findings and every field"), "{text}");
+    assert_contains(&text, "more findings and every field");
 }
 
 /// Copies a recording with hostile text wherever a file can have text; with another library it is a foreign one.

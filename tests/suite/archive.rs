@@ -1,6 +1,6 @@
 //! The MCAP files: what is in them, their bytes, and what happens when things go wrong.
 
-use crate::support::scenario;
+use crate::support::{assert_contains, scenario};
 use mcap::MessageStream;
 use std::fs;
 use std::ops::ControlFlow;
@@ -138,11 +138,11 @@ fn what_is_not_a_file_is_not_replaced() {
     let directory = tempfile::tempdir().unwrap();
     for existing in [Existing::Keep, Existing::Replace] {
         let error = archive(directory.path(), &short(), existing).unwrap_err();
-        assert!(error.to_string().contains("not a regular file"), "{error}");
+        assert_contains(&error.to_string(), "not a regular file");
     }
     if cfg!(unix) {
         let error = archive(Path::new("/dev/null"), &short(), Existing::Replace).unwrap_err();
-        assert!(error.to_string().contains("not a regular file"), "{error}");
+        assert_contains(&error.to_string(), "not a regular file");
     }
 }
 
@@ -152,7 +152,7 @@ fn a_partial_recording_is_not_written_over() {
     let path = directory.path().join("run.mcap");
     fs::write(partial_name(&path), "interrupted").unwrap();
     let error = archive(&path, &short(), Existing::Keep).unwrap_err();
-    assert!(error.to_string().contains("partial"), "{error}");
+    assert_contains(&error.to_string(), "partial");
     assert_eq!(fs::read(partial_name(&path)).unwrap(), b"interrupted");
 }
 

@@ -1,6 +1,6 @@
 //! The program as a process: exit codes, streams, signals.
 
-use crate::support::scenario;
+use crate::support::{assert_contains, scenario};
 use assert_cmd::Command;
 use serde_json::Value;
 use std::fs;
@@ -34,7 +34,7 @@ fn run_records_and_summarises() {
         "201 samples",
         "sha-256",
     ] {
-        assert!(text.contains(part), "{part} is not in\n{text}");
+        assert_contains(&text, part);
     }
     assert!(
         Overview::read(&directory.path().join("recordings/paper_duration0.2.mcap"))
@@ -58,9 +58,9 @@ fn a_run_that_is_recorded_is_not_written_again() {
     let run = |more: &[&str]| answer(toprise(&directory).args(SHORT).args(more));
     run(&[]);
     let text = run(&[]);
-    assert!(
-        text.contains("recordings/paper_duration0.2.mcap already exists with identical content"),
-        "{text}"
+    assert_contains(
+        &text,
+        "recordings/paper_duration0.2.mcap already exists with identical content",
     );
     assert_eq!(recordings(), ["paper_duration0.2.mcap"]);
     // The same content in another encoding, and another run under the same name.
@@ -70,16 +70,10 @@ fn a_run_that_is_recorded_is_not_written_again() {
         ["paper_duration0.2-2.mcap", "paper_duration0.2.mcap"]
     );
     let text = run(&["--encoding", "protobuf"]);
-    assert!(
-        text.contains("paper_duration0.2-2.mcap already exists"),
-        "{text}"
-    );
+    assert_contains(&text, "paper_duration0.2-2.mcap already exists");
     // A recording that is run again.
     let text = answer(toprise(&directory).args(["run", "recordings/paper_duration0.2.mcap"]));
-    assert!(
-        text.contains("paper_duration0.2.mcap already exists"),
-        "{text}"
-    );
+    assert_contains(&text, "paper_duration0.2.mcap already exists");
     let path = directory.path().join("recordings/paper_duration0.2-3.mcap");
     fs::write(&path, "damaged").unwrap();
     run(&["--topics", "/top/state"]);
@@ -104,7 +98,7 @@ fn a_run_with_many_changes_takes_no_other_runs_name() {
         command.args(["--set", change]);
     }
     let text = answer(command.args(["--set", "top.peg_radius=0.006"]));
-    assert!(text.contains("recordings/paper_"), "{text}");
+    assert_contains(&text, "recordings/paper_");
     assert_eq!(fs::read(&kept).unwrap(), b"the preset's");
 }
 
@@ -177,11 +171,11 @@ fn a_recording_can_be_run_again_and_with_another_value() {
         .assert()
         .code(1);
     let text = String::from_utf8_lossy(&compared.get_output().stdout).into_owned();
-    assert!(text.contains("friction.k"), "{text}");
+    assert_contains(&text, "friction.k");
     // The recording that is read is never replaced.
     let refused = run(&["a.mcap", "-o", "a.mcap", "--force"]).assert().code(2);
     let error = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
-    assert!(error.contains("a.mcap"), "{error}");
+    assert_contains(&error, "a.mcap");
     assert!(read("a.mcap") == read("b.mcap"));
 }
 
@@ -311,7 +305,7 @@ fn info_tells_what_is_in_a_recording() {
         "start",
         "duration",
     ] {
-        assert!(text.contains(part), "{part} is not in\n{text}");
+        assert_contains(&text, part);
     }
     assert!(
         text.lines().all(|line| line.chars().count() <= 130),
@@ -329,7 +323,7 @@ fn presets_can_be_edited_and_run() {
     fs::write(directory.path().join("mine.toml"), toml).unwrap();
     let arguments = ["run", "mine.toml", "--set", "stop.duration=0.1"];
     let text = answer(toprise(&directory).args(arguments));
-    assert!(text.contains("recordings/mine_duration0.1.mcap"), "{text}");
+    assert_contains(&text, "recordings/mine_duration0.1.mcap");
 }
 
 #[test]
@@ -343,7 +337,7 @@ fn laws_are_listed() {
         "Zhuravlev",
         "air.disc",
     ] {
-        assert!(text.contains(part), "{part} is not in\n{text}");
+        assert_contains(&text, part);
     }
     let json = answer(toprise(&directory).args(["laws", "--format", "json"]));
     let json: Value = serde_json::from_str(&json).unwrap();
@@ -436,7 +430,7 @@ fn a_killed_run_leaves_a_readable_partial_file() {
         .assert()
         .code(3);
     let text = String::from_utf8_lossy(&info.get_output().stdout).into_owned();
-    assert!(text.contains("interrupted"), "{text}");
+    assert_contains(&text, "interrupted");
     // The next run neither overwrites it nor fails silently.
     toprise(&directory)
         .args(SHORT)
@@ -484,7 +478,7 @@ fn an_answer_that_nobody_can_read_is_failed_output() {
         let output = program.stdout(writer).output().unwrap();
         let told = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
-        assert!(told.contains("cannot write to standard output"), "{told}");
+        assert_contains(&told, "cannot write to standard output");
     }
 }
 
@@ -687,7 +681,7 @@ fn recordings_are_shown_again() {
         .assert()
         .code(2);
     let error = String::from_utf8_lossy(&failure.get_output().stderr).into_owned();
-    assert!(error.contains("pip install rerun-sdk"), "{error}");
+    assert_contains(&error, "pip install rerun-sdk");
 }
 
 #[test]

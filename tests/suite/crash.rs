@@ -1,6 +1,6 @@
 //! Runs that are killed or run out of space: what was on the disk stays readable and can be run again.
 
-use crate::support::verified;
+use crate::support::{assert_contains, verified};
 use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -135,8 +135,8 @@ fn a_full_file_system_is_a_clear_error() {
     };
     let error = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{error}");
-    assert!(error.contains("full.mcap.partial"), "{error}");
-    assert!(error.contains("No space left"), "{error}");
+    assert_contains(&error, "full.mcap.partial");
+    assert_contains(&error, "No space left");
     assert_eq!(output.stdout, b"full.mcap.partial\n");
     let partial = directory.path().join("full.mcap.partial");
     let recording = Recording::open(&partial).unwrap();

@@ -5,7 +5,7 @@ mod others;
 mod values;
 
 use crate::random_scenarios::{Random, free_tops};
-use crate::support::{Run, archive, assert_near, in_memory, scenario};
+use crate::support::{Run, archive, assert_contains, assert_near, in_memory, scenario};
 use assert_cmd::Command;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -322,7 +322,7 @@ fn what_matches_nothing_is_an_error() {
         assert!(error.starts_with("no field matches"), "{error}");
     }
     let error = refused(&tolerating("/top/state.thet=1")).to_string();
-    assert!(error.contains("/top/state.theta"), "{error}");
+    assert_contains(&error, "/top/state.theta");
     let error = refused(&only("/imu")).to_string();
     assert!(
         error.contains("/imu") && error.contains("/top/state"),

@@ -1,6 +1,6 @@
 //! Figures: what they show, their bytes, and the command that draws them.
 
-use crate::support::{archive, assert_near, scenario};
+use crate::support::{archive, assert_contains, assert_near, scenario};
 use assert_cmd::Command;
 use roxmltree::{Document, Node};
 use sha2::{Digest, Sha256};
@@ -154,7 +154,7 @@ fn figures_that_say_nothing_of_a_peg_are_left_out_with_a_reason() {
     let directory = tempdir().unwrap();
     let asked = figures(&directory, &["paper", "--only", "track"]);
     let error = error_of(&mut { asked }, 2);
-    assert!(error.contains("the peg is fixed"), "{error}");
+    assert_contains(&error, "the peg is fixed");
 }
 
 #[test]
@@ -721,19 +721,19 @@ fn what_is_missing_is_told_and_the_rest_is_drawn() {
         "figure-3 of some skipped: the run has no /top/pose",
         "energy of some skipped: the run has no /top/energy",
     ] {
-        assert!(error.contains(part), "{part} is not in {error}");
+        assert_contains(&error, part);
     }
     let drawn: Vec<_> = fs::read_dir(directory.path().join("figures"))
         .unwrap()
         .collect();
     assert_eq!(drawn.len(), 1);
     let error = error_of(&mut figures(&directory, &["other.mcap", "-o", "none"]), 2);
-    assert!(error.contains("nothing can be drawn"), "{error}");
+    assert_contains(&error, "nothing can be drawn");
     let error = error_of(
         &mut figures(&directory, &["some.mcap", "--only", "figure-4"]),
         2,
     );
-    assert!(error.contains("figure-4 compares runs"), "{error}");
+    assert_contains(&error, "figure-4 compares runs");
 }
 
 #[test]
@@ -744,7 +744,7 @@ fn an_interrupted_run_is_drawn_as_far_as_it_goes() {
     fs::write(directory.path().join("cut.mcap"), &whole[..whole.len() / 2]).unwrap();
     let arguments = ["cut.mcap", "--only", "figure-2", "--kinds", "svg"];
     let error = error_of(&mut figures(&directory, &arguments), 3);
-    assert!(error.contains("cut: the run is incomplete"), "{error}");
+    assert_contains(&error, "cut: the run is incomplete");
     assert!(directory.path().join("figures/figure-2.svg").is_file());
 }
 

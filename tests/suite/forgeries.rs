@@ -3,7 +3,7 @@
 
 mod forgery;
 
-use crate::support::{archive, scenario, verified};
+use crate::support::{archive, assert_contains, scenario, verified};
 use forgery::{END, Forgery, RUN, Raw, Record, body, edit, framed, metadata, named};
 use mcap::records::{Header, MessageHeader, Metadata, SchemaHeader, op};
 use std::fs;
@@ -887,5 +887,5 @@ fn a_scenario_of_megabytes_is_not_read() {
     fs::write(&path, forgery.bytes()).unwrap();
     let recording = Recording::open(&path).unwrap();
     let reason = recording.scenario_text().unwrap_err().to_string();
-    assert!(reason.contains("it is longer than"), "{reason}");
+    assert_contains(&reason, "it is longer than");
 }

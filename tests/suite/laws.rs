@@ -1,6 +1,6 @@
 //! Laws of friction: what each must keep in every state, their limits, sticking, whole lives.
 
-use crate::support::{Run, archive, assert_near, scenario, verified};
+use crate::support::{Run, archive, assert_contains, assert_near, scenario, verified};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -733,7 +733,7 @@ fn a_run_that_no_longer_gets_on_ends_with_an_error() {
     );
     let error = Simulation::new(&scenario).unwrap().find_map(Result::err);
     let error = error.expect("it ends with an error").to_string();
-    assert!(error.contains("stalled"), "{error}");
+    assert_contains(&error, "stalled");
 }
 
 #[test]

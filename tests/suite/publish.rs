@@ -1,7 +1,7 @@
 //! Files appear whole or not at all, and nothing that exists is harmed: not what is read, nor what is being written
 //! or was left.
 
-use crate::support::{archive, run_again, scenario};
+use crate::support::{archive, assert_contains, run_again, scenario};
 use assert_cmd::Command;
 use std::fs;
 use std::io::Write as _;
@@ -135,7 +135,7 @@ fn an_input_is_known_by_any_name_or_link() {
         let output = output.replace("{}", &name);
         let refused = toprise(&directory, &["run", "cut.mcap", "-o", &output, "--force"]).code(2);
         let error = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
-        assert!(error.contains("also an input or another output"), "{error}");
+        assert_contains(&error, "also an input or another output");
         assert!(fs::read(directory.path().join(&output)).unwrap() == cut);
     }
     // A scenario is read too.
@@ -174,7 +174,7 @@ fn regress_two_outputs_of_one_name_are_refused() {
         if cfg!(feature = "rerun") {
             let refused = toprise(&directory, &arguments).code(2);
             let error = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
-            assert!(error.contains("also an input or another output"), "{error}");
+            assert_contains(&error, "also an input or another output");
         }
         assert!(is_same_file(
             &directory.path().join(one),
@@ -359,10 +359,7 @@ fn what_an_interrupted_run_left_is_never_touched() {
     let run = ["run", "--set", "stop.duration=0.05", "-o", "x.mcap"];
     let refused = toprise(&directory, &run).code(2);
     let error = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
-    assert!(
-        error.contains("toprise run x.mcap.partial -o OUT"),
-        "{error}"
-    );
+    assert_contains(&error, "toprise run x.mcap.partial -o OUT");
     toprise(&directory, &[&run[..], &["--force"]].concat()).success();
     assert_eq!(fs::read(&left).unwrap(), b"interrupted");
     assert_eq!(files(directory.path()), ["x.mcap", "x.mcap.partial"]);
@@ -482,7 +479,7 @@ fn a_run_goes_on_without_a_rerun_recording_that_finds_no_room() {
         .unwrap();
     let error = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(3), "{error}");
-    assert!(error.contains("x.rrd"), "{error}");
+    assert_contains(&error, "x.rrd");
     let recording = Recording::open(&directory.path().join("x.mcap")).unwrap();
     assert_eq!(recording.condition(), Condition::Whole);
     assert_eq!(files(directory.path()), ["x.mcap"]);

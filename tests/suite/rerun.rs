@@ -1,5 +1,6 @@
 //! The Rerun stream, as far as it can be tested without a viewer.
 
+use crate::support::assert_contains;
 use assert_cmd::Command;
 use rerun::StoreId;
 use rerun::external::re_log_encoding::{Decodable as _, DecoderApp, RawRrdManifest, StreamFooter};
@@ -20,10 +21,7 @@ fn one_pass_writes_both_recordings() {
         .assert()
         .success();
     let text = String::from_utf8_lossy(&text.get_output().stdout).into_owned();
-    assert!(
-        text.contains("rerun recordings/paper_duration0.3.rrd"),
-        "{text}"
-    );
+    assert_contains(&text, "rerun recordings/paper_duration0.3.rrd");
     let bytes = fs::read(directory.path().join("recordings/paper_duration0.3.rrd")).unwrap();
     assert_eq!(&bytes[..4], b"RRF2");
     assert!(

@@ -1,6 +1,6 @@
 //! Scenarios: reading, checking, writing.
 
-use crate::support::scenario;
+use crate::support::{assert_contains, scenario};
 use proptest::prelude::*;
 use toprise::run::scenario::{KEYS, Kind, PRESETS, Preset, Scenario, Value, Values};
 
@@ -295,7 +295,7 @@ fn errors_say_what_to_do_next() {
     ] {
         let error = error("paper", changes);
         for part in parts {
-            assert!(error.contains(part), "{error}");
+            assert_contains(&error, part);
         }
     }
 }
@@ -376,7 +376,7 @@ fn errors_quote_the_beginning_of_what_is_long() {
         assert!(error.len() < 2000, "{} bytes", error.len());
     }
     let error = Values::from_toml(&format!("gravity = 1\nname = {long}")).unwrap_err();
-    assert!(error.to_string().contains("line 2"), "{error}");
+    assert_contains(&error.to_string(), "line 2");
 }
 
 #[test]

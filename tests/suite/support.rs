@@ -1,7 +1,11 @@
 //! What several tests need.
 
+use assert_cmd::Command;
+use std::fs;
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+use tempfile::TempDir;
 use toprise::analysis::verify::{Report, Verdict, verify};
 use toprise::archive::input;
 use toprise::archive::memory::Owned;
@@ -118,6 +122,95 @@ pub fn assert_near(what: &str, actual: f64, expected: f64, tolerance: f64) {
     );
 }
 
+/// Asserts that a text contains a part.
+#[track_caller]
+pub fn assert_contains(text: &str, part: &str) {
+    assert!(text.contains(part), "{part:?} is not in\n{text}");
+}
+
+/// A temporary directory, in which the program runs.
+pub struct Folder(TempDir);
+
+/// Output of the program.
+pub struct Printed {
+    pub stdout: String,
+    pub stderr: String,
+}
+
+impl Folder {
+    pub fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    pub fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    /// The path of a file.
+    pub fn at(&self, name: impl AsRef<Path>) -> PathBuf {
+        self.path().join(name)
+    }
+
+    pub fn read(&self, name: impl AsRef<Path>) -> Vec<u8> {
+        fs::read(self.at(name)).unwrap()
+    }
+
+    pub fn text(&self, name: impl AsRef<Path>) -> String {
+        fs::read_to_string(self.at(name)).unwrap()
+    }
+
+    pub fn write(&self, name: impl AsRef<Path>, content: impl AsRef<[u8]>) {
+        fs::write(self.at(name), content).unwrap();
+    }
+
+    /// The names of all files and folders in it, hidden ones too, in alphabetical order.
+    pub fn files(&self) -> Vec<String> {
+        files(self.path())
+    }
+
+    /// The program with these words as arguments.
+    pub fn program(&self, line: &str) -> Command {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_toprise"));
+        program
+            .current_dir(self.path())
+            .args(line.split_whitespace());
+        program
+    }
+
+    /// Runs the program with these words as arguments. It must end with this code.
+    #[track_caller]
+    pub fn toprise(&self, line: &str, code: i32) -> Printed {
+        printed(&mut self.program(line), line, code)
+    }
+
+    /// Runs the program, which must refuse this at once, with exit code 2 and an error that contains `part`.
+    #[track_caller]
+    pub fn refuses(&self, line: &str, part: &str) {
+        let mut program = self.program(line);
+        let error = printed(program.timeout(Duration::from_mins(1)), line, 2).stderr;
+        assert!(error.contains(part), "{line}: {part:?} is not in\n{error}");
+    }
+}
+
+#[track_caller]
+fn printed(program: &mut Command, line: &str, code: i32) -> Printed {
+    let output = program.output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    let (stdout, stderr) = (text(output.stdout), text(output.stderr));
+    let found = output.status.code();
+    assert_eq!(found, Some(code), "{line}\n{stdout}\n{stderr}");
+    Printed { stdout, stderr }
+}
+
+/// The names of all files and folders in a directory, hidden ones too, in alphabetical order.
+pub fn files(directory: &Path) -> Vec<String> {
+    let entries = fs::read_dir(directory).unwrap();
+    let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<_> = names.collect();
+    names.sort();
+    names
+}
+
 /// A run into memory, with all its messages.
 pub fn in_memory(scenario: &Scenario) -> (MemorySink, RunEnd) {
     let mut sink = MemorySink::default();
@@ -164,7 +257,7 @@ pub fn run_again(file: &Path) -> Option<Vec<u8>> {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("again.mcap");
     archive_topics(&path, &scenario, &topics, form).unwrap();
-    Some(std::fs::read(path).unwrap())
+    Some(fs::read(path).unwrap())
 }
 
 /// The result of verifying a file.

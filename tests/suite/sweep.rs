@@ -1,14 +1,13 @@
 //! Sweeps: the table is a function of the spec, however it is computed.
 
-use crate::support::scenario;
+use crate::support::{Folder, assert_contains, files, scenario};
 use arrow_array::cast::AsArray as _;
 use arrow_array::types::{Float64Type, Int32Type, Int64Type};
 use arrow_array::{
     Array as _, ArrayRef, DictionaryArray, Float32Array, Float64Array, LargeStringArray,
-    RecordBatch, StringViewArray,
+    RecordBatch, StringArray, StringViewArray,
 };
 use arrow_schema::{DataType, Field, Schema};
-use assert_cmd::Command;
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::column::writer::ColumnCloseResult;
@@ -16,7 +15,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use sha2::{Digest as _, Sha256};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::fs::{self, File};
 use std::path::Path;
 use std::sync::Arc;
@@ -31,17 +30,14 @@ use toprise::sweep::{
 };
 
 /// Runs that end at once, over a grid of 2,400: three parts.
-fn spec(axes: &[(&str, &str)]) -> Spec {
-    let set = [("stop.duration", "0.002"), ("sampling.period", "0.001")];
-    let fixed = set
-        .into_iter()
-        .filter(|(key, _)| axes.iter().all(|(axis, _)| axis != key));
-    let set: Vec<_> = fixed.map(|(k, v)| (k.to_owned(), v.to_owned())).collect();
-    let base = Base::open("paper", Path::new(""), &set).unwrap();
-    let axes = axes
-        .iter()
-        .map(|(key, text)| Axis::parse(key, text).unwrap());
-    Spec::new(vec![base], Design::Grid(axes.collect()), None).unwrap()
+fn spec(varied: &[(&str, &str)]) -> Spec {
+    let mut set = vec![("stop.duration", "0.002"), ("sampling.period", "0.001")];
+    set.retain(|(key, _)| varied.iter().all(|(axis, _)| axis != key));
+    grid(vec![base("paper", &set)], varied)
+}
+
+fn grid(bases: Vec<Base>, varied: &[(&str, &str)]) -> Spec {
+    Spec::new(bases, Design::Grid(axes(varied)), None).unwrap()
 }
 
 const AXES: &[(&str, &str)] = &[
@@ -60,6 +56,30 @@ fn compute(sweep: &Sweep, table: &Path, options: &Options) -> Result<Finished, S
     everything(|watch| run(sweep, table, options, watch))
 }
 
+/// Computes the whole table.
+fn complete(sweep: &Sweep, table: &Path) -> Result<Finished, SweepError> {
+    compute(sweep, table, &Options::default())
+}
+
+/// Computes a share of the table.
+fn shard(index: u64, count: u64) -> Options {
+    Options {
+        shard: Some(Shard { index, count }),
+        ..Options::default()
+    }
+}
+
+fn base(preset: &str, set: &[(&str, &str)]) -> Base {
+    let set = set.iter().map(|(k, v)| ((*k).into(), (*v).into()));
+    Base::open(preset, Path::new(""), &set.collect::<Vec<_>>()).unwrap()
+}
+
+fn axes(axes: &[(&str, &str)]) -> Vec<Axis> {
+    let axes = axes.iter();
+    axes.map(|(key, text)| Axis::parse(key, text).unwrap())
+        .collect()
+}
+
 fn digest(path: &Path) -> String {
     format!("{:x}", Sha256::digest(fs::read(path).unwrap()))
 }
@@ -72,15 +92,20 @@ fn read(path: &Path) -> RecordBatch {
     batch
 }
 
-fn numbers<'a>(table: &'a RecordBatch, name: &str) -> &'a arrow_array::Float64Array {
-    table
-        .column_by_name(name)
-        .unwrap()
-        .as_primitive::<Float64Type>()
+fn column<'a>(table: &'a RecordBatch, name: &str) -> &'a ArrayRef {
+    table.column_by_name(name).unwrap()
+}
+
+fn numbers<'a>(table: &'a RecordBatch, name: &str) -> &'a Float64Array {
+    column(table, name).as_primitive::<Float64Type>()
+}
+
+fn texts<'a>(table: &'a RecordBatch, name: &str) -> &'a StringArray {
+    column(table, name).as_string()
 }
 
 fn errors(table: &RecordBatch) -> Vec<(usize, String)> {
-    let column = table.column_by_name("error").unwrap().as_string::<i32>();
+    let column = texts(table, "error");
     let rows = (0..column.len()).filter(|row| column.is_valid(*row));
     rows.map(|row| (row, column.value(row).to_owned()))
         .collect()
@@ -88,11 +113,11 @@ fn errors(table: &RecordBatch) -> Vec<(usize, String)> {
 
 #[test]
 fn the_bytes_do_not_depend_on_how_they_are_computed() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let sweep = Sweep::new(spec(AXES));
     assert_eq!(sweep.parts(), 3);
     let with = |name: &str, options: &[Options]| {
-        let table = folder.path().join(name);
+        let table = folder.at(name);
         for options in options {
             compute(&sweep, &table, options).unwrap();
         }
@@ -101,10 +126,6 @@ fn the_bytes_do_not_depend_on_how_they_are_computed() {
     };
     let threads = |threads| Options {
         threads,
-        ..Options::default()
-    };
-    let shard = |index, count| Options {
-        shard: Some(Shard { index, count }),
         ..Options::default()
     };
     let one = with("one.parquet", &[threads(1)]);
@@ -118,11 +139,11 @@ fn the_bytes_do_not_depend_on_how_they_are_computed() {
 
 #[test]
 fn an_interrupted_sweep_goes_on_where_it_was() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let sweep = Sweep::new(spec(AXES));
-    let whole = folder.path().join("whole.parquet");
-    compute(&sweep, &whole, &Options::default()).unwrap();
-    let table = folder.path().join("broken.parquet");
+    let whole = folder.at("whole.parquet");
+    complete(&sweep, &whole).unwrap();
+    let table = folder.at("broken.parquet");
     for most in [500, 700, 1000] {
         let done = AtomicU64::new(0);
         let watch = Watch {
@@ -136,55 +157,39 @@ fn an_interrupted_sweep_goes_on_where_it_was() {
     }
     let parts = fs::read_dir(parts_directory(&table)).unwrap().count();
     assert!((2..=3).contains(&parts), "{parts} files are there");
-    let finished = compute(&sweep, &table, &Options::default()).unwrap();
+    let finished = complete(&sweep, &table).unwrap();
     assert!(finished.computed < 2400, "{finished:?}");
     assert_eq!(finished.counts.stops["duration"], 2400);
     assert_eq!(digest(&table), digest(&whole));
     // It is complete, and nothing is left to do.
-    let again = compute(&sweep, &table, &Options::default()).unwrap();
+    let again = complete(&sweep, &table).unwrap();
     assert_eq!((again.computed, again.counts), (0, finished.counts));
 }
 
 #[test]
 fn a_row_is_the_outcome_of_its_scenario() {
-    let folder = tempfile::tempdir().unwrap();
-    let table = folder.path().join("a.parquet");
-    let axes = [
+    let folder = Folder::new();
+    let table = folder.at("a.parquet");
+    let bases = ["full-coulomb", "viscous", "free-paper"];
+    let bases = bases.map(|name| base(name, &[("stop.duration", "0.5")]));
+    let varied = [
         ("friction.k", "0.03..0.3/3log"),
         ("initial.psi_dot", "170,50"),
     ];
-    let spec = {
-        let axes = axes.map(|(key, text)| Axis::parse(key, text).unwrap());
-        let bases = ["full-coulomb", "viscous", "free-paper"].map(|name| {
-            let set = [("stop.duration".to_owned(), "0.5".to_owned())];
-            Base::open(name, Path::new(""), &set).unwrap()
-        });
-        Spec::new(bases.to_vec(), Design::Grid(axes.to_vec()), None).unwrap()
-    };
-    compute(&Sweep::new(spec), &table, &Options::default()).unwrap();
+    let spec = grid(bases.to_vec(), &varied);
+    complete(&Sweep::new(spec), &table).unwrap();
     let table = read(&table);
     assert_eq!(table.num_rows(), 18);
-    let names = table.column_by_name("scenario").unwrap().as_string::<i32>();
-    let digests = table
-        .column_by_name("scenario_digest")
-        .unwrap()
-        .as_string::<i32>();
-    let runs = table
-        .column_by_name("run")
-        .unwrap()
-        .as_primitive::<Int64Type>();
+    let (names, digests) = (texts(&table, "scenario"), texts(&table, "scenario_digest"));
+    let runs = column(&table, "run").as_primitive::<Int64Type>();
     for row in 0..table.num_rows() {
         assert_eq!(runs.value(row), row as i64);
+        let set = |name| format!("{:?}", numbers(&table, name).value(row));
         let changes = [
-            ("friction.k", numbers(&table, "friction_k").value(row)),
-            (
-                "initial.psi_dot",
-                numbers(&table, "initial_psi_dot").value(row),
-            ),
-            ("stop.duration", 0.5),
+            ("friction.k", &*set("friction_k")),
+            ("initial.psi_dot", &set("initial_psi_dot")),
+            ("stop.duration", "0.5"),
         ];
-        let changes = changes.map(|(key, number)| (key, format!("{number:?}")));
-        let changes = changes.each_ref().map(|(key, text)| (*key, text.as_str()));
         let scenario = scenario(names.value(row), &changes);
         assert_eq!(digests.value(row), scenario.digest());
         let outcome = outcome(&scenario, || true).unwrap();
@@ -225,8 +230,7 @@ fn numbers_need_no_digit_on_both_sides_of_the_point() {
         ("friction.k", "1."),
         ("description", ".5"),
     ];
-    let set = set.map(|(key, text)| (key.to_owned(), text.to_owned()));
-    let base = Base::open("paper", Path::new(""), &set).unwrap();
+    let base = base("paper", &set);
     let found = |key| base.values.get(key).cloned();
     assert_eq!(found("initial.theta"), Some(Value::Number(0.5)));
     assert_eq!(found("friction.k"), Some(Value::Number(1.0)));
@@ -240,28 +244,23 @@ fn numbers_need_no_digit_on_both_sides_of_the_point() {
 /// A table leaves a key to the base where a cell is empty.
 #[test]
 fn a_key_that_each_row_of_a_table_has_is_not_set_too() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("design.csv");
-    let set = [("friction.k".to_owned(), "0.2".to_owned())];
+    let folder = Folder::new();
+    let path = folder.at("design.csv");
     let told = |rows: &str| {
         fs::write(&path, format!("friction.k,initial.theta\n{rows}")).unwrap();
-        let base = Base::open("paper", Path::new(""), &set).unwrap();
         let table = Design::Table(Table::read(&path).unwrap());
-        let spec = Spec::new(vec![base], table, None);
+        let spec = Spec::new(vec![base("paper", &[("friction.k", "0.2")])], table, None);
         spec.map(|_| ()).map_err(|error| error.to_string())
     };
     assert_eq!(told("0.1,0.5\n,0.4\n"), Ok(()));
     let error = told("0.1,0.5\n0.2,0.4\n").unwrap_err();
-    assert!(
-        error.contains("friction.k is both set and varied"),
-        "{error}"
-    );
+    assert_contains(&error, "friction.k is both set and varied");
 }
 
 #[test]
 fn rows_that_fail_say_why() {
-    let folder = tempfile::tempdir().unwrap();
-    let table = folder.path().join("a.parquet");
+    let folder = Folder::new();
+    let table = folder.at("a.parquet");
     // θ = 0 can't be in Euler angles, beyond π is no inclination, and 10 s are over the budget.
     let axes = [
         ("stop.duration", "0.002,10"),
@@ -271,7 +270,7 @@ fn rows_that_fail_say_why() {
     let mut spec = spec(&axes);
     spec.most_steps = Some(500);
     let sweep = Sweep::new(spec).with_run(panicking);
-    let finished = compute(&sweep, &table, &Options::default()).unwrap();
+    let finished = complete(&sweep, &table).unwrap();
     let table = read(&table);
     assert_eq!(table.num_rows(), 36);
     let told = errors(&table);
@@ -295,7 +294,7 @@ fn rows_that_fail_say_why() {
     assert_eq!(finished.counts.first_error.unwrap().run, 0);
     // No outcome, and no scenario where it is invalid.
     let theta = numbers(&table, "theta");
-    let digests = table.column_by_name("scenario_digest").unwrap();
+    let digests = column(&table, "scenario_digest");
     for (row, error) in &told {
         assert!(theta.is_null(*row), "row {row}: {error}");
         assert_eq!(digests.is_null(*row), invalid.contains(row), "row {row}");
@@ -305,8 +304,8 @@ fn rows_that_fail_say_why() {
 
 #[test]
 fn a_sweep_may_end_at_the_first_error() {
-    let folder = tempfile::tempdir().unwrap();
-    let table = folder.path().join("a.parquet");
+    let folder = Folder::new();
+    let table = folder.at("a.parquet");
     let sweep = Sweep::new(spec(&[("initial.theta", "0.4,0.5,4,5")]));
     let options = Options {
         fail_fast: true,
@@ -320,8 +319,8 @@ fn a_sweep_may_end_at_the_first_error() {
 /// What is there is ended at too: the first row in order.
 #[test]
 fn regress_a_first_error_may_be_in_a_part_or_table_that_is_there() {
-    let folder = tempfile::tempdir().unwrap();
-    let table = folder.path().join("a.parquet");
+    let folder = Folder::new();
+    let table = folder.at("a.parquet");
     // The third of four parts has the first inclinations from which tops have fallen, the fourth has no others.
     let sweep = Sweep::new(spec(&[("initial.theta", "0.2..2.2/4000")]));
     let shard = |index| Some(Shard { index, count: 4 });
@@ -356,8 +355,8 @@ fn regress_a_first_error_may_be_in_a_part_or_table_that_is_there() {
 /// A row whose run fails comes before one whose values make no scenario.
 #[test]
 fn regress_the_first_error_is_the_first_whatever_its_kind() {
-    let folder = tempfile::tempdir().unwrap();
-    let table = folder.path().join("a.parquet");
+    let folder = Folder::new();
+    let table = folder.at("a.parquet");
     let mut spec = spec(&[("stop.duration", "0.002,10,-1")]);
     spec.most_steps = Some(500);
     let options = Options {
@@ -373,84 +372,66 @@ fn regress_the_first_error_is_the_first_whatever_its_kind() {
 
 #[test]
 fn what_is_there_is_never_overwritten() {
-    let folder = tempfile::tempdir().unwrap();
-    let table = folder.path().join("a.parquet");
+    let folder = Folder::new();
+    let table = folder.at("a.parquet");
     let sweep = |text| Sweep::new(spec(&[("friction.k", text)]));
-    let go = |text| compute(&sweep(text), &table, &Options::default());
+    let go = |text| complete(&sweep(text), &table);
     fs::write(&table, "precious").unwrap();
     let told = go("0.1").unwrap_err().to_string();
-    assert!(told.contains("is not a sweep table"), "{told}");
+    assert_contains(&told, "is not a sweep table");
     assert_eq!(fs::read(&table).unwrap(), b"precious");
     fs::remove_file(&table).unwrap();
     go("0.1").unwrap();
     let before = digest(&table);
     let refused = go("0.2").unwrap_err().to_string();
-    assert!(
-        refused.contains("over.friction.k is \"0.1\" in the file, \"0.2\" here"),
-        "{refused}"
+    assert_contains(
+        &refused,
+        "over.friction.k is \"0.1\" in the file, \"0.2\" here",
     );
     assert_eq!(digest(&table), before);
     // The parts of another sweep that isn't complete.
-    let table = folder.path().join("b.parquet");
-    let options = Options {
-        shard: Some(Shard { index: 0, count: 1 }),
-        ..Options::default()
-    };
-    compute(&sweep("0.1"), &table, &options).unwrap();
-    let refused = compute(&sweep("0.3"), &table, &options).unwrap_err();
-    let told = refused.to_string();
-    assert!(told.contains("belongs to another sweep"), "{told}");
-    compute(&sweep("0.1"), &table, &Options::default()).unwrap();
-    assert_eq!(
-        fs::read(folder.path().join("a.parquet")).unwrap(),
-        fs::read(&table).unwrap()
-    );
+    let table = folder.at("b.parquet");
+    compute(&sweep("0.1"), &table, &shard(0, 1)).unwrap();
+    let refused = compute(&sweep("0.3"), &table, &shard(0, 1));
+    let told = refused.unwrap_err().to_string();
+    assert_contains(&told, "belongs to another sweep");
+    complete(&sweep("0.1"), &table).unwrap();
+    assert_eq!(folder.read("a.parquet"), fs::read(&table).unwrap());
 }
 
 #[test]
 fn samples_and_tables_say_what_runs() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let sample = |method, seed| {
-        let axes = [
-            ("friction.k", "0.01..1/log"),
-            ("friction.law", "coulomb,none"),
-        ];
-        let axes = axes.map(|(key, text)| Axis::parse(key, text).unwrap());
-        let count = 64;
         let sample = Sample {
-            count,
+            count: 64,
             method,
             seed,
         };
-        let design = Design::Sample(sample, axes.to_vec());
-        let base = Base::open("paper", Path::new(""), &[]).unwrap();
-        Sweep::new(Spec::new(vec![base], design, None).unwrap()).design(0..64)
+        let varied = axes(&[
+            ("friction.k", "0.01..1/log"),
+            ("friction.law", "coulomb,none"),
+        ]);
+        let design = Design::Sample(sample, varied);
+        Sweep::new(Spec::new(vec![base("paper", &[])], design, None).unwrap()).design(0..64)
     };
     let sobol = sample(Method::Sobol, 0);
     let k = numbers(&sobol, "friction_k");
     assert_eq!(k.value(0), 0.01);
     // The second point of Sobol's sequence is the middle.
     assert!((k.value(1) - 0.1).abs() < 1e-15);
-    let laws = sobol
-        .column_by_name("friction_law")
-        .unwrap()
-        .as_string::<i32>();
+    let laws = texts(&sobol, "friction_law");
     assert_eq!(laws.iter().filter(|law| *law == Some("none")).count(), 32);
     assert_ne!(sobol, sample(Method::Sobol, 1));
     assert_ne!(sample(Method::Random, 1), sample(Method::Random, 2));
     assert_eq!(sample(Method::Random, 1), sample(Method::Random, 1));
 
-    let csv = folder.path().join("design.csv");
-    fs::write(
-        &csv,
-        "friction_k, initial.psi_dot\n0.01, 100\n,150\n0.02,\n",
-    )
-    .unwrap();
+    let csv = folder.at("design.csv");
+    let text = "friction_k, initial.psi_dot\n0.01, 100\n,150\n0.02,\n";
+    fs::write(&csv, text).unwrap();
     let of = |path: &Path| {
-        let table = toprise::sweep::Table::read(path).unwrap();
-        let base = Base::open("paper", Path::new(""), &[]).unwrap();
-        let design = Design::of(Vec::new(), None, Some(table)).unwrap();
-        Spec::new(vec![base], design, None).unwrap()
+        let design = Design::of(Vec::new(), None, Some(Table::read(path).unwrap())).unwrap();
+        Spec::new(vec![base("paper", &[])], design, None).unwrap()
     };
     let spec = of(&csv);
     let design = Sweep::new(spec.clone()).design(0..3);
@@ -458,7 +439,7 @@ fn samples_and_tables_say_what_runs() {
     assert_eq!((k.value(0), k.is_null(1), k.value(2)), (0.01, true, 0.02));
     assert!(numbers(&design, "initial_psi_dot").is_null(2));
     // The same design as Parquet is the same sweep.
-    let file = folder.path().join("design.parquet");
+    let file = folder.at("design.parquet");
     let columns = design.project(&[2, 3]).unwrap();
     write(&file, &columns);
     assert_eq!(of(&file).to_json(), spec.to_json());
@@ -480,8 +461,8 @@ fn samples_and_tables_say_what_runs() {
         ("friction_k\n", "no rows"),
     ] {
         fs::write(&csv, text).unwrap();
-        let error = toprise::sweep::Table::read(&csv).unwrap_err().to_string();
-        assert!(error.contains(part), "{error}");
+        let error = Table::read(&csv).unwrap_err().to_string();
+        assert_contains(&error, part);
     }
 }
 
@@ -492,17 +473,14 @@ fn val_samples_are_the_sobol_sequence_of_scipy() {
     let keys = toprise::run::scenario::KEYS.iter();
     let keys: Vec<_> = keys.filter(|key| !key.kind.is_text()).collect();
     assert!(keys.len() > 40);
-    let axes = keys
-        .iter()
-        .map(|key| Axis::parse(key.path, "0..1").unwrap());
+    let varied: Vec<_> = keys.iter().map(|key| (key.path, "0..1")).collect();
     let sample = Sample {
         count: 2_000_000,
         method: Method::Sobol,
         seed: 0,
     };
-    let design = Design::Sample(sample, axes.collect());
-    let base = Base::open("paper", Path::new(""), &[]).unwrap();
-    let sweep = Sweep::new(Spec::new(vec![base], design, None).unwrap());
+    let design = Design::Sample(sample, axes(&varied));
+    let sweep = Sweep::new(Spec::new(vec![base("paper", &[])], design, None).unwrap());
     let points = data["points"].as_object().unwrap();
     assert!(points.len() > 20);
     for (row, point) in points {
@@ -510,85 +488,43 @@ fn val_samples_are_the_sobol_sequence_of_scipy() {
         let ours = sweep.design(row..row + 1);
         for (key, coordinate) in keys.iter().zip(point.as_array().unwrap()) {
             let column = numbers(&ours, &toprise::sweep::column_name(key));
-            assert_eq!(
-                Some(column.value(0)),
-                coordinate.as_f64(),
-                "{row}, {}",
-                key.path
-            );
+            let (found, key) = (Some(column.value(0)), key.path);
+            assert_eq!(found, coordinate.as_f64(), "{row}, {key}");
         }
     }
 }
 
-fn toprise(folder: &Path, line: &str) -> (i32, String, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_toprise"))
-        .current_dir(folder)
-        .args(line.split_whitespace())
-        .output()
-        .unwrap();
-    let text = |bytes| String::from_utf8(bytes).unwrap();
-    let code = output.status.code().unwrap();
-    (code, text(output.stdout), text(output.stderr))
-}
-
 #[test]
 fn the_command_sweeps_resumes_and_reports() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let line = "sweep paper --set stop.duration=0.01 --over initial_theta=0.5,4 -o a.parquet";
-    let (code, answer, notes) = toprise(folder, &format!("{line} --dry-run"));
-    assert_eq!(code, 0, "{notes}");
+    let answer = folder.toprise(&format!("{line} --dry-run"), 0).stdout;
     assert!(answer.starts_with("2 runs"), "{answer}");
-    assert_eq!(fs::read_dir(folder).unwrap().count(), 0);
-    let (code, answer, notes) = toprise(folder, &format!("{line} --format json"));
-    assert_eq!(code, 3, "{notes}");
+    assert_eq!(folder.files().len(), 0);
+    let answer = folder.toprise(&format!("{line} --format json"), 3).stdout;
     let report: serde_json::Value = serde_json::from_str(&answer).unwrap();
     assert_eq!(report["runs"], 2);
     assert_eq!(report["outcomes"]["duration"], 1);
     assert_eq!(report["first_error"]["run"], 1);
-    let (code, answer, _) = toprise(folder, line);
-    assert_eq!(code, 3);
-    assert!(
-        answer.contains("0 runs (all were already computed)"),
-        "{answer}"
+    let answer = folder.toprise(line, 3).stdout;
+    assert_contains(&answer, "0 runs (all were already computed)");
+    let told = "bases[0].scenario.stop.duration is 0.01 in the file, 0.02 here";
+    folder.refuses(&line.replace("0.01", "0.02"), told);
+    folder.refuses(
+        "sweep paper --over friction.k=0.1..1 -o b.parquet",
+        "a grid needs a number of values",
     );
-    let (code, _, told) = toprise(folder, &line.replace("0.01", "0.02"));
-    assert_eq!(code, 2);
-    assert!(
-        told.contains("bases[0].scenario.stop.duration is 0.01 in the file, 0.02 here"),
-        "{told}"
-    );
-    let (code, _, told) = toprise(folder, "sweep paper --over friction.k=0.1..1 -o b.parquet");
-    assert_eq!(code, 2);
-    assert!(told.contains("a grid needs a number of values"), "{told}");
     let spec = "bases = [\"paper\"]\nset = { \"stop.duration\" = 0.01 }\nover = { initial_theta = [0.5, 4] }\n";
-    fs::write(folder.join("spec.toml"), spec).unwrap();
-    let (code, _, notes) = toprise(folder, "sweep spec.toml -o c.parquet");
-    assert_eq!(code, 3, "{notes}");
-    let bytes = |name| fs::read(folder.join(name)).unwrap();
-    assert_eq!(bytes("a.parquet"), bytes("c.parquet"));
-}
-
-/// The files of a directory, by their names.
-fn files(directory: &Path) -> BTreeMap<String, Vec<u8>> {
-    let entries = fs::read_dir(directory).unwrap().map(Result::unwrap);
-    let file = |entry: fs::DirEntry| {
-        let name = entry.file_name().into_string().unwrap();
-        (name, fs::read(entry.path()).unwrap())
-    };
-    entries.map(file).collect()
+    folder.write("spec.toml", spec);
+    folder.toprise("sweep spec.toml -o c.parquet", 3);
+    assert_eq!(folder.read("a.parquet"), folder.read("c.parquet"));
 }
 
 /// Any design: a grid over several bases, with words, a sample, and a table that leaves cells to the base.
 #[test]
 fn a_row_is_run_again_as_it_was() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    fs::write(
-        folder.join("design.csv"),
-        "friction_k,initial.theta\n0.02,0.5\n,0.4\n",
-    )
-    .unwrap();
+    let folder = Folder::new();
+    folder.write("design.csv", "friction_k,initial.theta\n0.02,0.5\n,0.4\n");
     let brief = "--set stop.duration=0.1 --format json";
     for (sweep, row, run) in [
         (
@@ -607,8 +543,7 @@ fn a_row_is_run_again_as_it_was() {
             "paper --set initial.theta=0.4",
         ),
     ] {
-        let (code, _, told) = toprise(folder, &format!("sweep {sweep} {brief} -o a.parquet"));
-        assert_eq!(code, 0, "{told}");
+        folder.toprise(&format!("sweep {sweep} {brief} -o a.parquet"), 0);
         let recorded = |what: &str, name: &str| {
             let rrd = if cfg!(feature = "rerun") {
                 "--no-rrd"
@@ -616,29 +551,28 @@ fn a_row_is_run_again_as_it_was() {
                 ""
             };
             let line = format!("run {what} -q {rrd} -o {name}");
-            let (code, _, told) = toprise(folder, &line);
-            assert_eq!(code, 0, "{told}");
-            let bytes = fs::read(folder.join(name)).unwrap();
-            fs::remove_file(folder.join(name)).unwrap();
+            folder.toprise(&line, 0);
+            let bytes = folder.read(name);
+            fs::remove_file(folder.at(name)).unwrap();
             bytes
         };
         let again = recorded(&format!("a.parquet --row {row}"), "again.mcap");
         let plain = recorded(&format!("{run} --set stop.duration=0.1"), "plain.mcap");
         assert!(again == plain, "{sweep}");
-        fs::remove_file(folder.join("a.parquet")).unwrap();
+        fs::remove_file(folder.at("a.parquet")).unwrap();
     }
 }
 
 #[test]
 fn a_row_that_is_not_there_or_was_changed_is_not_run() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let table = folder.join("a.parquet");
+    let folder = Folder::new();
+    let table = folder.at("a.parquet");
     let sweep = Sweep::new(spec(&[("initial.theta", "0.4,4")]));
-    compute(&sweep, &table, &Options::default()).unwrap();
-    let k: ArrayRef = Arc::new(Float64Array::from(vec![0.1]));
-    let design = RecordBatch::try_from_iter([("friction_k", k)]).unwrap();
-    write(&folder.join("design.parquet"), &design);
+    complete(&sweep, &table).unwrap();
+    write_columns(
+        &folder.at("design.parquet"),
+        [("friction_k", column_of(&[0.1]))],
+    );
     for (line, part) in [
         ("a.parquet --row 2", "no row 2: the table has 2 rows"),
         ("a.parquet --row 1", "initial.theta = 4"),
@@ -646,50 +580,36 @@ fn a_row_that_is_not_there_or_was_changed_is_not_run() {
         ("design.parquet --row 0", "not the table of a sweep"),
         ("paper --row 0", "paper"),
     ] {
-        let (code, _, told) = toprise(folder, &format!("run {line} -o a.mcap"));
-        assert_eq!(code, 2, "{line}: {told}");
-        assert!(told.contains(part), "{line}: {told}");
+        folder.refuses(&format!("run {line} -o a.mcap"), part);
     }
     // The same file with another inclination in the row.
     let mut columns = read(&table).columns().to_vec();
-    columns[2] = Arc::new(Float64Array::from(vec![0.5, 4.0]));
-    let metadata = {
-        let reader = SerializedFileReader::new(File::open(&table).unwrap()).unwrap();
-        reader
-            .metadata()
-            .file_metadata()
-            .key_value_metadata()
-            .cloned()
-    };
+    columns[2] = column_of(&[0.5, 4.0]);
+    let reader = SerializedFileReader::new(File::open(&table).unwrap()).unwrap();
+    let metadata = reader.metadata().file_metadata().key_value_metadata();
     let properties = WriterProperties::builder()
-        .set_key_value_metadata(metadata)
+        .set_key_value_metadata(metadata.cloned())
         .build();
     let changed = RecordBatch::try_new(sweep.schema(), columns).unwrap();
-    let output = File::create(&table).unwrap();
-    let mut writer = ArrowWriter::try_new(output, sweep.schema(), Some(properties)).unwrap();
-    writer.write(&changed).unwrap();
-    writer.close().unwrap();
+    write_with(&table, &changed, Some(properties));
     let error = values_of_row(&table, 0).unwrap_err().to_string();
-    assert!(
-        error.contains("the scenario of row 0 does not match its digest"),
-        "{error}"
-    );
+    assert_contains(&error, "the scenario of row 0 does not match its digest");
 }
 
 /// Whatever bit of it is wrong: the row is the one that was run, or the table is refused.
 #[test]
 fn no_damage_of_a_table_is_more_than_an_error() {
-    let folder = tempfile::tempdir().unwrap();
-    let table = folder.path().join("a.parquet");
+    let folder = Folder::new();
+    let table = folder.at("a.parquet");
     let sweep = Sweep::new(spec(&[("friction.k", "0.01..0.1/12")]));
-    compute(&sweep, &table, &Options::default()).unwrap();
+    complete(&sweep, &table).unwrap();
     let sound = fs::read(&table).unwrap();
     let digest_of = |table: &Path| -> Result<String, SweepError> {
         Ok(Scenario::new(values_of_row(table, 3)?)?.digest())
     };
     let expected = digest_of(&table).unwrap();
     let names = ["friction_k", "rise_time"];
-    let damaged = folder.path().join("b.parquet");
+    let damaged = folder.at("b.parquet");
     for place in (4..sound.len()).step_by(3) {
         let mut bytes = sound.clone();
         bytes[place] ^= 1 << (place % 8);
@@ -703,87 +623,54 @@ fn no_damage_of_a_table_is_more_than_an_error() {
 
 #[test]
 fn sweeps_are_drawn_as_maps_and_curves() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let sweep = "sweep paper viscous --set stop.duration=0.05 --over friction.k=0.01..1/5log --over initial.theta=0.3..0.5/3 -o a.parquet";
-    let (code, _, notes) = toprise(folder, sweep);
-    assert_eq!(code, 0, "{notes}");
+    folder.toprise(sweep, 0);
     let map = "figures --sweep a.parquet --x friction.k --y initial_theta --kinds svg";
-    let (code, _, told) = toprise(folder, &format!("{map} -o both"));
-    assert_eq!(code, 2);
-    assert!(told.contains("select with --where"), "{told}");
+    folder.refuses(&format!("{map} -o both"), "select with --where");
     // Nothing has risen yet: all cells have the colour that says so.
-    let (code, _, told) = toprise(folder, &format!("{map} --where scenario=paper -o risen"));
-    assert_eq!(code, 0, "{told}");
-    let svg = fs::read_to_string(folder.join("risen/sweep.svg")).unwrap();
+    folder.toprise(&format!("{map} --where scenario=paper -o risen"), 0);
+    let svg = folder.text("risen/sweep.svg");
     for part in ["not reached", "friction.k", "θ_0 (rad)", "0.01", "0.1"] {
         assert!(svg.contains(part), "{part} is not in the figure");
     }
     assert!(!svg.contains("rise time (s)"));
-    let (code, _, told) = toprise(
-        folder,
+    folder.toprise(
         &format!("{map} --where scenario=paper --show energy -o energy"),
+        0,
     );
-    assert_eq!(code, 0, "{told}");
-    let svg = fs::read_to_string(folder.join("energy/sweep.svg")).unwrap();
+    let svg = folder.text("energy/sweep.svg");
     assert!(svg.contains("energy (J)") && !svg.contains("not reached"));
     let curves = "figures --sweep a.parquet --x friction_k --show slip_path --where initial_theta=0.4 --kinds svg -o c";
-    let (code, _, told) = toprise(folder, curves);
-    assert_eq!(code, 0, "{told}");
-    let svg = fs::read_to_string(folder.join("c/sweep.svg")).unwrap();
+    folder.toprise(curves, 0);
+    let svg = folder.text("c/sweep.svg");
     for part in ["paper", "viscous", "slip path ("] {
         assert!(svg.contains(part), "{part} is not in the figure");
     }
-    let (code, _, told) = toprise(
-        folder,
+    folder.refuses(
         "figures --sweep a.parquet --x friction --kinds svg -o d",
-    );
-    assert_eq!(code, 2);
-    assert!(
-        told.contains("no column friction; columns: run, scenario"),
-        "{told}"
+        "no column friction; columns: run, scenario",
     );
     let twice = "figures --sweep a.parquet --x friction_k --y friction.k -o d";
-    let (code, _, told) = toprise(folder, twice);
-    assert_eq!(code, 2);
-    assert!(
-        told.contains("--x and --y are both friction_k: choose two columns"),
-        "{told}"
-    );
+    folder.refuses(twice, "--x and --y are both friction_k: choose two columns");
 }
 
 /// A part is taken for that of this sweep only if it is, and every bit of it is as it was written. What is damaged is
 /// computed again.
 #[test]
 fn parts_that_are_others_or_damaged_are_never_merged() {
-    let folder = tempfile::tempdir().unwrap();
-    let (a, b) = (
-        folder.path().join("a.parquet"),
-        folder.path().join("b.parquet"),
-    );
-    let shard = |index, count| Options {
-        shard: Some(Shard { index, count }),
-        ..Options::default()
-    };
-    let axes = |last| {
-        [
-            ("friction.k", "0.005..0.1/40log"),
-            ("initial.psi_dot", last),
-        ]
-    };
-    let first = Sweep::new(spec(&axes("60..200/60")));
-    let second = Sweep::new(spec(&axes("60..210/60")));
+    let folder = Folder::new();
+    let (a, b) = (folder.at("a.parquet"), folder.at("b.parquet"));
+    let sweep = |last| Sweep::new(spec(&[AXES[0], ("initial.psi_dot", last)]));
+    let (first, second) = (sweep("60..200/60"), sweep("60..210/60"));
     compute(&first, &a, &shard(0, 1)).unwrap();
     compute(&second, &b, &shard(0, 1)).unwrap();
     let part = |table, number: u64| parts_directory(table).join(format!("{number:06}.parquet"));
     let sound = fs::read(part(&a, 2)).unwrap();
     let refused = |what: &str| {
-        let error = compute(&first, &a, &Options::default()).unwrap_err();
-        let is_named = error.to_string().contains("000002.parquet");
-        assert!(
-            error.to_string().contains("can't be merged") && is_named,
-            "{what}: {error}"
-        );
+        let error = complete(&first, &a).unwrap_err().to_string();
+        assert!(error.contains("can't be merged"), "{what}: {error}");
+        assert!(error.contains("000002.parquet"), "{what}: {error}");
         assert!(!a.exists(), "{what}");
     };
     fs::copy(part(&b, 2), part(&a, 2)).unwrap();
@@ -808,17 +695,17 @@ fn parts_that_are_others_or_damaged_are_never_merged() {
         assert!(is_mended(&sound[..length]), "cut off after {length} bytes");
     }
     assert_eq!(compute(&first, &a, &shard(2, 3)).unwrap().computed, 0);
-    compute(&first, &a, &Options::default()).unwrap();
+    complete(&first, &a).unwrap();
     assert!(!parts_directory(&a).exists());
 }
 
 /// A table that is there is done only if every bit of it is as it was written.
 #[test]
 fn regress_a_damaged_table_is_not_done() {
-    let folder = tempfile::tempdir().unwrap();
-    let table = folder.path().join("a.parquet");
+    let folder = Folder::new();
+    let table = folder.at("a.parquet");
     let sweep = Sweep::new(spec(AXES));
-    let go = || compute(&sweep, &table, &Options::default());
+    let go = || complete(&sweep, &table);
     go().unwrap();
     let sound = fs::read(&table).unwrap();
     for place in (0..sound.len()).step_by(sound.len() / 200) {
@@ -833,10 +720,7 @@ fn regress_a_damaged_table_is_not_done() {
     damaged[2000..2100].fill(0);
     fs::write(&table, damaged).unwrap();
     let error = go().unwrap_err();
-    assert!(
-        error.to_string().contains("is damaged or was modified"),
-        "{error}"
-    );
+    assert_contains(&error.to_string(), "is damaged or was modified");
     fs::remove_file(&table).unwrap();
     go().unwrap();
     assert!(fs::read(&table).unwrap() == sound);
@@ -846,11 +730,10 @@ fn regress_a_damaged_table_is_not_done() {
 /// Row counts, names and types of a Parquet file are looked at before its columns.
 #[test]
 fn regress_a_design_is_refused_before_its_columns_are_read() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("design.parquet");
+    let folder = Folder::new();
+    let path = folder.at("design.parquet");
     let written = |name: &str, column: ArrayRef| {
-        let table = RecordBatch::try_from_iter([(name, column)]).unwrap();
-        write(&path, &table);
+        write_columns(&path, [(name, column)]);
         let mut bytes = fs::read(&path).unwrap();
         let groups = SerializedFileReader::new(File::open(&path).unwrap()).unwrap();
         let (start, length) = groups.metadata().row_group(0).column(0).byte_range();
@@ -859,7 +742,7 @@ fn regress_a_design_is_refused_before_its_columns_are_read() {
         fs::write(&path, bytes).unwrap();
         Table::read(&path).unwrap_err().to_string()
     };
-    let numbers = || Arc::new(Float64Array::from(vec![0.1; 1000])) as ArrayRef;
+    let numbers = || column_of(&[0.1; 1000]);
     let words = || Arc::new(LargeStringArray::from(vec!["fast"; 1000])) as ArrayRef;
     for (name, column, part) in [
         ("friction_kk", numbers(), "did you mean"),
@@ -871,20 +754,17 @@ fn regress_a_design_is_refused_before_its_columns_are_read() {
         ),
     ] {
         let told = written(name, column);
-        assert!(told.contains(part), "{told}");
+        assert_contains(&told, part);
     }
     let told = written("friction_k", numbers());
     assert!(!told.contains("rows"), "{told}");
     // The same thousand rows, ten thousand times and once more.
-    write(
-        &path,
-        &RecordBatch::try_from_iter([("friction_k", numbers())]).unwrap(),
-    );
+    write_columns(&path, [("friction_k", numbers())]);
     let thousand = File::open(&path).unwrap();
     let reader = SerializedFileReader::new(thousand.try_clone().unwrap()).unwrap();
     let group = reader.metadata().row_group(0);
     let schema = reader.metadata().file_metadata().schema_descr();
-    let many = folder.path().join("many.parquet");
+    let many = folder.at("many.parquet");
     let output = File::create(&many).unwrap();
     let properties = Arc::default();
     let mut writer =
@@ -904,14 +784,14 @@ fn regress_a_design_is_refused_before_its_columns_are_read() {
     }
     writer.close().unwrap();
     let told = Table::read(&many).unwrap_err().to_string();
-    assert!(told.contains("more than 10000000 rows"), "{told}");
+    assert_contains(&told, "more than 10000000 rows");
 }
 
 /// Threads that have nothing to do cost as much as others to start.
 #[cfg(target_os = "linux")]
 #[test]
 fn regress_there_are_no_more_threads_than_processors_and_runs() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let threads = || fs::read_dir("/proc/self/task").unwrap().count() as u64;
     let most = AtomicU64::new(0);
     let watch = Watch {
@@ -925,7 +805,7 @@ fn regress_there_are_no_more_threads_than_processors_and_runs() {
         ..Options::default()
     };
     let sweep = Sweep::new(spec(&[("friction.k", "0.1,0.2,0.3")]));
-    run(&sweep, &folder.path().join("a.parquet"), &options, &watch).unwrap();
+    run(&sweep, &folder.at("a.parquet"), &options, &watch).unwrap();
     // Other tests have some too.
     assert!(most.into_inner() < 1024);
     let processors = std::thread::available_parallelism().unwrap().get();
@@ -938,23 +818,17 @@ fn regress_there_are_no_more_threads_than_processors_and_runs() {
 /// A share that comes in late, when the sweep has been completed without it, leaves nothing behind.
 #[test]
 fn what_comes_late_is_cleared_away() {
-    let folder = tempfile::tempdir().unwrap();
-    let table = folder.path().join("a.parquet");
+    let folder = Folder::new();
+    let table = folder.at("a.parquet");
     let sweep = Sweep::new(spec(AXES));
-    let late = Options {
-        shard: Some(Shard { index: 1, count: 2 }),
-        ..Options::default()
-    };
+    let late = shard(1, 2);
     let has_begun = AtomicBool::new(false);
-    let complete = || {
-        if !has_begun.swap(true, Ordering::Relaxed) {
-            compute(&sweep, &table, &Options::default()).unwrap();
-        }
-    };
     let watch = Watch {
         carry_on: &|| true,
         done: &|_| {
-            complete();
+            if !has_begun.swap(true, Ordering::Relaxed) {
+                complete(&sweep, &table).unwrap();
+            }
         },
     };
     // While its first row is done, another process does everything.
@@ -964,56 +838,62 @@ fn what_comes_late_is_cleared_away() {
     assert_eq!(finished.computed, 1000);
     assert!(!parts_directory(&table).exists());
     // So is what a process left that was killed while it cleared.
-    compute(&sweep, &folder.path().join("b.parquet"), &late).unwrap();
-    let left = folder.path().join("b.parquet.parts");
+    compute(&sweep, &folder.at("b.parquet"), &late).unwrap();
+    let left = folder.at("b.parquet.parts");
     fs::rename(&left, parts_directory(&table)).unwrap();
-    compute(&sweep, &table, &Options::default()).unwrap();
+    complete(&sweep, &table).unwrap();
     assert!(!parts_directory(&table).exists());
 }
 
 #[test]
 fn what_says_of_which_sweep_parts_are_may_be_damaged() {
-    let folder = tempfile::tempdir().unwrap();
-    let table = folder.path().join("a.parquet");
+    let folder = Folder::new();
+    let table = folder.at("a.parquet");
     let sweep = Sweep::new(spec(&[("friction.k", "0.1")]));
     fs::create_dir(parts_directory(&table)).unwrap();
     for text in ["", "{", "\u{0}"] {
         fs::write(parts_directory(&table).join("sweep.json"), text).unwrap();
-        let error = compute(&sweep, &table, &Options::default()).unwrap_err();
-        assert!(
-            error
-                .to_string()
-                .contains("is damaged (its spec is unreadable)"),
-            "{error}"
-        );
+        let error = complete(&sweep, &table).unwrap_err();
+        assert_contains(&error.to_string(), "is damaged (its spec is unreadable)");
     }
 }
 
 fn write(path: &Path, table: &RecordBatch) {
+    write_with(path, table, None);
+}
+
+fn write_with(path: &Path, table: &RecordBatch, properties: Option<WriterProperties>) {
     let file = File::create(path).unwrap();
-    let mut writer = ArrowWriter::try_new(file, table.schema(), None).unwrap();
+    let mut writer = ArrowWriter::try_new(file, table.schema(), properties).unwrap();
     writer.write(table).unwrap();
     writer.close().unwrap();
+}
+
+fn column_of(numbers: &[f64]) -> ArrayRef {
+    Arc::new(Float64Array::from(numbers.to_vec()))
+}
+
+fn write_columns<const N: usize>(path: &Path, columns: [(&str, ArrayRef); N]) {
+    write(path, &RecordBatch::try_from_iter(columns).unwrap());
 }
 
 /// A table as pandas writes it: its index is a column like any other, but for its name or what the schema says.
 #[test]
 fn an_index_of_pandas_is_no_key() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("design.parquet");
+    let folder = Folder::new();
+    let path = folder.at("design.parquet");
     let design = |indices: &str| {
         let about = format!("{{\"index_columns\": {indices}}}");
         let about = HashMap::from([("pandas".to_owned(), about)]);
         let fields = ["__index_level_0__", "serial", "friction_k"];
         let fields = fields.map(|name| Field::new(name, DataType::Float64, true));
         let schema = Schema::new_with_metadata(fields.to_vec(), about);
-        let column = || Arc::new(Float64Array::from(vec![0.01, 0.02])) as ArrayRef;
-        let table =
-            RecordBatch::try_new(Arc::new(schema), vec![column(), column(), column()]).unwrap();
-        write(&path, &table);
-        toprise::sweep::Table::read(&path)
+        let columns = vec![column_of(&[0.01, 0.02]); 3];
+        let table = RecordBatch::try_new(Arc::new(schema), columns);
+        write(&path, &table.unwrap());
+        Table::read(&path)
     };
-    let paths = |table: toprise::sweep::Table| {
+    let paths = |table: Table| {
         let keys = table.keys().into_iter();
         keys.map(|key| key.path).collect::<Vec<_>>()
     };
@@ -1023,33 +903,24 @@ fn an_index_of_pandas_is_no_key() {
     let table = design("[\"serial\", \"friction_k\"]").unwrap();
     assert_eq!(paths(table), ["friction.k"]);
     let error = design("[{\"kind\": \"range\"}]").unwrap_err().to_string();
-    assert!(error.contains("unknown key serial"), "{error}");
+    assert_contains(&error, "unknown key serial");
 }
 
 /// Libraries have several types for texts and numbers, and write a table with others than it had.
 #[test]
 fn tables_that_others_have_written_are_drawn() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let sweep = "sweep paper viscous --set stop.duration=0.05 --over friction.k=0.01,0.02,0.03 --over initial.theta=0.25,0.5 -o a.parquet";
-    let (code, _, notes) = toprise(folder, sweep);
-    assert_eq!(code, 0, "{notes}");
-    let table = read(&folder.join("a.parquet"));
+    folder.toprise(sweep, 0);
+    let table = read(&folder.at("a.parquet"));
     let line =
         "--x friction_k --y initial_theta --show energy --where scenario=viscous --kinds svg -o";
     let draw = |file: &str| {
         let line = format!("figures --sweep {file}.parquet {line} {file}");
-        let (code, _, told) = toprise(folder, &line);
-        assert_eq!(code, 0, "{told}");
-        fs::read_to_string(folder.join(file).join("sweep.svg")).unwrap()
+        folder.toprise(&line, 0);
+        folder.text(format!("{file}/sweep.svg"))
     };
-    let texts = |name: &str| {
-        table
-            .column_by_name(name)
-            .unwrap()
-            .as_string::<i32>()
-            .iter()
-    };
+    let texts = |name| texts(&table, name).iter();
     let words: [ArrayRef; 3] = [
         Arc::new(texts("scenario").collect::<DictionaryArray<Int32Type>>()),
         Arc::new(texts("scenario").collect::<LargeStringArray>()),
@@ -1073,7 +944,7 @@ fn tables_that_others_have_written_are_drawn() {
         let (fields, columns): (Vec<Field>, Vec<ArrayRef>) = columns.unzip();
         let other = RecordBatch::try_new(Arc::new(Schema::new(fields)), columns);
         let name = format!("other{index}");
-        write(&folder.join(format!("{name}.parquet")), &other.unwrap());
+        write(&folder.at(format!("{name}.parquet")), &other.unwrap());
         drawn.push(draw(&name));
     }
     assert_eq!(drawn[0], drawn[1]);
@@ -1081,51 +952,38 @@ fn tables_that_others_have_written_are_drawn() {
     // These angles are floats of 32 bits too.
     assert_eq!(drawn[0], draw("a"));
 
-    let chosen = |condition: &str| {
+    for (condition, part) in [
+        ("initial_theta=61", "values: 0.25, 0.5"),
+        ("scenario=papr", "values: paper, viscous"),
+    ] {
         let line = format!("figures --sweep a.parquet --x friction_k --where {condition}");
-        let (code, _, told) = toprise(folder, &line);
-        assert_eq!(code, 2);
-        told
-    };
-    let told = chosen("initial_theta=61");
-    assert!(
-        told.contains("no run has initial_theta = 61; values: 0.25, 0.5"),
-        "{told}"
-    );
-    let told = chosen("scenario=papr");
-    assert!(
-        told.contains("no run has scenario = papr; values: paper, viscous"),
-        "{told}"
-    );
+        let told = format!("no run has {}; {part}", condition.replace('=', " = "));
+        folder.refuses(&line, &told);
+    }
 }
 
 #[test]
 fn a_table_needs_a_name() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for name in ["..", "/", "new/"] {
-        let line = ["sweep", "paper", "--set", "stop.duration=0.01", "-o", name];
-        let mut command = Command::new(env!("CARGO_BIN_EXE_toprise"));
-        let output = command.current_dir(folder.path()).args(line).output();
-        let output = output.unwrap();
-        let told = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(2), "{told}");
-        assert!(told.contains("is not a file name"), "{told}");
+        let line = format!("sweep paper --set stop.duration=0.01 -o {name}");
+        folder.refuses(&line, "is not a file name");
     }
-    let nameless = compute(&Sweep::new(spec(AXES)), Path::new(""), &Options::default());
+    let nameless = complete(&Sweep::new(spec(AXES)), Path::new(""));
     assert!(nameless.is_err_and(|error| error.to_string().contains("is not a file name")));
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    assert_eq!(folder.files().len(), 0);
 }
 
 /// A name that leaves room for the directory of parts is a table's, and one that does not is not.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_name_that_is_too_long_is_refused_before_anything_is_computed() {
-    let folder = tempfile::tempdir().unwrap();
-    let table = folder.path().join("a".repeat(249));
+    let folder = Folder::new();
+    let table = folder.at("a".repeat(249));
     let sweep = Sweep::new(spec(&[("friction.k", "0.1,0.2")]));
-    compute(&sweep, &table, &Options::default()).unwrap();
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
-    let table = folder.path().join("a".repeat(250));
+    complete(&sweep, &table).unwrap();
+    assert_eq!(folder.files().len(), 1);
+    let table = folder.at("a".repeat(250));
     let done = AtomicU64::new(0);
     let watch = Watch {
         carry_on: &|| true,
@@ -1134,16 +992,15 @@ fn a_name_that_is_too_long_is_refused_before_anything_is_computed() {
         },
     };
     let refused = run(&sweep, &table, &Options::default(), &watch).unwrap_err();
-    assert!(refused.to_string().contains("too long"), "{refused}");
+    assert_contains(&refused.to_string(), "too long");
     assert_eq!(done.into_inner(), 0);
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    assert_eq!(folder.files().len(), 1);
 }
 
 #[test]
 fn what_others_keep_beside_the_parts_stays() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let parts = folder.join("a.parquet.parts");
+    let folder = Folder::new();
+    let parts = folder.at("a.parquet.parts");
     fs::create_dir(&parts).unwrap();
     // The draft of a part, which a process that was killed has left, goes; nothing else does.
     for name in [
@@ -1161,15 +1018,9 @@ fn what_others_keep_beside_the_parts_stays() {
     }
     let line =
         "sweep paper --table a.parquet.parts/design.csv --set stop.duration=0.01 -o a.parquet";
-    let (code, _, told) = toprise(folder, line);
-    assert_eq!(code, 0, "{told}");
-    let mut left: Vec<_> = fs::read_dir(&parts)
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name())
-        .collect();
-    left.sort();
+    folder.toprise(line, 0);
     assert_eq!(
-        left,
+        files(&parts),
         [
             ".000000.parquet.bak",
             ".000000.parquet.bak.tmp",
@@ -1182,50 +1033,35 @@ fn what_others_keep_beside_the_parts_stays() {
         ]
     );
     // A table that has the name of a part would be taken for one.
-    let table = folder.join("b.parquet.parts/000000.parquet");
+    let table = folder.at("b.parquet.parts/000000.parquet");
     fs::create_dir(table.parent().unwrap()).unwrap();
-    let k: ArrayRef = Arc::new(Float64Array::from(vec![0.1]));
-    write(
-        &table,
-        &RecordBatch::try_from_iter([("friction_k", k)]).unwrap(),
-    );
+    write_columns(&table, [("friction_k", column_of(&[0.1]))]);
     let line = "sweep paper --table b.parquet.parts/000000.parquet -o b.parquet";
-    let (code, _, told) = toprise(folder, line);
-    assert_eq!(code, 2);
-    assert!(told.contains("also an input or another output"), "{told}");
+    folder.refuses(line, "also an input or another output");
     assert!(table.exists());
     // So would a scenario.
     let scenario = scenario("paper", &[]).to_toml();
     fs::write(&table, &scenario).unwrap();
     let line = "sweep b.parquet.parts/000000.parquet --set stop.duration=0.01 -o b.parquet";
-    let (code, _, told) = toprise(folder, line);
-    assert_eq!(code, 2);
-    assert!(told.contains("also an input or another output"), "{told}");
+    folder.refuses(line, "also an input or another output");
     assert_eq!(fs::read_to_string(&table).unwrap(), scenario);
 }
 
 #[cfg(unix)]
 #[test]
 fn a_folder_that_cannot_be_written_is_an_error() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     // A file where the folder would have to be: nobody can write there, not even root.
-    fs::write(folder.path().join("a.parquet.parts"), "").unwrap();
+    folder.write("a.parquet.parts", "");
     let sweep = Sweep::new(spec(&[("friction.k", "0.1")]));
-    let error = compute(
-        &sweep,
-        &folder.path().join("a.parquet"),
-        &Options::default(),
-    );
+    let error = complete(&sweep, &folder.at("a.parquet"));
     let error = error.unwrap_err().to_string();
-    assert!(error.contains("a.parquet.parts"), "{error}");
+    assert_contains(&error, "a.parquet.parts");
 }
 
 #[test]
 fn outcomes_have_no_column_of_a_key() {
-    let names: Vec<_> = toprise::run::outcome::COLUMNS
-        .iter()
-        .map(|c| c.name)
-        .collect();
+    let names: Vec<_> = outcome::COLUMNS.iter().map(|c| c.name).collect();
     for key in toprise::run::scenario::KEYS {
         let column = toprise::sweep::column_name(key);
         assert!(!names.contains(&column.as_str()), "{column}");
@@ -1237,36 +1073,28 @@ fn outcomes_have_no_column_of_a_key() {
 #[cfg(unix)]
 #[test]
 fn what_a_killed_merge_leaves_is_cleared_away() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let line = "sweep paper --set stop.duration=0.002 --over friction.k=0.005..0.1/40log --over initial.psi_dot=60..200/60 -o a.parquet";
-    let (code, _, told) = toprise(folder, &format!("{line} --shard 0/1"));
-    assert_eq!(code, 0, "{told}");
-    let parts = files(&folder.join("a.parquet.parts"));
-    let largest = parts.values().map(Vec::len).max().unwrap();
+    folder.toprise(&format!("{line} --shard 0/1"), 0);
+    let size = |name: &String| {
+        let path = folder.at("a.parquet.parts").join(name);
+        path.metadata().unwrap().len()
+    };
+    let parts = files(&folder.at("a.parquet.parts"));
+    let largest = parts.iter().map(size).max().unwrap();
     // A file that grows beyond the limit, in units of 512 bytes, is the death of the process: here the table.
     let limit = largest / 512 + 1;
     let program = env!("CARGO_BIN_EXE_toprise");
     let limited = format!("ulimit -f {limit}; ulimit -c 0; exec {program} {line}");
     let mut command = std::process::Command::new("sh");
-    let killed = command.args(["-c", &limited]).current_dir(folder).output();
-    assert_eq!(killed.unwrap().status.code(), None);
-    let names = |directory: &Path| {
-        let entries = fs::read_dir(directory).unwrap();
-        let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
-        names.collect::<Vec<_>>()
-    };
-    assert_eq!(names(folder), ["a.parquet.parts"]);
-    let draft = |name: &String| name.starts_with(".a.parquet.");
-    let left = names(&folder.join("a.parquet.parts"));
-    assert_eq!(
-        left.iter().filter(|name| draft(name)).count(),
-        1,
-        "{left:?}"
-    );
-    let (code, _, told) = toprise(folder, line);
-    assert_eq!(code, 0, "{told}");
-    assert_eq!(names(folder), ["a.parquet"]);
+    let command = command.args(["-c", &limited]).current_dir(folder.path());
+    assert_eq!(command.output().unwrap().status.code(), None);
+    assert_eq!(folder.files(), ["a.parquet.parts"]);
+    let left = files(&folder.at("a.parquet.parts"));
+    let drafts = left.iter().filter(|name| name.starts_with(".a.parquet."));
+    assert_eq!(drafts.count(), 1, "{left:?}");
+    folder.toprise(line, 0);
+    assert_eq!(folder.files(), ["a.parquet"]);
 }
 
 /// The directory of parts may be a link to another disk, from which a file can't be renamed.
@@ -1274,7 +1102,7 @@ fn what_a_killed_merge_leaves_is_cleared_away() {
 #[test]
 fn parts_may_be_on_another_disk() {
     use std::os::unix::fs::MetadataExt as _;
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let Ok(other) = tempfile::tempdir_in("/dev/shm") else {
         return eprintln!("skipped: there is no /dev/shm");
     };
@@ -1283,10 +1111,10 @@ fn parts_may_be_on_another_disk() {
         return eprintln!("skipped: /dev/shm is no other disk");
     }
     let sweep = Sweep::new(spec(&[("friction.k", "0.1,0.2")]));
-    let [here, there] = ["a.parquet", "b.parquet"].map(|name| folder.path().join(name));
-    compute(&sweep, &here, &Options::default()).unwrap();
+    let [here, there] = ["a.parquet", "b.parquet"].map(|name| folder.at(name));
+    complete(&sweep, &here).unwrap();
     std::os::unix::fs::symlink(other.path(), parts_directory(&there)).unwrap();
-    compute(&sweep, &there, &Options::default()).unwrap();
+    complete(&sweep, &there).unwrap();
     assert_eq!(digest(&here), digest(&there));
     assert!(files(other.path()).is_empty());
 }
@@ -1295,99 +1123,80 @@ fn parts_may_be_on_another_disk() {
 #[cfg(unix)]
 #[test]
 fn pipes_and_devices_are_refused_at_once() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     for name in ["a.parquet", "a.csv"] {
         let mut command = std::process::Command::new("mkfifo");
-        let made = command.arg(folder.join(name)).status().unwrap();
+        let made = command.arg(folder.at(name)).status().unwrap();
         assert!(made.success());
     }
-    let brief = "sweep paper --set stop.duration=0.01";
     for (line, part) in [
-        (format!("{brief} -o a.parquet"), "a.parquet: it is a pipe"),
+        ("sweep paper -o a.parquet", "a.parquet: it is a pipe"),
         (
-            format!("{brief} --dry-run -o a.parquet"),
+            "sweep paper --dry-run -o a.parquet",
             "a.parquet: it is a pipe",
         ),
         (
-            format!("{brief} -o /dev/null"),
+            "sweep paper -o /dev/null",
             "/dev/null: it is a pipe or a device",
         ),
         (
-            format!("{brief} --table a.parquet -o b.parquet"),
+            "sweep paper --table a.parquet -o b.parquet",
             "a.parquet: it is a pipe",
         ),
         (
-            format!("{brief} --table a.csv -o b.parquet"),
+            "sweep paper --table a.csv -o b.parquet",
             "a.csv: it is a pipe",
         ),
         (
-            "figures --sweep a.parquet --x friction_k".to_owned(),
+            "figures --sweep a.parquet --x friction_k",
             "a.parquet: it is a pipe",
         ),
     ] {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_toprise"));
-        let command = command.current_dir(folder).args(line.split_whitespace());
-        let output = command.timeout(std::time::Duration::from_mins(1)).output();
-        let output = output.unwrap();
-        let told = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(2), "{line}: {told}");
-        assert!(told.contains(part), "{line}: {told}");
+        folder.refuses(
+            &line.replace("paper", "paper --set stop.duration=0.01"),
+            part,
+        );
     }
-    assert_eq!(fs::read_dir(folder).unwrap().count(), 2);
+    assert_eq!(folder.files().len(), 2);
 }
 
-/// A table of others, one of whose columns has a dot in its name.
-fn drawn_over(folder: &Path, values: [f64; 3]) -> (i32, String) {
-    let numbers = |values: [f64; 3]| Arc::new(Float64Array::from(values.to_vec())) as ArrayRef;
+/// Writes a table of others, one of whose columns has a dot in its name. Returns the arguments that draw it.
+fn table_of_others(folder: &Folder, values: [f64; 3]) -> &'static str {
     let words = |word: &str| Arc::new(LargeStringArray::from(vec![word; 3])) as ArrayRef;
     let columns = [
-        ("friction.k", numbers(values)),
-        ("initial_theta", numbers([0.1, 0.2, 0.3])),
+        ("friction.k", column_of(&values)),
+        ("initial_theta", column_of(&[0.1, 0.2, 0.3])),
         ("scenario", words("paper")),
         ("stop_reason", words("risen")),
-        ("loops", numbers([0.0; 3])),
-        ("rise_time", numbers([1.0, 2.0, 3.0])),
+        ("loops", column_of(&[0.0; 3])),
+        ("rise_time", column_of(&[1.0, 2.0, 3.0])),
     ];
-    let table = RecordBatch::try_from_iter(columns).unwrap();
-    write(&folder.join("others.parquet"), &table);
-    let line =
-        "figures --sweep others.parquet --x friction_k --y initial_theta --kinds svg --force";
-    let (code, _, told) = toprise(folder, line);
-    (code, told)
+    write_columns(&folder.at("others.parquet"), columns);
+    "figures --sweep others.parquet --x friction_k --y initial_theta --kinds svg --force"
 }
 
 #[test]
 fn columns_may_have_the_names_of_keys() {
-    let folder = tempfile::tempdir().unwrap();
-    let (code, told) = drawn_over(folder.path(), [0.1, 0.2, 0.3]);
-    assert_eq!(code, 0, "{told}");
+    let folder = Folder::new();
+    folder.toprise(table_of_others(&folder, [0.1, 0.2, 0.3]), 0);
 }
 
 #[test]
 fn numbers_beyond_all_use_are_not_drawn() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for beyond in [1e300, -1e308] {
-        let (code, told) = drawn_over(folder.path(), [0.1, beyond, 0.3]);
-        assert_eq!(code, 2, "{told}");
-        assert!(told.contains("values above 1e100 can't be drawn"), "{told}");
+        let line = table_of_others(&folder, [0.1, beyond, 0.3]);
+        folder.refuses(line, "values above 1e100 can't be drawn");
     }
 }
 
 #[test]
 fn scenarios_of_one_name_are_warned_of() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let line = "sweep paper viscous --set stop.duration=0.001 -o a.parquet";
-    let (_, _, told) = toprise(folder, line);
+    let folder = Folder::new();
+    let line = "sweep paper viscous --set stop.duration=0.001";
+    let told = folder.toprise(&format!("{line} -o a.parquet"), 0).stderr;
     assert!(!told.contains("warning"), "{told}");
-    let line = line
-        .replace("--set", "--set name=one --set")
-        .replace("a.p", "b.p");
-    let (code, _, told) = toprise(folder, &line);
-    assert_eq!(code, 0);
-    assert!(
-        told.contains("several scenarios have the name one"),
-        "{told}"
-    );
+    let line = format!("{line} --set name=one -o b.parquet");
+    let told = folder.toprise(&line, 0).stderr;
+    assert_contains(&told, "several scenarios have the name one");
 }

@@ -1,6 +1,7 @@
 //! Comparing files that somebody else wrote or changed.
 
 use super::*;
+use crate::support::assert_contains;
 
 /// A message: its topic, time (ms) and text.
 type Text<'t> = (&'t str, u64, &'t str);
@@ -118,7 +119,7 @@ fn recordings_of_other_software_are_compared() {
         compare(&scenario, &a, &quick()),
     ] {
         let error = error.unwrap_err().to_string();
-        assert!(error.contains("is not a toprise recording"), "{error}");
+        assert_contains(&error, "is not a toprise recording");
     }
 }
 
