@@ -1,248 +1,194 @@
 //! The program as a process: exit codes, streams, signals.
 
-use crate::support::{assert_contains, scenario};
-use assert_cmd::Command;
+use crate::support::{Folder, assert_contains, files, printed, scenario};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
+use std::process::{Child, Command, Stdio};
 use std::time::Duration;
-use tempfile::{TempDir, tempdir};
 use toprise::archive::recording::Overview;
-use toprise::run::scenario::Scenario;
+use toprise::run::scenario::{LAWS, Scenario};
 
-fn toprise(directory: &TempDir) -> Command {
-    let mut command = Command::cargo_bin("toprise").unwrap();
-    command.current_dir(directory.path());
-    command
-}
+const PROGRAM: &str = env!("CARGO_BIN_EXE_toprise");
+
+const SHORT: &str = "run paper --set stop.duration=0.2";
 
 /// Standard output of a command that must succeed.
-fn answer(command: &mut Command) -> String {
-    let output = command.assert().success().get_output().stdout.clone();
-    String::from_utf8(output).unwrap()
+#[track_caller]
+fn answer(folder: &Folder, line: &str) -> String {
+    folder.toprise(line, 0).stdout
 }
 
-const SHORT: [&str; 4] = ["run", "paper", "--set", "stop.duration=0.2"];
+/// The same as JSON.
+#[track_caller]
+fn json(folder: &Folder, line: &str) -> Value {
+    serde_json::from_str(&answer(folder, line)).unwrap()
+}
+
+#[track_caller]
+fn assert_contains_all(text: &str, parts: &[&str]) {
+    for part in parts {
+        assert_contains(text, part);
+    }
+}
 
 #[test]
 fn run_records_and_summarises() {
-    let directory = tempdir().unwrap();
-    let text = answer(toprise(&directory).args(SHORT));
-    for part in [
+    let folder = Folder::new();
+    let parts = [
         "the run reached its duration at t = 0.200000 s",
         "recordings/paper_duration0.2.mcap",
         "201 samples",
         "sha-256",
-    ] {
-        assert_contains(&text, part);
-    }
-    assert!(
-        Overview::read(&directory.path().join("recordings/paper_duration0.2.mcap"))
-            .unwrap()
-            .is_whole()
-    );
+    ];
+    assert_contains_all(&answer(&folder, SHORT), &parts);
+    let overview = Overview::read(&folder.at("recordings/paper_duration0.2.mcap"));
+    assert!(overview.unwrap().is_whole());
 }
 
 #[test]
 fn a_run_that_is_recorded_is_not_written_again() {
-    let directory = tempdir().unwrap();
+    let folder = Folder::new();
     let recordings = || {
-        let mut names: Vec<String> = fs::read_dir(directory.path().join("recordings"))
-            .unwrap()
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .filter(|name| !name.ends_with(".rrd"))
-            .collect();
-        names.sort_unstable();
+        let mut names = files(&folder.at("recordings"));
+        names.retain(|name| !name.ends_with(".rrd"));
         names
     };
-    let run = |more: &[&str]| answer(toprise(&directory).args(SHORT).args(more));
-    run(&[]);
-    let text = run(&[]);
-    assert_contains(
-        &text,
-        "recordings/paper_duration0.2.mcap already exists with identical content",
-    );
+    let run = |more: &str| answer(&folder, &format!("{SHORT} {more}"));
+    run("");
+    let exists = "recordings/paper_duration0.2.mcap already exists with identical content";
+    assert_contains(&run(""), exists);
     assert_eq!(recordings(), ["paper_duration0.2.mcap"]);
     // The same content in another encoding, and another run under the same name.
-    run(&["--encoding", "protobuf"]);
-    assert_eq!(
-        recordings(),
-        ["paper_duration0.2-2.mcap", "paper_duration0.2.mcap"]
-    );
-    let text = run(&["--encoding", "protobuf"]);
+    run("--encoding protobuf");
+    let both = ["paper_duration0.2-2.mcap", "paper_duration0.2.mcap"];
+    assert_eq!(recordings(), both);
+    let text = run("--encoding protobuf");
     assert_contains(&text, "paper_duration0.2-2.mcap already exists");
     // A recording that is run again.
-    let text = answer(toprise(&directory).args(["run", "recordings/paper_duration0.2.mcap"]));
+    let text = answer(&folder, "run recordings/paper_duration0.2.mcap");
     assert_contains(&text, "paper_duration0.2.mcap already exists");
-    let path = directory.path().join("recordings/paper_duration0.2-3.mcap");
-    fs::write(&path, "damaged").unwrap();
-    run(&["--topics", "/top/state"]);
-    assert_eq!(fs::read(&path).unwrap(), b"damaged");
+    folder.write("recordings/paper_duration0.2-3.mcap", "damaged");
+    run("--topics /top/state");
+    let damaged = folder.read("recordings/paper_duration0.2-3.mcap");
+    assert_eq!(damaged, b"damaged");
     assert_eq!(recordings().len(), 4);
 }
 
 #[test]
 fn a_run_with_many_changes_takes_no_other_runs_name() {
-    let directory = tempdir().unwrap();
-    let kept = directory.path().join("recordings/paper.mcap");
-    fs::create_dir(kept.parent().unwrap()).unwrap();
-    fs::write(&kept, "the preset's").unwrap();
-    let mut command = toprise(&directory);
-    command.args(["run", "--force", "--set", "stop.duration=0.05"]);
+    let folder = Folder::new();
+    fs::create_dir(folder.at("recordings")).unwrap();
+    folder.write("recordings/paper.mcap", "the preset's");
+    let mut line = "run --force --set stop.duration=0.05".to_owned();
     for change in [
         "initial.phi=0.1",
         "initial.psi=0.1",
         "gravity=9",
         "top.mass=0.1",
+        "top.peg_radius=0.006",
     ] {
-        command.args(["--set", change]);
+        line += &format!(" --set {change}");
     }
-    let text = answer(command.args(["--set", "top.peg_radius=0.006"]));
-    assert_contains(&text, "recordings/paper_");
-    assert_eq!(fs::read(&kept).unwrap(), b"the preset's");
+    assert_contains(&answer(&folder, &line), "recordings/paper_");
+    assert_eq!(folder.read("recordings/paper.mcap"), b"the preset's");
 }
 
 #[test]
 fn changed_runs_are_called_by_their_changes() {
-    let directory = tempdir().unwrap();
+    let folder = Folder::new();
     for (changes, title, file) in [
         (
-            &["--set", "friction.k=0.02"][..],
+            &["friction.k=0.02"][..],
             "paper, friction.k = 0.02, stop.duration = 0.2: ",
             "paper_k0.02_duration0.2.mcap",
         ),
         (
-            &[
-                "--set",
-                "friction.law=none",
-                "--set",
-                "friction.k=",
-                "--set",
-                "friction.dissipation=",
-            ],
+            &["friction.law=none", "friction.k=", "friction.dissipation="],
             "paper, 4 keys changed: ",
             "paper_law-none_no-k_no-dissipation_duration0.2.mcap",
         ),
         (
             &[
-                "--set",
                 "drilling.k=2e-2",
-                "--set",
                 "drilling.patch_radius=0.001",
-                "--set",
                 "top.mass=0.11",
             ],
             "paper, 3 keys changed: ",
             "paper_drilling-k0.02_drilling-patch_radius0.001_duration0.2.mcap",
         ),
         (
-            &["--set", "name=mine", "--set", "description=../a b"],
+            &["name=mine", "description=../a b"],
             "mine, stop.duration = 0.2: ",
             "mine_duration0.2.mcap",
         ),
     ] {
-        let mut command = toprise(&directory);
-        command
-            .args(["run", "--set", "stop.duration=0.2"])
-            .args(changes);
-        let text = answer(&mut command);
+        let mut program = folder.program("run --set stop.duration=0.2");
+        program.args(changes.iter().flat_map(|change| ["--set", change]));
+        let text = printed(&mut program, title, 0).stdout;
         assert!(text.starts_with(title), "{text}");
-        assert!(text.contains(&format!("recordings/{file}")), "{text}");
+        assert_contains(&text, &format!("recordings/{file}"));
     }
 }
 
 #[test]
 fn a_recording_can_be_run_again_and_with_another_value() {
-    let directory = tempdir().unwrap();
-    let run = |words: &[&str]| {
-        let mut command = toprise(&directory);
-        command.arg("run").args(words);
-        command
-    };
-    run(&SHORT[1..]).args(["-o", "a.mcap"]).assert().success();
-    run(&["a.mcap", "-o", "b.mcap"]).assert().success();
-    let read = |name: &str| fs::read(directory.path().join(name)).unwrap();
-    assert!(read("a.mcap") == read("b.mcap"));
-    run(&["a.mcap", "--set", "friction.k=0.02", "-o", "c.mcap"])
-        .assert()
-        .success();
-    let compared = toprise(&directory)
-        .args(["diff", "a.mcap", "c.mcap"])
-        .assert()
-        .code(1);
-    let text = String::from_utf8_lossy(&compared.get_output().stdout).into_owned();
-    assert_contains(&text, "friction.k");
+    let folder = Folder::new();
+    folder.toprise(&format!("{SHORT} -o a.mcap"), 0);
+    folder.toprise("run a.mcap -o b.mcap", 0);
+    assert!(folder.read("a.mcap") == folder.read("b.mcap"));
+    folder.toprise("run a.mcap --set friction.k=0.02 -o c.mcap", 0);
+    let compared = folder.toprise("diff a.mcap c.mcap", 1).stdout;
+    assert_contains(&compared, "friction.k");
     // The recording that is read is never replaced.
-    let refused = run(&["a.mcap", "-o", "a.mcap", "--force"]).assert().code(2);
-    let error = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
-    assert_contains(&error, "a.mcap");
-    assert!(read("a.mcap") == read("b.mcap"));
+    folder.refuses("run a.mcap -o a.mcap --force", "a.mcap");
+    assert!(folder.read("a.mcap") == folder.read("b.mcap"));
 }
 
 #[test]
 fn an_explicit_output_that_exists_needs_force() {
-    let directory = tempdir().unwrap();
-    let run = |extra: &[&str]| {
-        let mut command = toprise(&directory);
-        command.args(SHORT).args(["-o", "a.mcap"]).args(extra);
-        command
-    };
-    run(&[]).assert().success();
-    let failure = run(&[]).assert().code(2);
-    let error = String::from_utf8_lossy(&failure.get_output().stderr).into_owned();
-    assert!(
-        error.contains("a.mcap exists") && error.contains("--force"),
-        "{error}"
-    );
-    run(&["--force"]).assert().success();
+    let folder = Folder::new();
+    let run = format!("{SHORT} -o a.mcap");
+    folder.toprise(&run, 0);
+    let error = folder.toprise(&run, 2).stderr;
+    assert_contains_all(&error, &["a.mcap exists", "--force"]);
+    folder.toprise(&format!("{run} --force"), 0);
 }
 
 #[test]
 fn bad_input_is_exit_code_2_and_writes_nothing() {
-    let directory = tempdir().unwrap();
-    fs::write(directory.path().join("broken.toml"), "[top\n").unwrap();
-    fs::write(directory.path().join("binary.toml"), [0xff, 0xfe]).unwrap();
-    fs::write(directory.path().join("file"), "").unwrap();
-    for (arguments, part) in [
-        (&["run", "nope"][..], "nope"),
-        (&["run", "broken.toml"], "TOML"),
-        (&["run", "binary.toml"], "binary.toml"),
-        (&["run", "missing.toml"], "missing.toml"),
-        (&["run", "--set", "top.mass=-1"], "top.mass = -1"),
-        (&["run", "--set", "top.mass"], "KEY=VALUE"),
-        (&["run", "--set", "friction.law=none"], "friction.k"),
-        (&["run", "--topics", "/top/stat"], "/top/state"),
-        (&["run", "--realtime", "0"], "positive number"),
-        (&["run", "-o", "file/run.mcap"], "file"),
-        (&["run", "--format", "xml"], "xml"),
-        (&["run", "--set", "initial.theta=nan"], "NaN"),
-        (
-            &["run", "frictionless", "--set", "stop.duration="],
-            "never stop",
-        ),
-        (&["info", "missing.mcap"], "missing.mcap"),
-        (&["info", "broken.toml"], "MCAP"),
-        (&["info", "file"], "empty"),
-        (&["info", "."], "."),
-        (&["verify", "missing.mcap"], "missing.mcap"),
-        (&["run", "--encoding", "cdr"], "json"),
-        (&["presets", "nope"], "paper"),
-        (&["schema", "/nope"], "/top/state"),
-        (&["frobnicate"], "frobnicate"),
+    let folder = Folder::new();
+    folder.write("broken.toml", "[top\n");
+    folder.write("binary.toml", [0xff, 0xfe]);
+    folder.write("file", "");
+    for (line, part) in [
+        ("run nope", "nope"),
+        ("run broken.toml", "TOML"),
+        ("run binary.toml", "binary.toml"),
+        ("run missing.toml", "missing.toml"),
+        ("run --set top.mass=-1", "top.mass = -1"),
+        ("run --set top.mass", "KEY=VALUE"),
+        ("run --set friction.law=none", "friction.k"),
+        ("run --topics /top/stat", "/top/state"),
+        ("run --realtime 0", "positive number"),
+        ("run -o file/run.mcap", "file"),
+        ("run --format xml", "xml"),
+        ("run --set initial.theta=nan", "NaN"),
+        ("run frictionless --set stop.duration=", "never stop"),
+        ("info missing.mcap", "missing.mcap"),
+        ("info broken.toml", "MCAP"),
+        ("info file", "empty"),
+        ("info .", "."),
+        ("verify missing.mcap", "missing.mcap"),
+        ("run --encoding cdr", "json"),
+        ("presets nope", "paper"),
+        ("schema /nope", "/top/state"),
+        ("frobnicate", "frobnicate"),
     ] {
-        let failure = toprise(&directory).args(arguments).assert().code(2);
-        let output = failure.get_output();
-        let error = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(
-            error.contains(part),
-            "{arguments:?}: {part} is not in {error}"
-        );
-        assert!(output.stdout.is_empty(), "{arguments:?}");
-        assert!(
-            !directory.path().join("recordings").exists(),
-            "{arguments:?}"
-        );
-        assert!(!error.contains("panicked"), "{error}");
+        let printed = folder.refuses(line, part);
+        assert_eq!(printed.stdout, "", "{line}");
+        assert!(!folder.at("recordings").exists(), "{line}");
+        assert!(!printed.stderr.contains("panicked"), "{}", printed.stderr);
     }
 }
 
@@ -251,28 +197,17 @@ fn a_rerun_file_that_exists_leaves_no_mcap_behind() {
     if cfg!(not(feature = "rerun")) {
         return;
     }
-    let directory = tempdir().unwrap();
-    fs::write(directory.path().join("a.rrd"), "precious").unwrap();
-    let arguments = ["-o", "a.mcap", "--rrd", "a.rrd"];
-    toprise(&directory)
-        .args(SHORT)
-        .args(arguments)
-        .assert()
-        .code(2);
-    assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 1);
-    assert_eq!(
-        fs::read(directory.path().join("a.rrd")).unwrap(),
-        b"precious"
-    );
+    let folder = Folder::new();
+    folder.write("a.rrd", "precious");
+    folder.toprise(&format!("{SHORT} -o a.mcap --rrd a.rrd"), 2);
+    assert_eq!(folder.files(), ["a.rrd"]);
+    assert_eq!(folder.read("a.rrd"), b"precious");
 }
 
 #[test]
 fn summaries_are_json_where_a_program_reads_them() {
-    let directory = tempdir().unwrap();
-    let run: Value = serde_json::from_str(&answer(
-        toprise(&directory).args(SHORT).args(["--format", "json"]),
-    ))
-    .unwrap();
+    let folder = Folder::new();
+    let run = json(&folder, &format!("{SHORT} --format json"));
     assert_eq!(run["samples"], 201);
     // The members of its outcome are the columns of a sweep.
     let scenario = scenario("paper", &[("stop.duration", "0.2")]);
@@ -280,10 +215,7 @@ fn summaries_are_json_where_a_program_reads_them() {
     assert_eq!(run["outcome"], serde_json::to_value(&outcome).unwrap());
     assert_eq!(run["outcome"]["stop_reason"], "duration");
     let path = run["mcap"]["path"].as_str().unwrap();
-    let info: Value = serde_json::from_str(&answer(
-        toprise(&directory).args(["info", path, "--format", "json"]),
-    ))
-    .unwrap();
+    let info = json(&folder, &format!("info {path} --format json"));
     assert_eq!(info["state"], "complete");
     assert_eq!(info["end"]["content_digest"], run["content_digest"]);
     assert_eq!(info["channels"][0]["topic"], "/top/state");
@@ -293,59 +225,37 @@ fn summaries_are_json_where_a_program_reads_them() {
 
 #[test]
 fn info_tells_what_is_in_a_recording() {
-    let directory = tempdir().unwrap();
-    toprise(&directory).args(SHORT).assert().success();
-    let text = answer(toprise(&directory).args(["info", "recordings/paper_duration0.2.mcap"]));
-    for part in [
-        "complete",
-        "/top/state",
-        "toprise.State",
-        "201",
-        "1000.0 Hz",
-        "start",
-        "duration",
-    ] {
-        assert_contains(&text, part);
-    }
-    assert!(
-        text.lines().all(|line| line.chars().count() <= 130),
-        "{text}"
-    );
+    let folder = Folder::new();
+    folder.toprise(SHORT, 0);
+    let text = answer(&folder, "info recordings/paper_duration0.2.mcap");
+    let channel = ["/top/state", "toprise.State", "201", "1000.0 Hz"];
+    assert_contains_all(&text, &channel);
+    assert_contains_all(&text, &["complete", "start", "duration"]);
+    let is_short = |line: &str| line.chars().count() <= 130;
+    assert!(text.lines().all(is_short), "{text}");
 }
 
 #[test]
 fn presets_can_be_edited_and_run() {
-    let directory = tempdir().unwrap();
-    let list = answer(toprise(&directory).arg("presets"));
-    assert!(list.contains("full-coulomb"));
-    let toml = answer(toprise(&directory).args(["presets", "full-coulomb"]));
+    let folder = Folder::new();
+    assert_contains(&answer(&folder, "presets"), "full-coulomb");
+    let toml = answer(&folder, "presets full-coulomb");
     let toml = toml.replace("name = \"full-coulomb\"", "name = \"mine\"");
-    fs::write(directory.path().join("mine.toml"), toml).unwrap();
-    let arguments = ["run", "mine.toml", "--set", "stop.duration=0.1"];
-    let text = answer(toprise(&directory).args(arguments));
+    folder.write("mine.toml", toml);
+    let text = answer(&folder, "run mine.toml --set stop.duration=0.1");
     assert_contains(&text, "recordings/mine_duration0.1.mcap");
 }
 
 #[test]
 fn laws_are_listed() {
-    let directory = tempdir().unwrap();
-    let text = answer(toprise(&directory).arg("laws"));
-    for part in [
-        "coulomb-tanh",
-        "friction.patch_radius",
-        "[m/s]",
-        "Zhuravlev",
-        "air.disc",
-    ] {
-        assert_contains(&text, part);
-    }
-    let json = answer(toprise(&directory).args(["laws", "--format", "json"]));
-    let json: Value = serde_json::from_str(&json).unwrap();
+    let folder = Folder::new();
+    let text = answer(&folder, "laws");
+    let parameter = ["friction.patch_radius", "[m/s]", "air.disc"];
+    assert_contains_all(&text, &parameter);
+    assert_contains_all(&text, &["coulomb-tanh", "Zhuravlev"]);
+    let json = json(&folder, "laws --format json");
     let names = json.as_array().unwrap().iter().map(|law| &law["name"]);
-    let listed: Vec<_> = toprise::run::scenario::LAWS
-        .iter()
-        .map(|law| law.name)
-        .collect();
+    let listed: Vec<_> = LAWS.iter().map(|law| law.name).collect();
     assert_eq!(names.collect::<Vec<_>>(), listed);
     let parameter = &json[1]["parameters"][0];
     assert_eq!(parameter["key"], "friction.k");
@@ -354,14 +264,12 @@ fn laws_are_listed() {
 
 #[test]
 fn schemas_and_completions_are_printed() {
-    let directory = tempdir().unwrap();
-    assert!(answer(toprise(&directory).arg("schema")).contains("/top/torque"));
-    let schema: Value =
-        serde_json::from_str(&answer(toprise(&directory).args(["schema", "/events"]))).unwrap();
-    assert_eq!(schema["title"], "toprise.Event");
-    answer(toprise(&directory).args(["schema", "--write", "out"]));
-    assert!(directory.path().join("out/toprise.State.json").exists());
-    assert!(answer(toprise(&directory).args(["completions", "bash"])).contains("toprise"));
+    let folder = Folder::new();
+    assert_contains(&answer(&folder, "schema"), "/top/torque");
+    assert_eq!(json(&folder, "schema /events")["title"], "toprise.Event");
+    folder.toprise("schema --write out", 0);
+    assert!(folder.at("out/toprise.State.json").exists());
+    assert_contains(&answer(&folder, "completions bash"), "toprise");
 }
 
 /// Waits until the partial recording has grown.
@@ -376,67 +284,56 @@ fn wait_for_data(path: &Path) {
     panic!("{} does not grow", path.display());
 }
 
-/// A run in real time, in the background.
+/// A run in real time, in the background, of which something is written.
 #[cfg(unix)]
-fn paced_run(directory: &TempDir) -> std::process::Child {
-    std::process::Command::new(assert_cmd::cargo::cargo_bin("toprise"))
-        .current_dir(directory.path())
+fn paced_run(folder: &Folder) -> Child {
+    let child = Command::new(PROGRAM)
+        .current_dir(folder.path())
         .args(["run", "--realtime", "-o", "live.mcap"])
-        .stdout(std::process::Stdio::piped())
+        .stdout(Stdio::piped())
         .spawn()
-        .unwrap()
+        .unwrap();
+    wait_for_data(&folder.at("live.mcap.partial"));
+    child
 }
 
 #[cfg(unix)]
-fn signal(child: &std::process::Child, name: &str) {
-    let id = child.id().to_string();
-    let status = std::process::Command::new("kill")
-        .args([name, &id])
-        .status()
-        .unwrap();
-    assert!(status.success());
+fn signal(child: &Child, name: &str) {
+    let mut kill = Command::new("kill");
+    let status = kill.args([name, &child.id().to_string()]).status();
+    assert!(status.unwrap().success());
 }
 
 #[cfg(unix)]
 #[test]
 fn an_interrupted_run_ends_cleanly() {
-    let directory = tempdir().unwrap();
-    let mut child = paced_run(&directory);
-    wait_for_data(&directory.path().join("live.mcap.partial"));
+    let folder = Folder::new();
+    let mut child = paced_run(&folder);
     signal(&child, "-INT");
     assert_eq!(child.wait().unwrap().code(), Some(3));
-    let overview = Overview::read(&directory.path().join("live.mcap")).unwrap();
+    let overview = Overview::read(&folder.at("live.mcap")).unwrap();
     assert!(overview.is_whole());
     assert_eq!(overview.end.unwrap()["stop_reason"], "interrupted");
-    assert!(!directory.path().join("live.mcap.partial").exists());
+    assert!(!folder.at("live.mcap.partial").exists());
 }
 
 #[cfg(unix)]
 #[test]
 fn a_killed_run_leaves_a_readable_partial_file() {
-    let directory = tempdir().unwrap();
-    let mut child = paced_run(&directory);
-    let partial = directory.path().join("live.mcap.partial");
-    wait_for_data(&partial);
+    let folder = Folder::new();
+    let mut child = paced_run(&folder);
     signal(&child, "-KILL");
     child.wait().unwrap();
+    let partial = folder.at("live.mcap.partial");
     let overview = Overview::read(&partial).unwrap();
     assert!(overview.run.is_some() && overview.end.is_none());
     assert!(overview.messages() > 100);
     let scenario = Scenario::from_toml(&overview.scenario.unwrap()).unwrap();
     assert_eq!(scenario.name(), "paper");
-    let info = toprise(&directory)
-        .args(["info", "live.mcap.partial"])
-        .assert()
-        .code(3);
-    let text = String::from_utf8_lossy(&info.get_output().stdout).into_owned();
-    assert_contains(&text, "interrupted");
+    let info = folder.toprise("info live.mcap.partial", 3).stdout;
+    assert_contains(&info, "interrupted");
     // The next run neither overwrites it nor fails silently.
-    toprise(&directory)
-        .args(SHORT)
-        .args(["-o", "live.mcap"])
-        .assert()
-        .code(2);
+    folder.toprise(&format!("{SHORT} -o live.mcap"), 2);
     assert!(partial.exists());
 }
 
@@ -444,40 +341,27 @@ fn a_killed_run_leaves_a_readable_partial_file() {
 #[test]
 fn a_full_disk_is_a_clear_error() {
     // A file-size limit stands for the full disk: it needs no privileges. Both end a write early.
-    let directory = tempdir().unwrap();
-    let program = assert_cmd::cargo::cargo_bin("toprise");
-    let script = format!(
-        "ulimit -f 200; trap '' XFSZ; exec {} run -o full.mcap",
-        program.display()
-    );
-    let output = std::process::Command::new("bash")
-        .current_dir(directory.path())
-        .args(["-c", &script])
-        .output()
-        .unwrap();
+    let folder = Folder::new();
+    let output = folder.limited(200, "run -o full.mcap");
     let error = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{error}");
-    assert!(
-        error.contains("full.mcap.partial") && error.contains("large"),
-        "{error}"
-    );
-    assert!(!directory.path().join("full.mcap").exists());
-    let overview = Overview::read(&directory.path().join("full.mcap.partial")).unwrap();
+    assert_contains_all(&error, &["full.mcap.partial", "large"]);
+    assert!(!folder.at("full.mcap").exists());
+    let overview = Overview::read(&folder.at("full.mcap.partial")).unwrap();
     assert!(overview.messages() > 100 && overview.end.is_none());
 }
 
 /// A reader that stops early is none: `cli::output` tests it.
 #[test]
 fn an_answer_that_nobody_can_read_is_failed_output() {
-    let directory = tempdir().unwrap();
-    for arguments in [&["schema"][..], &["--help"], &["laws", "--format", "json"]] {
+    for line in ["schema", "--help", "laws --format json"] {
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
-        let mut program = std::process::Command::new(assert_cmd::cargo::cargo_bin("toprise"));
-        let program = program.current_dir(directory.path()).args(arguments);
-        let output = program.stdout(writer).output().unwrap();
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
+        let mut program = Command::new(PROGRAM);
+        let program = program.args(line.split(' ')).stdout(writer);
+        let output = program.output().unwrap();
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{line}: {told}");
         assert_contains(&told, "cannot write to standard output");
     }
 }
@@ -485,7 +369,7 @@ fn an_answer_that_nobody_can_read_is_failed_output() {
 /// What says under which name a file is written is checked before the run.
 #[test]
 fn regress_names_that_no_recording_can_have_are_refused_at_once() {
-    let directory = tempdir().unwrap();
+    let folder = Folder::new();
     for (output, part) in [
         ("new/", "\"new/\" is not a file name"),
         ("new/..", "is not a file name"),
@@ -494,125 +378,90 @@ fn regress_names_that_no_recording_can_have_are_refused_at_once() {
         ("a.rrd", "use --rrd a.rrd"),
     ] {
         // It would take longer than the test does.
-        let mut program = toprise(&directory);
-        program.args(["run", "--realtime", "1e-3", "-o", output, "--force"]);
-        let refused = program.timeout(Duration::from_secs(20)).assert().code(2);
-        let told = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
-        assert!(told.contains(part), "{output}: {told}");
+        folder.refuses(&format!("run --realtime 1e-3 -o {output} --force"), part);
     }
-    assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 0);
+    assert_eq!(folder.files().len(), 0);
 }
 
 /// Chunks end by their sizes: no clock reaches the file.
 #[test]
 fn regress_a_paced_run_writes_the_bytes_of_one_that_is_not() {
-    let directory = tempdir().unwrap();
-    let recorded = |name: &str, pace: &[&str]| {
-        let mut program = toprise(&directory);
-        let brief = ["run", "--set", "stop.duration=0.3", "-o", name];
-        program.args(brief).args(pace).assert().success();
-        fs::read(directory.path().join(name)).unwrap()
+    let folder = Folder::new();
+    let recorded = |name: &str, pace: &str| {
+        let line = format!("run --set stop.duration=0.3 -o {name} {pace}");
+        folder.toprise(&line, 0);
+        folder.read(name)
     };
-    let whole = recorded("a.mcap", &[]);
-    assert!(whole == recorded("b.mcap", &["--realtime"]));
-    assert!(whole == recorded("c.mcap", &["--realtime", "0.5"]));
+    let whole = recorded("a.mcap", "");
+    assert!(whole == recorded("b.mcap", "--realtime"));
+    assert!(whole == recorded("c.mcap", "--realtime 0.5"));
 }
 
 /// Only `-o` leaves a Rerun recording out that nobody has asked to leave out.
 #[cfg(feature = "rerun")]
 #[test]
 fn the_report_tells_of_a_rerun_recording_that_is_left_out() {
-    let directory = tempdir().unwrap();
-    let told = |arguments: &[&str]| {
-        let mut program = toprise(&directory);
-        let program = program.args(["run", "--set", "stop.duration=0.01"]);
-        answer(program.args(arguments)).contains("no Rerun recording with -o")
-    };
-    assert!(told(&["-o", "a.mcap"]));
-    assert!(!told(&["-o", "b.mcap", "--no-rrd"]));
-    assert!(!told(&["-o", "c.mcap", "--rrd", "c.rrd"]));
-    assert!(!told(&["--no-rrd"]));
-}
-
-/// Runs `commands` one after the other; each must end with its exit code.
-fn ends_with(directory: &TempDir, commands: &[(&[&str], i32)]) {
-    for (arguments, code) in commands {
-        toprise(directory).args(*arguments).assert().code(*code);
+    let folder = Folder::new();
+    for (output, is_told) in [
+        ("-o a.mcap", true),
+        ("-o b.mcap --no-rrd", false),
+        ("-o c.mcap --rrd c.rrd", false),
+        ("--no-rrd", false),
+    ] {
+        let text = answer(&folder, &format!("run --set stop.duration=0.01 {output}"));
+        let found = text.contains("no Rerun recording with -o");
+        assert_eq!(found, is_told, "{output}: {text}");
     }
 }
 
 #[test]
 fn recordings_are_verified_and_run_again() {
-    let directory = tempdir().unwrap();
-    let file = |name: &str| directory.path().join(name);
-    toprise(&directory)
-        .args(SHORT)
-        .args(["-o", "a.mcap"])
-        .assert()
-        .success();
-    let text = answer(toprise(&directory).args(["verify", "a.mcap"]));
+    let folder = Folder::new();
+    folder.toprise(&format!("{SHORT} -o a.mcap"), 0);
+    let text = answer(&folder, "verify a.mcap");
     assert!(text.starts_with("a.mcap: verified"), "{text}");
-    let whole = fs::read(file("a.mcap")).unwrap();
+    let whole = folder.read("a.mcap");
     let cut = &whole[..whole.len() / 2];
-    fs::write(file("cut.mcap"), cut).unwrap();
-    fs::write(file("e.mcap.partial"), cut).unwrap();
+    folder.write("cut.mcap", cut);
+    folder.write("e.mcap.partial", cut);
     let mut flipped = whole.clone();
     flipped[whole.len() / 2] ^= 4;
-    fs::write(file("flipped.mcap"), flipped).unwrap();
+    folder.write("flipped.mcap", flipped);
     // A recording with the beginning of one run and the end of another.
-    let other = ["--set", "friction.k=0.02", "-o", "other.mcap"];
-    let run = toprise(&directory).args(SHORT).args(other).assert();
-    run.success();
-    let other = fs::read(file("other.mcap")).unwrap();
-    fs::write(file("spliced.mcap"), [cut, &other[..]].concat()).unwrap();
-    let force = |arguments: &[&'static str]| [&["run"], arguments, &["--force"]].concat();
-    ends_with(
-        &directory,
-        &[
-            (
-                &["run", "a.mcap", "--encoding", "protobuf", "-o", "b.mcap"],
-                0,
-            ),
-            (
-                &["run", "a.mcap", "--encoding", "protobuf", "-o", "b.mcap"],
-                2,
-            ),
-            (&["verify", "a.mcap", "b.mcap"], 0),
-            (&["verify", "cut.mcap"], 3),
-            (&["verify", "a.mcap", "flipped.mcap", "cut.mcap"], 3),
-            (&["verify", "a.mcap", "spliced.mcap", "cut.mcap"], 1),
-            (&["verify", "a.mcap", "spliced.mcap", "missing.mcap"], 2),
-            (&["info", "cut.mcap"], 3),
-            (&["run", "cut.mcap", "-o", "c.mcap"], 0),
-            (&["run", "flipped.mcap", "-o", "d.mcap"], 0),
-            // What an interrupted run has left becomes the file that it should have been.
-            (&["run", "e.mcap.partial", "-o", "e.mcap"], 2),
-            (&force(&["e.mcap.partial", "-o", "e.mcap"]), 0),
-            // The encoding of a recording is kept, or another one is chosen.
-            (&["run", "b.mcap", "-o", "same.mcap"], 0),
-            (&["run", "b.mcap", "--encoding", "json", "-o", "f.mcap"], 0),
-            // Another scenario is another run.
-            (
-                &["run", "a.mcap", "--set", "friction.k=0.02", "-o", "g.mcap"],
-                0,
-            ),
-        ],
-    );
-    let bytes = |name: &str| fs::read(file(name)).unwrap();
-    for same in ["c.mcap", "d.mcap", "e.mcap", "f.mcap"] {
-        assert!(bytes(same) == whole, "{same}");
+    let other = format!("{SHORT} --set friction.k=0.02 -o other.mcap");
+    folder.toprise(&other, 0);
+    let other = folder.read("other.mcap");
+    folder.write("spliced.mcap", [cut, &other[..]].concat());
+    for (line, code) in [
+        ("run a.mcap --encoding protobuf -o b.mcap", 0),
+        ("run a.mcap --encoding protobuf -o b.mcap", 2),
+        ("verify a.mcap b.mcap", 0),
+        ("verify cut.mcap", 3),
+        ("verify a.mcap flipped.mcap cut.mcap", 3),
+        ("verify a.mcap spliced.mcap cut.mcap", 1),
+        ("verify a.mcap spliced.mcap missing.mcap", 2),
+        ("info cut.mcap", 3),
+        ("run cut.mcap -o c.mcap", 0),
+        ("run flipped.mcap -o d.mcap", 0),
+        // What an interrupted run has left becomes the file that it should have been.
+        ("run e.mcap.partial -o e.mcap", 2),
+        ("run e.mcap.partial -o e.mcap --force", 0),
+        // The encoding of a recording is kept, or another one is chosen.
+        ("run b.mcap -o same.mcap", 0),
+        ("run b.mcap --encoding json -o f.mcap", 0),
+        // Another scenario is another run.
+        ("run a.mcap --set friction.k=0.02 -o g.mcap", 0),
+    ] {
+        folder.toprise(line, code);
     }
-    assert!(bytes("same.mcap") == bytes("b.mcap"));
-    assert!(bytes("g.mcap") == other);
-    assert_eq!(bytes("e.mcap.partial"), cut);
-    let names = ["a.mcap", "spliced.mcap", "flipped.mcap"];
-    let report = toprise(&directory)
-        .arg("verify")
-        .args(names)
-        .args(["--format", "json"])
-        .assert()
-        .code(1);
-    let report: Value = serde_json::from_slice(&report.get_output().stdout).unwrap();
+    for same in ["c.mcap", "d.mcap", "e.mcap", "f.mcap"] {
+        assert!(folder.read(same) == whole, "{same}");
+    }
+    assert!(folder.read("same.mcap") == folder.read("b.mcap"));
+    assert!(folder.read("g.mcap") == other);
+    assert_eq!(folder.read("e.mcap.partial"), cut);
+    let line = "verify a.mcap spliced.mcap flipped.mcap --format json";
+    let report: Value = serde_json::from_str(&folder.toprise(line, 1).stdout).unwrap();
     assert_eq!(report[0]["verdict"], "verified");
     assert_eq!(report[1]["verdict"], "different");
     assert_eq!(report[2]["verdict"], "incomplete");
@@ -622,81 +471,47 @@ fn recordings_are_verified_and_run_again() {
 #[cfg(feature = "rerun")]
 #[test]
 fn recordings_are_shown_again() {
-    let directory = tempdir().unwrap();
-    let live = ["-o", "a.mcap", "--rrd", "a.rrd"];
-    toprise(&directory)
-        .args(SHORT)
-        .args(live)
-        .assert()
-        .success();
-    let whole = fs::read(directory.path().join("a.mcap")).unwrap();
-    fs::write(directory.path().join("cut.mcap"), &whole[..whole.len() / 2]).unwrap();
-    ends_with(
-        &directory,
-        &[
-            (&["view", "a.mcap", "--rrd", "b.rrd"], 0),
-            (&["view", "a.mcap", "--rrd", "b.rrd"], 2),
-            (&["view", "a.mcap", "--rrd", "b.rrd", "--force"], 0),
-            (
-                &[
-                    "view", "a.mcap", "--rrd", "c.rrd", "--from", "0.1", "--to", "0.15",
-                ],
-                0,
-            ),
-            (&["view", "cut.mcap", "--rrd", "d.rrd"], 3),
-            (&["view", "a.mcap", "cut.mcap", "--rrd", "both"], 3),
-            (&["view", "a.mcap", "./a.mcap", "--rrd", "twice"], 0),
-        ],
-    );
-    let size = |name: &str| fs::metadata(directory.path().join(name)).unwrap().len();
+    let folder = Folder::new();
+    folder.toprise(&format!("{SHORT} -o a.mcap --rrd a.rrd"), 0);
+    let whole = folder.read("a.mcap");
+    folder.write("cut.mcap", &whole[..whole.len() / 2]);
+    for (line, code) in [
+        ("view a.mcap --rrd b.rrd", 0),
+        ("view a.mcap --rrd b.rrd", 2),
+        ("view a.mcap --rrd b.rrd --force", 0),
+        ("view a.mcap --rrd c.rrd --from 0.1 --to 0.15", 0),
+        ("view cut.mcap --rrd d.rrd", 3),
+        ("view a.mcap cut.mcap --rrd both", 3),
+        ("view a.mcap ./a.mcap --rrd twice", 0),
+    ] {
+        folder.toprise(line, code);
+    }
+    let size = |name: &str| fs::metadata(folder.at(name)).unwrap().len();
     assert!(size("c.rrd") < size("b.rrd"));
     assert!(size("both/a.rrd") > 0 && size("both/cut.rrd") > 0);
     assert!(size("twice/a.rrd") > 0 && size("twice/a-2.rrd") > 0);
-    for (arguments, part) in [
-        (
-            &[
-                "view", "a.mcap", "--rrd", "e.rrd", "--from", "2", "--to", "1",
-            ][..],
-            "after",
-        ),
-        (
-            &["view", "a.mcap", "--rrd", "e.rrd", "--from", "-1"],
-            "seconds",
-        ),
-        (&["view", "missing.mcap"], "missing.mcap"),
-        (
-            &["view", "a.mcap", "--connect=127.0.0.1:9"],
-            "no Rerun viewer",
-        ),
-        (&["view", "a.mcap", "--spawn", "--serve"], "--serve"),
+    for (line, part) in [
+        ("view a.mcap --rrd e.rrd --from 2 --to 1", "after"),
+        ("view a.mcap --rrd e.rrd --from -1", "seconds"),
+        ("view missing.mcap", "missing.mcap"),
+        ("view a.mcap --connect=127.0.0.1:9", "no Rerun viewer"),
+        ("view a.mcap --spawn --serve", "--serve"),
     ] {
-        let failure = toprise(&directory).args(arguments).assert().code(2);
-        let error = String::from_utf8_lossy(&failure.get_output().stderr).into_owned();
-        assert!(error.contains(part), "{arguments:?}: {error}");
+        folder.refuses(line, part);
     }
     // Where no viewer is installed, it is said how to get one.
-    let failure = toprise(&directory)
-        .env("PATH", "/nowhere")
-        .args(["view", "a.mcap"])
-        .assert()
-        .code(2);
-    let error = String::from_utf8_lossy(&failure.get_output().stderr).into_owned();
+    let line = "view a.mcap";
+    let mut program = folder.program(line);
+    let error = printed(program.env("PATH", "/nowhere"), line, 2).stderr;
     assert_contains(&error, "pip install rerun-sdk");
 }
 
 #[test]
 fn a_run_of_no_time_tells_no_ratio_to_it() {
-    let directory = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for duration in ["0", "1e-300"] {
-        let set = format!("stop.duration={duration}");
-        let output = Command::cargo_bin("toprise")
-            .unwrap()
-            .current_dir(directory.path())
-            .args(["run", "--force", "-o", "none.mcap", "--set", &set])
-            .output()
-            .unwrap();
-        let text = String::from_utf8(output.stdout).unwrap();
-        assert!(output.status.success(), "{text}");
+        let line = format!("run --force -o none.mcap --set stop.duration={duration}");
+        let text = answer(&folder, &line);
         assert!(!text.contains("of the simulated time"), "{text}");
         assert!(text.lines().all(|line| line.len() < 120), "{text}");
     }
@@ -705,19 +520,15 @@ fn a_run_of_no_time_tells_no_ratio_to_it() {
 /// What is named like a file is one: the error is about the file.
 #[test]
 fn a_file_that_can_t_be_run_is_not_taken_for_a_preset() {
-    let directory = tempdir().unwrap();
-    fs::write(directory.path().join("empty.mcap"), "").unwrap();
-    fs::create_dir(directory.path().join("folder.mcap")).unwrap();
+    let folder = Folder::new();
+    folder.write("empty.mcap", "");
+    fs::create_dir(folder.at("folder.mcap")).unwrap();
     for (name, reason) in [
         ("a.mcap.partial", "No such file"),
         ("empty.mcap", "the file is empty"),
         ("folder.mcap", "directory"),
     ] {
-        let run = toprise(&directory)
-            .args(["run", name, "-o", "b.mcap"])
-            .assert()
-            .code(2);
-        let told = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
-        assert!(told.contains(name) && told.contains(reason), "{told}");
+        let error = folder.toprise(&format!("run {name} -o b.mcap"), 2).stderr;
+        assert_contains_all(&error, &[name, reason]);
     }
 }

@@ -4,6 +4,7 @@ use assert_cmd::Command;
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::process::Output;
 use std::time::Duration;
 use tempfile::TempDir;
 use toprise::analysis::verify::{Report, Verdict, verify};
@@ -183,17 +184,30 @@ impl Folder {
         printed(&mut self.program(line), line, code)
     }
 
+    /// Runs the program where no file may have more blocks, of 1024 bytes.
+    #[cfg(target_os = "linux")]
+    pub fn limited(&self, blocks: u32, line: &str) -> Output {
+        let program = env!("CARGO_BIN_EXE_toprise");
+        let script = format!("ulimit -f {blocks}; trap '' XFSZ; exec {program} {line}");
+        let mut bash = std::process::Command::new("bash");
+        let bash = bash.current_dir(self.path()).args(["-c", &script]);
+        bash.output().unwrap()
+    }
+
     /// Runs the program, which must refuse this at once, with exit code 2 and an error that contains `part`.
     #[track_caller]
-    pub fn refuses(&self, line: &str, part: &str) {
+    pub fn refuses(&self, line: &str, part: &str) -> Printed {
         let mut program = self.program(line);
-        let error = printed(program.timeout(Duration::from_mins(1)), line, 2).stderr;
+        let printed = printed(program.timeout(Duration::from_mins(1)), line, 2);
+        let error = &printed.stderr;
         assert!(error.contains(part), "{line}: {part:?} is not in\n{error}");
+        printed
     }
 }
 
+/// Runs the program, here described by `line`. It must end with this code.
 #[track_caller]
-fn printed(program: &mut Command, line: &str, code: i32) -> Printed {
+pub fn printed(program: &mut Command, line: &str, code: i32) -> Printed {
     let output = program.output().unwrap();
     let text = |bytes| String::from_utf8(bytes).unwrap();
     let (stdout, stderr) = (text(output.stdout), text(output.stderr));
