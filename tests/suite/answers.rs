@@ -1,44 +1,24 @@
 //! What all commands have in common: JSON by committed schemas, text that can't steer a terminal, streams that may
 //! break, names of files that are no text.
 
-use crate::support::assert_contains;
-use assert_cmd::Command;
+use crate::support::{Folder, assert_contains, printed};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::BufWriter;
 use std::path::Path;
-use std::process::Output;
-use tempfile::{TempDir, tempdir};
 
 /// What a file would do to a terminal that trusted it: move, recolour, rename the window, forge a line.
 const HOSTILE: &str = "\x1b]0;owned\x07\u{9b}31m\x1b[2J\u{202e}\nFORGED\r";
 
-fn toprise(directory: &TempDir, line: &str) -> Output {
-    let mut command = Command::cargo_bin("toprise").unwrap();
-    let command = command
-        .current_dir(directory.path())
-        .args(line.split_whitespace());
-    command.output().unwrap()
-}
-
-/// Runs a command that must end with `code`; gives its standard output.
-#[track_caller]
-fn answer(directory: &TempDir, line: &str, code: i32) -> String {
-    let output = toprise(directory, line);
-    let error = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(code), "{line}: {error}");
-    String::from_utf8(output.stdout).unwrap()
-}
-
 /// A directory with a recording, half of it, and a file that is none.
-fn recorded() -> TempDir {
-    let directory = tempdir().unwrap();
-    answer(&directory, "run --set stop.duration=0.3 -o a.mcap", 0);
-    let whole = fs::read(directory.path().join("a.mcap")).unwrap();
-    fs::write(directory.path().join("cut.mcap"), &whole[..whole.len() / 2]).unwrap();
-    fs::write(directory.path().join("text.mcap"), "not a recording").unwrap();
-    directory
+fn recorded() -> Folder {
+    let folder = Folder::new();
+    folder.toprise("run --set stop.duration=0.3 -o a.mcap", 0);
+    let whole = folder.read("a.mcap");
+    folder.write("cut.mcap", &whole[..whole.len() / 2]);
+    folder.write("text.mcap", "not a recording");
+    folder
 }
 
 /// Checks a value against a JSON Schema as `schemars` writes them. Fields that the schema doesn't have are wrong too.
@@ -125,7 +105,7 @@ fn check_object(
 
 #[test]
 fn every_command_answers_by_its_schema() {
-    let directory = recorded();
+    let folder = recorded();
     let schemas = Path::new(env!("CARGO_MANIFEST_DIR")).join("schemas");
     let mut used = BTreeMap::new();
     for (name, line, code) in [
@@ -172,7 +152,9 @@ fn every_command_answers_by_its_schema() {
         ("SchemaReport", "schema /events --encoding protobuf", 0),
         ("SchemaReport", "schema --write written", 0),
     ] {
-        let text = answer(&directory, &format!("{line} --format json"), code);
+        let text = folder
+            .toprise(&format!("{line} --format json"), code)
+            .stdout;
         let value: Value = serde_json::from_str(&text).unwrap();
         let schema = fs::read_to_string(schemas.join(format!("toprise.{name}.json"))).unwrap();
         let schema: Value = serde_json::from_str(&schema).unwrap();
@@ -183,9 +165,8 @@ fn every_command_answers_by_its_schema() {
         used.insert(name, schema);
     }
     for (name, _) in toprise::cli::schemas() {
-        let name = name
-            .trim_start_matches("toprise.")
-            .trim_end_matches(".json");
+        let name = name.strip_prefix("toprise.");
+        let name = name.unwrap().strip_suffix(".json").unwrap();
         assert!(used.contains_key(name), "{name} is not tried");
     }
     // The check is one: what is not by the schema is found.
@@ -203,7 +184,7 @@ fn every_command_answers_by_its_schema() {
 
 #[test]
 fn every_command_answers_in_markdown() {
-    let directory = recorded();
+    let folder = recorded();
     for (line, code) in [
         ("explain a.mcap --all", 0),
         ("diff a.mcap a.mcap", 0),
@@ -214,7 +195,9 @@ fn every_command_answers_in_markdown() {
         ("schema", 0),
         ("run --set stop.duration=0.1 -o b.mcap", 0),
     ] {
-        let text = answer(&directory, &format!("{line} --format markdown"), code);
+        let text = folder
+            .toprise(&format!("{line} --format markdown"), code)
+            .stdout;
         assert!(text.contains("| :-- |"), "{line}:\n{text}");
         assert!(!text.contains('\x1b'), "{line}");
     }
@@ -222,8 +205,8 @@ fn every_command_answers_in_markdown() {
 
 #[test]
 fn a_comparison_counts_the_findings_that_it_leaves_out() {
-    let directory = TempDir::new().unwrap();
-    let text = answer(&directory, "diff free-paper drop", 1);
+    let folder = Folder::new();
+    let text = folder.toprise("diff free-paper drop", 1).stdout;
     assert_contains(&text, "more findings and every field");
 }
 
@@ -275,12 +258,12 @@ fn forge(from: &Path, to: &Path, library: &str) {
 
 #[test]
 fn text_from_files_is_harmless_in_every_answer() {
-    let directory = recorded();
-    let path = |name: &str| directory.path().join(name);
-    forge(&path("a.mcap"), &path("ours.mcap"), "toprise/0.1.0");
-    forge(&path("a.mcap"), &path("other.mcap"), "another");
+    let folder = recorded();
+    let a = folder.at("a.mcap");
+    forge(&a, &folder.at("ours.mcap"), "toprise/0.1.0");
+    forge(&a, &folder.at("other.mcap"), "another");
     let scenario = format!("name = {HOSTILE:?}\n[top]\nmass = \"{HOSTILE}");
-    fs::write(path("hostile.toml"), scenario).unwrap();
+    folder.write("hostile.toml", scenario);
     let mut lines = vec!["run hostile.toml".to_owned()];
     for file in ["ours.mcap", "other.mcap"] {
         for verb in [
@@ -303,7 +286,7 @@ fn text_from_files_is_harmless_in_every_answer() {
     }
     let mut shown = 0;
     for line in &lines {
-        let output = toprise(&directory, line);
+        let output = folder.program(line).output().unwrap();
         for stream in [output.stdout, output.stderr] {
             let text = String::from_utf8(stream).unwrap();
             let steers = |c: char| (c.is_control() && c != '\n') || c == '\u{202e}';
@@ -320,12 +303,12 @@ fn text_from_files_is_harmless_in_every_answer() {
 #[cfg(target_os = "linux")]
 #[test]
 fn broken_streams_are_no_panic() {
-    let directory = recorded();
-    let program = assert_cmd::cargo::cargo_bin("toprise");
+    let folder = recorded();
+    let program = env!("CARGO_BIN_EXE_toprise");
     let ends = |line: &str, streams: &str| {
-        let script = format!("{} {line} {streams}", program.display());
+        let script = format!("{program} {line} {streams}");
         let status = std::process::Command::new("bash")
-            .current_dir(directory.path())
+            .current_dir(folder.path())
             .args(["-c", &script])
             .status();
         status.unwrap().code()
@@ -369,12 +352,11 @@ fn broken_streams_are_no_panic() {
 #[test]
 fn names_of_files_need_not_be_text() {
     use std::os::unix::ffi::OsStrExt as _;
-    let directory = recorded();
+    let folder = recorded();
     let name = std::ffi::OsStr::from_bytes(b"\xff\xfe.mcap");
     let scenario = std::ffi::OsStr::from_bytes(b"\xff.toml");
-    fs::copy(directory.path().join("a.mcap"), directory.path().join(name)).unwrap();
-    let toml = answer(&directory, "presets paper", 0);
-    fs::write(directory.path().join(scenario), toml).unwrap();
+    folder.write(name, folder.read("a.mcap"));
+    folder.write(scenario, folder.toprise("presets paper", 0).stdout);
     for (verb, file, rest, code) in [
         ("info", name, "", 0),
         ("verify", name, "", 0),
@@ -384,56 +366,48 @@ fn names_of_files_need_not_be_text() {
         ("run", name, "-o b.mcap", 0),
         ("run", scenario, "--set stop.duration=0.1 -o c.mcap", 0),
     ] {
-        let mut command = Command::cargo_bin("toprise").unwrap();
-        command.current_dir(directory.path()).arg(verb).arg(file);
-        let ended = command.args(rest.split_whitespace()).assert().code(code);
-        let error = String::from_utf8_lossy(&ended.get_output().stderr).into_owned();
+        let mut program = folder.program(verb);
+        let program = program.arg(file).args(rest.split_whitespace());
+        let error = printed(program, verb, code).stderr;
         assert!(!error.contains("UTF-8"), "{verb}: {error}");
     }
 }
 
 #[test]
 fn errors_are_answers_too() {
-    let directory = recorded();
+    let folder = recorded();
     for (line, part) in [
         ("info missing.mcap --format json", "missing.mcap"),
         ("run papr --format json", "papr"),
         ("run --nope --format=json", "--nope"),
     ] {
-        let failed = toprise(&directory, line);
-        assert_eq!(failed.status.code(), Some(2), "{line}");
-        let answer: serde_json::Value = serde_json::from_slice(&failed.stdout).unwrap();
-        assert!(answer["error"].as_str().unwrap().contains(part), "{answer}");
-        assert!(String::from_utf8_lossy(&failed.stderr).contains(part));
+        let failed = folder.refuses(line, part);
+        let answer: Value = serde_json::from_str(&failed.stdout).unwrap();
+        assert_contains(answer["error"].as_str().unwrap(), part);
     }
-    assert!(toprise(&directory, "info missing.mcap").stdout.is_empty());
+    assert_eq!(folder.toprise("info missing.mcap", 2).stdout, "");
 }
 
 #[test]
 fn quiet_leaves_notes_out_and_color_is_chosen() {
-    let directory = recorded();
+    let folder = recorded();
     #[cfg(feature = "sweep")]
     {
         let sweep = "sweep paper paper --set stop.duration=0.01 --over initial.theta=0.5";
-        let noted = toprise(&directory, &format!("{sweep} -o a.parquet"));
-        assert!(!noted.stderr.is_empty());
-        let quiet = toprise(&directory, &format!("-q {sweep} -o b.parquet"));
-        assert!(quiet.stderr.is_empty());
+        let noted = folder.toprise(&format!("{sweep} -o a.parquet"), 0);
+        assert_ne!(noted.stderr, "");
+        let quiet = folder.toprise(&format!("-q {sweep} -o b.parquet"), 0);
+        assert_eq!(quiet.stderr, "");
     }
     // Errors stay, and what is asked for in a format.
-    let failed = toprise(&directory, "info missing.mcap --quiet");
-    assert!(String::from_utf8_lossy(&failed.stderr).contains("missing.mcap"));
-    assert!(toprise(&directory, "info a.mcap -q").stdout.is_empty());
-    assert!(
-        !toprise(&directory, "info a.mcap -q --format json")
-            .stdout
-            .is_empty()
-    );
+    folder.refuses("info missing.mcap --quiet", "missing.mcap");
+    assert_eq!(folder.toprise("info a.mcap -q", 0).stdout, "");
+    let json = folder.toprise("info a.mcap -q --format json", 0).stdout;
+    assert_ne!(json, "");
     let is_coloured = |line: &str, variable: &str| {
-        let mut command = Command::cargo_bin("toprise").unwrap();
-        command.current_dir(directory.path()).env_remove("NO_COLOR");
-        let output = command.args(line.split(' ')).env(variable, "1").output();
-        output.unwrap().stdout.contains(&b'\x1b')
+        let mut program = folder.program(line);
+        let program = program.env_remove("NO_COLOR").env(variable, "1");
+        printed(program, line, 0).stdout.contains('\x1b')
     };
     for (line, variable, expected) in [
         ("info a.mcap", "NO_COLOR", false),
@@ -449,14 +423,13 @@ fn quiet_leaves_notes_out_and_color_is_chosen() {
 
 #[test]
 fn causes_are_told_once() {
-    let directory = recorded();
+    let folder = recorded();
     for (line, cause) in [
         ("info missing.mcap", "No such file"),
         ("run missing/x.toml", "No such file"),
         ("explain text.mcap", "not an MCAP file"),
     ] {
-        let output = toprise(&directory, line);
-        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        let error = folder.toprise(line, 2).stderr;
         assert_eq!(error.matches(cause).count(), 1, "{error}");
     }
 }
