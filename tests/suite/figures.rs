@@ -1,12 +1,8 @@
 //! Figures: what they show, their bytes, and the command that draws them.
 
-use crate::support::{archive, assert_contains, assert_near, scenario};
-use assert_cmd::Command;
+use crate::support::{Folder, archive, assert_contains, assert_near, files, scenario};
 use roxmltree::{Document, Node};
 use sha2::{Digest, Sha256};
-use std::fs;
-use std::path::Path;
-use tempfile::{TempDir, tempdir};
 use toprise::analysis::figures::{FIGURES, Figure, Run};
 use toprise::archive::recording::Recording;
 use toprise::archive::writer::Form;
@@ -17,27 +13,13 @@ fn all() -> Vec<&'static Figure> {
 }
 
 fn short(preset: &str) -> Run {
-    let scenario = scenario(preset, &[("stop.duration", "1.0")]);
-    Run::read(&scenario, preset, &all(), &|_| {})
+    simulated(preset, &[("stop.duration", "1.0")])
 }
 
 /// Records a short run with these topics, all if there are none.
-fn record(directory: &TempDir, name: &str, topics: &[&str]) {
+fn record(folder: &Folder, name: &str, topics: &[&str]) {
     let scenario = scenario("paper", &[("stop.duration", "0.5")]);
-    let path = directory.path().join(name);
-    archive(&path, &scenario, topics, Form::default()).unwrap();
-}
-
-fn figures(directory: &TempDir, arguments: &[&str]) -> Command {
-    let mut command = Command::cargo_bin("toprise").unwrap();
-    command.current_dir(directory.path()).arg("figures");
-    command.args(arguments);
-    command
-}
-
-fn error_of(command: &mut Command, code: i32) -> String {
-    let output = command.assert().code(code).get_output().clone();
-    String::from_utf8(output.stderr).unwrap()
+    archive(&folder.at(name), &scenario, topics, Form::default()).unwrap();
 }
 
 const SVG: &str = "http://www.w3.org/2000/svg";
@@ -56,15 +38,31 @@ fn labels(svg: &str) -> Vec<String> {
     labels.map(str::to_owned).collect()
 }
 
+fn has_label(svg: &str, label: &str) -> bool {
+    labels(svg).iter().any(|found| found == label)
+}
+
+#[track_caller]
+fn assert_label(svg: &str, label: &str) {
+    assert!(
+        has_label(svg, label),
+        "{label:?} is not in {:?}",
+        labels(svg)
+    );
+}
+
+/// The note that samples are too few to show nutation.
+fn unresolved(svg: &str) -> Option<String> {
+    let mut labels = labels(svg).into_iter();
+    labels.find(|label| label.contains("not resolved"))
+}
+
 /// Asserts that a document is an SVG image of this size in mm, made of known elements, whose references lead somewhere.
 fn check_svg(svg: &str, (width, height): (f64, f64), what: &str) {
     let document = parsed(svg);
     let root = document.root_element();
-    assert!(
-        root.has_tag_name((SVG, "svg")),
-        "{what}: {:?}",
-        root.tag_name()
-    );
+    let tag = root.tag_name();
+    assert!(root.has_tag_name((SVG, "svg")), "{what}: {tag:?}");
     let length = |name| {
         let text = root.attribute(name).unwrap().strip_suffix("mm").unwrap();
         text.parse::<f64>().unwrap()
@@ -72,61 +70,37 @@ fn check_svg(svg: &str, (width, height): (f64, f64), what: &str) {
     // Lengths are whole hundredths of a millimetre, and the view box counts these.
     assert!((length("width") - width).abs() <= 0.005, "{what}");
     assert!((length("height") - height).abs() <= 0.005, "{what}");
-    let view: Vec<f64> = root
-        .attribute("viewBox")
-        .unwrap()
-        .split(' ')
-        .map(|number| number.parse().unwrap())
-        .collect();
+    let view = root.attribute("viewBox").unwrap().split(' ');
+    let view: Vec<f64> = view.map(|number| number.parse().unwrap()).collect();
     let expected = [0.0, 0.0, 100.0 * length("width"), 100.0 * length("height")];
-    assert!(
-        view.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6),
-        "{what}: {view:?}"
-    );
+    let is_right = view.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6);
+    assert!(is_right, "{what}: {view:?}");
     let title = root.first_element_child().unwrap();
-    assert!(
-        title.has_tag_name((SVG, "title")) && title.text().is_some(),
-        "{what}"
-    );
+    let has_title = title.has_tag_name((SVG, "title")) && title.text().is_some();
+    assert!(has_title, "{what}");
     let known = ["svg", "title", "defs", "path", "rect", "g", "circle", "use"];
     let mut counts = [0; 8];
     for node in document.descendants().filter(Node::is_element) {
-        assert_eq!(
-            node.tag_name().namespace(),
-            Some(SVG),
-            "{what}: {:?}",
-            node.tag_name()
-        );
-        let name = known
-            .iter()
-            .position(|name| *name == node.tag_name().name());
-        counts[name.unwrap_or_else(|| panic!("{what}: {:?}", node.tag_name()))] += 1;
-        if node.has_tag_name((SVG, "use")) {
-            let target = node
-                .attribute((XLINK, "href"))
-                .unwrap()
-                .strip_prefix('#')
-                .unwrap();
+        let tag = node.tag_name();
+        assert_eq!(tag.namespace(), Some(SVG), "{what}: {tag:?}");
+        let kind = known.iter().position(|name| *name == tag.name());
+        counts[kind.unwrap_or_else(|| panic!("{what}: {tag:?}"))] += 1;
+        if tag.name() == "use" {
+            let target = node.attribute((XLINK, "href")).unwrap();
+            let id = target.strip_prefix('#').unwrap();
             let glyph = document
                 .descendants()
-                .find(|node| node.attribute("id") == Some(target));
-            assert!(
-                glyph.is_some_and(|glyph| glyph.has_attribute("d")),
-                "{what}: no {target}"
-            );
+                .find(|node| node.attribute("id") == Some(id));
+            let is_drawn = glyph.is_some_and(|glyph| glyph.has_attribute("d"));
+            assert!(is_drawn, "{what}: no {target}");
         }
-        if node.has_tag_name((SVG, "path")) {
+        if tag.name() == "path" {
             let data = node.attribute("d").unwrap();
             // Spaces are the only glyphs without an outline.
-            let is_glyph = node.has_attribute("id");
-            assert!(
-                data.starts_with('M') || (is_glyph && data.is_empty()),
-                "{what}: {data}"
-            );
-            assert!(
-                !data.contains("NaN") && !data.contains("inf"),
-                "{what}: {data}"
-            );
+            let is_space = node.has_attribute("id") && data.is_empty();
+            assert!(data.starts_with('M') || is_space, "{what}: {data}");
+            let is_finite = !data.contains("NaN") && !data.contains("inf");
+            assert!(is_finite, "{what}: {data}");
         }
     }
     let [svgs, titles, defs, paths, .., groups, _, uses] = counts;
@@ -138,33 +112,23 @@ fn check_svg(svg: &str, (width, height): (f64, f64), what: &str) {
 fn figures_that_say_nothing_of_a_peg_are_left_out_with_a_reason() {
     let (held, free) = (short("paper"), short("drop"));
     for figure in FIGURES {
-        assert_eq!(
-            figure.does_not_apply(&held).is_some(),
-            !figure.is_expected_of(&held),
-            "{}",
-            figure.name
-        );
+        let applies = figure.does_not_apply(&held).is_none();
+        assert_eq!(applies, figure.is_expected_of(&held), "{}", figure.name);
     }
-    let silent: Vec<_> = FIGURES
+    let silent = FIGURES
         .iter()
-        .filter(|figure| figure.does_not_apply(&free).is_some())
-        .map(|figure| figure.name)
-        .collect();
+        .filter(|figure| figure.does_not_apply(&free).is_some());
+    let silent: Vec<_> = silent.map(|figure| figure.name).collect();
     assert_eq!(silent, ["acceleration", "precession"]);
-    let directory = tempdir().unwrap();
-    let asked = figures(&directory, &["paper", "--only", "track"]);
-    let error = error_of(&mut { asked }, 2);
-    assert_contains(&error, "the peg is fixed");
+    Folder::new().refuses("figures paper --only track", "the peg is fixed");
 }
 
 #[test]
 fn hops_are_drawn_only_of_a_peg_that_leaves_the_table() {
     let hops = Figure::find("hops").unwrap();
     let does_not_apply = |preset| hops.does_not_apply(&short(preset));
-    assert_eq!(
-        does_not_apply("tippe-top"),
-        Some("the peg does not leave the table")
-    );
+    let reason = Some("the peg does not leave the table");
+    assert_eq!(does_not_apply("tippe-top"), reason);
     assert_eq!(does_not_apply("drop"), None);
 }
 
@@ -176,7 +140,7 @@ fn a_ripple_is_pale_below_its_average() {
     // The average is smooth: it has a point for each nutation.
     let average = places(&svg, "free-paper: friction, τ_y");
     assert!((100..400).contains(&average.len()), "{}", average.len());
-    assert!(labels(&svg).contains(&"nutation; the line in it: its average".to_owned()));
+    assert_label(&svg, "nutation; the line in it: its average");
     let smooth = svg_of("torque", &[&short("paper")]);
     assert!(!smooth.contains("the line in it"));
 }
@@ -186,12 +150,12 @@ fn a_track_tells_what_the_peg_does() {
     let run = simulated("free-paper", &[("stop.duration", "8.0")]);
     let svg = svg_of("track", &[&run]);
     for part in ["sliding", "rolling", "in the air"] {
-        assert!(labels(&svg).contains(&part.to_owned()), "{part}");
+        assert_label(&svg, part);
         let group = format!("free-paper: track of the contact point, {part}");
         assert!(!places(&svg, &group).is_empty(), "{part}");
     }
     let short = svg_of("track", &[&short("tippe-top")]);
-    assert!(!labels(&short).contains(&"in the air".to_owned()));
+    assert!(!has_label(&short, "in the air"));
 }
 
 #[test]
@@ -201,24 +165,19 @@ fn every_figure_is_an_svg_image_and_a_png_of_its_size() {
     let [free, tippe] = [short("drop"), short("tippe-top")];
     let free = vec![&free, &tippe];
     for figure in FIGURES {
-        let runs = if figure.is_expected_of(held[0]) {
-            &held
+        let is_of_held = figure.is_expected_of(held[0]);
+        let mut runs = if is_of_held {
+            held.clone()
         } else {
-            &free
+            free.clone()
         };
-        let runs = runs.iter().copied();
-        let runs: Vec<_> = runs
-            .filter(|run| figure.does_not_apply(run).is_none())
-            .collect();
+        runs.retain(|run| figure.does_not_apply(run).is_none());
         for runs in [&runs[..1], &runs[..]] {
             if runs.len() < figure.least_runs {
                 continue;
             }
-            assert!(
-                runs.iter().all(|run| figure.missing(run).is_none()),
-                "{}",
-                figure.name
-            );
+            let is_complete = runs.iter().all(|run| figure.missing(run).is_none());
+            assert!(is_complete, "{}", figure.name);
             for width in [85.0, 170.0] {
                 let drawing = figure.draw(runs, width);
                 let what = format!("{} of {} runs, {width} mm", figure.name, runs.len());
@@ -229,11 +188,8 @@ fn every_figure_is_an_svg_image_and_a_png_of_its_size() {
                 let pixels = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().unwrap());
                 let expected = |length: f64| (length / 25.4 * 300.0).round() as u32;
                 let (width, height) = drawing.size();
-                assert_eq!(
-                    (pixels(16), pixels(20)),
-                    (expected(width), expected(height)),
-                    "{what}"
-                );
+                let expected = (expected(width), expected(height));
+                assert_eq!((pixels(16), pixels(20)), expected, "{what}");
             }
         }
     }
@@ -265,10 +221,8 @@ fn axes_are_named_with_symbols_and_units() {
     ] {
         let found = labels(&svg(name));
         for label in expected {
-            assert!(
-                found.iter().any(|found| found == label),
-                "{name} doesn't name {label}"
-            );
+            let is_there = found.iter().any(|found| found == label);
+            assert!(is_there, "{name} doesn't name {label}");
         }
     }
 }
@@ -306,17 +260,18 @@ fn places(svg: &str, group: &str) -> Vec<(f64, f64)> {
 /// The least and greatest heights of a group where it is between these parts of its width.
 fn heights(svg: &str, group: &str, (from, to): (f64, f64)) -> (f64, f64) {
     let places = places(svg, group);
-    let extremes = |values: &mut dyn Iterator<Item = f64>| {
-        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-            (low.min(value), high.max(value))
-        })
-    };
-    let (left, right) = extremes(&mut places.iter().map(|place| place.0));
+    let (left, right) = extremes(places.iter().map(|place| place.0));
     let part = |place: &&(f64, f64)| {
         let at = (place.0 - left) / (right - left);
         from <= at && at <= to
     };
-    extremes(&mut places.iter().filter(part).map(|place| -place.1))
+    extremes(places.iter().filter(part).map(|place| -place.1))
+}
+
+fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+        (low.min(value), high.max(value))
+    })
 }
 
 /// A top that spins so fast that the default samples are too few for its nutation, of 2.5 ms.
@@ -328,29 +283,18 @@ fn val_simulated_runs_show_nutation_that_is_faster_than_their_samples() {
     let svg = svg_of("figure-2", &[&run]);
     for quantity in ["theta_dot", "phi_dot"] {
         let group = format!("frictionless: {quantity}");
-        let parts: Vec<_> = (0..20)
-            .map(|part| {
-                heights(
-                    &svg,
-                    &group,
-                    (f64::from(part) / 20.0, f64::from(part + 1) / 20.0),
-                )
-            })
-            .collect();
+        let part = |part: i32| (f64::from(part) / 20.0, f64::from(part + 1) / 20.0);
+        let parts = (0..20).map(|number| heights(&svg, &group, part(number)));
+        let parts: Vec<_> = parts.collect();
         // Without friction the envelope is constant; the width of a line is 25.
         for (low, high) in &parts {
-            assert!(
-                (low - parts[0].0).abs() < 25.0 && (high - parts[0].1).abs() < 25.0,
-                "{quantity}: {parts:?}"
-            );
+            let changes = [low - parts[0].0, high - parts[0].1];
+            let is_constant = changes.iter().all(|change| change.abs() < 25.0);
+            assert!(is_constant, "{quantity}: {parts:?}");
         }
     }
     let svg = svg_of("acceleration", &[&run]);
-    assert!(
-        !labels(&svg)
-            .iter()
-            .any(|label| label.contains("not resolved"))
-    );
+    assert_eq!(unresolved(&svg), None);
     // The mean of the gyroscopic term balances gravity all the time.
     let (low, high) = heights(&svg, "frictionless: gyroscopic", (0.0, 1.0));
     let (top, bottom) = heights(&svg, "frame", (0.0, 1.0));
@@ -359,12 +303,10 @@ fn val_simulated_runs_show_nutation_that_is_faster_than_their_samples() {
 
 #[test]
 fn figures_say_where_samples_are_too_few() {
-    let directory = tempdir().unwrap();
-    let path = directory.path().join("coarse.mcap");
-    let coarse = scenario(
-        "paper",
-        &[("sampling.period", "0.02"), ("stop.duration", "2")],
-    );
+    let folder = Folder::new();
+    let path = folder.at("coarse.mcap");
+    let changes = [("sampling.period", "0.02"), ("stop.duration", "2")];
+    let coarse = scenario("paper", &changes);
     archive(&path, &coarse, &[], Form::default()).unwrap();
     let run = Run::read(&Recording::open(&path).unwrap(), "coarse", &all(), &|_| {});
     for name in [
@@ -376,33 +318,17 @@ fn figures_say_where_samples_are_too_few() {
         "energy",
     ] {
         let svg = svg_of(name, &[&run]);
-        let note = labels(&svg)
-            .into_iter()
-            .find(|label| label.contains("not resolved"));
-        assert_eq!(
-            note.as_deref(),
-            Some("only 2.2 samples per nutation: nutation is not resolved"),
-            "{name}"
-        );
+        let expected = "only 2.2 samples per nutation: nutation is not resolved";
+        assert_eq!(unresolved(&svg).as_deref(), Some(expected), "{name}");
     }
     // The least and greatest θ of each nutation are recorded.
     let svg = svg_of("figure-4", &[&run, &run]);
-    assert!(
-        !labels(&svg)
-            .iter()
-            .any(|label| label.contains("not resolved"))
-    );
+    assert_eq!(unresolved(&svg), None);
     let group = "coarse: theta, range in each nutation";
     assert!(!places(&svg, group).is_empty());
-    let fine = svg_of(
-        "figure-2",
-        &[&simulated("paper", &[("stop.duration", "2")])],
-    );
-    assert!(
-        !labels(&fine)
-            .iter()
-            .any(|label| label.contains("not resolved"))
-    );
+    let fine = simulated("paper", &[("stop.duration", "2")]);
+    let fine = svg_of("figure-2", &[&fine]);
+    assert_eq!(unresolved(&fine), None);
 }
 
 #[test]
@@ -410,15 +336,8 @@ fn spikes_at_upright_are_cut_off_and_marked() {
     // The passages through upright are around 33 s.
     let upright = simulated("lifecycle", &[("stop.duration", "45")]);
     let svg = svg_of("figure-2", &[&upright]);
-    let found = labels(&svg);
-    assert!(
-        found.iter().any(|label| label == "key: beyond the axis"),
-        "{found:?}"
-    );
-    assert!(
-        found.iter().any(|label| label == "beyond the axis"),
-        "{found:?}"
-    );
+    assert_label(&svg, "key: beyond the axis");
+    assert_label(&svg, "beyond the axis");
     let paper = svg_of("figure-2", &[&short("paper")]);
     assert!(!labels(&paper).iter().any(|label| label.contains("beyond")));
 }
@@ -439,11 +358,7 @@ fn signals_that_are_zero_have_a_plain_axis() {
 #[test]
 fn keys_name_only_what_is_drawn() {
     let key = "key: average over each nutation";
-    let has_key = |run: &Run| {
-        labels(&svg_of("figure-2", &[run]))
-            .iter()
-            .any(|label| label == key)
-    };
+    let has_key = |run: &Run| has_label(&svg_of("figure-2", &[run]), key);
     assert!(has_key(&short("paper")));
     assert!(!has_key(&simulated("paper", &[("initial.psi_dot", "0")])));
 }
@@ -464,22 +379,13 @@ fn the_rate_of_precession_stands_with_the_root_that_it_follows() {
         let svg = svg_of("precession", &[&simulated(preset, &changes)]);
         let height = |field: &str| heights(&svg, &format!("{preset}: {field}"), (0.0, 1.0));
         let (rate, followed) = (height("phi_dot"), height(root));
-        assert!(
-            rate.0 < followed.1 && followed.0 < rate.1,
-            "{preset}: {rate:?}, {followed:?}"
-        );
-        let other = height(if root == "slow_root" {
-            "fast_root"
-        } else {
-            "slow_root"
-        });
+        let follows = rate.0 < followed.1 && followed.0 < rate.1;
+        assert!(follows, "{preset}: {rate:?}, {followed:?}");
+        let is_slow = root == "slow_root";
+        let other = height(if is_slow { "fast_root" } else { "slow_root" });
         // Above on paper is above in value.
         assert_eq!(rate.0 > other.1, is_above, "{preset}: {rate:?}, {other:?}");
-        assert!(
-            labels(&svg)
-                .iter()
-                .any(|label| label == "break of the axis")
-        );
+        assert_label(&svg, "break of the axis");
     }
 }
 
@@ -494,11 +400,7 @@ fn the_ends_of_runs_that_part_are_magnified_one_by_one() {
             ("stop.theta_fallen", "2"),
         ],
     );
-    let has_letter = |runs: &[&Run]| {
-        labels(&svg_of("figure-3", runs))
-            .iter()
-            .any(|label| label == "(d)")
-    };
+    let has_letter = |runs: &[&Run]| has_label(&svg_of("figure-3", runs), "(d)");
     assert!(!has_letter(&[&run, &run]));
     assert!(has_letter(&[&run, &fallen]));
 }
@@ -525,23 +427,14 @@ fn circles_of_small_inclinations_are_told_in_powers_of_ten() {
 fn names_of_runs_are_escaped() {
     let mut run = short("paper");
     run.name = "<a & \"b\">\u{1}".to_owned();
-    let svg = Figure::find("figure-2")
-        .unwrap()
-        .draw(&[&run, &run], 85.0)
-        .svg();
+    let svg = svg_of("figure-2", &[&run, &run]);
     // XML has no way to write the control character.
     let name = "<a & \"b\">\u{fffd}";
     let title = format!("θ, θ\u{307}, φ\u{307} and ψ\u{307} over time — {name}, {name}");
     let document = parsed(&svg);
-    assert_eq!(
-        document
-            .root_element()
-            .first_element_child()
-            .unwrap()
-            .text(),
-        Some(title.as_str())
-    );
-    assert!(labels(&svg).contains(&format!("key: {name}")));
+    let found = document.root_element().first_element_child().unwrap();
+    assert_eq!(found.text(), Some(title.as_str()));
+    assert_label(&svg, &format!("key: {name}"));
 }
 
 /// Figures, and the SHA-256 of their SVG and PNG.
@@ -571,9 +464,9 @@ fn regress_bytes() {
                 (sum(drawing.svg().as_bytes()), sum(&drawing.png().unwrap()))
             };
             let (svg, png) = draw();
-            assert_eq!(
-                (svg.clone(), png.clone()),
-                draw(),
+            let again = draw();
+            assert!(
+                (&svg, &png) == (&again.0, &again.1),
                 "{name} differs from itself"
             );
             (*name, svg, png)
@@ -590,12 +483,10 @@ fn tracks_fill_the_width_up_to_eleven_centimetres() {
     let run = short("drop");
     let edges = |width: f64| {
         let svg = Figure::find("track").unwrap().draw(&[&run], width).svg();
-        let (xs, ys): (Vec<f64>, Vec<f64>) = places(&svg, "frame").into_iter().unzip();
-        [xs, ys].map(|of| {
-            let least = of.iter().copied().fold(f64::INFINITY, f64::min);
-            let greatest = of.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            [least / 100.0, greatest / 100.0]
-        })
+        let places = places(&svg, "frame");
+        let (left, right) = extremes(places.iter().map(|place| place.0 / 100.0));
+        let (top, bottom) = extremes(places.iter().map(|place| place.1 / 100.0));
+        [[left, right], [top, bottom]]
     };
     for width in [60.0, 85.0, 120.0] {
         let [[left, right], [top, bottom]] = edges(width);
@@ -610,13 +501,8 @@ fn tracks_fill_the_width_up_to_eleven_centimetres() {
 
 #[test]
 fn whole_runs_make_small_files() {
-    let run = Run::read(&scenario("paper", &[]), "paper", &all(), &|_| {});
-    let other = Run::read(
-        &scenario("paper-spin-term-only", &[]),
-        "paper-spin-term-only",
-        &all(),
-        &|_| {},
-    );
+    let run = simulated("paper", &[]);
+    let other = simulated("paper-spin-term-only", &[]);
     for figure in FIGURES {
         for runs in [&[&run][..], &[&run, &other]] {
             if runs.len() < figure.least_runs {
@@ -626,11 +512,8 @@ fn whole_runs_make_small_files() {
                 let drawing = figure.draw(runs, width);
                 let (svg, png) = (drawing.svg().len(), drawing.png().unwrap().len());
                 let most = if runs.len() == 1 { 300_000 } else { 600_000 };
-                assert!(
-                    svg < most && png < most,
-                    "{}: {svg} and {png} bytes",
-                    figure.name
-                );
+                let sizes = format!("{}: {svg} and {png} bytes", figure.name);
+                assert!(svg < most && png < most, "{sizes}");
             }
         }
     }
@@ -638,10 +521,10 @@ fn whole_runs_make_small_files() {
 
 #[test]
 fn recordings_draw_as_their_simulation() {
-    let directory = tempdir().unwrap();
+    let folder = Folder::new();
     let scenario = scenario("paper", &[("stop.duration", "1.0")]);
     for encoding in [Encoding::Json, Encoding::Protobuf] {
-        let path = directory.path().join(format!("{encoding:?}.mcap"));
+        let path = folder.at(format!("{encoding:?}.mcap"));
         let form = Form {
             encoding,
             ..Form::default()
@@ -655,50 +538,28 @@ fn recordings_draw_as_their_simulation() {
 
 #[test]
 fn the_command_writes_both_kinds_and_overwrites_nothing() {
-    let directory = tempdir().unwrap();
-    record(&directory, "a.mcap", &[]);
-    let arguments = ["a.mcap", "-o", "out", "--only", "figure-2,energy"];
-    let output = figures(&directory, &arguments)
-        .assert()
-        .success()
-        .get_output()
-        .stdout
-        .clone();
-    let output = String::from_utf8(output).unwrap();
-    let files = ["figure-2.svg", "figure-2.png", "energy.svg", "energy.png"];
-    for file in files {
-        assert!(output.contains(&format!("out/{file}  ")), "{output}");
-        assert!(directory.path().join("out").join(file).is_file());
+    let folder = Folder::new();
+    record(&folder, "a.mcap", &[]);
+    let line = "figures a.mcap -o out --only figure-2,energy";
+    let output = folder.toprise(line, 0).stdout;
+    let written = ["energy.png", "energy.svg", "figure-2.png", "figure-2.svg"];
+    for file in written {
+        assert_contains(&output, &format!("out/{file}  "));
     }
-    assert_eq!(
-        fs::read_dir(directory.path().join("out")).unwrap().count(),
-        files.len()
-    );
-    fs::write(directory.path().join("out/energy.png"), "mine").unwrap();
-    let error = error_of(&mut figures(&directory, &arguments), 2);
-    assert!(
-        error.contains("exists") && error.contains("--force"),
-        "{error}"
-    );
-    assert_eq!(
-        fs::read(directory.path().join("out/energy.png")).unwrap(),
-        b"mine"
-    );
-    let forced = [&arguments[..], &["--force", "--kinds", "png,png"]].concat();
-    figures(&directory, &forced).assert().success();
-    assert!(fs::read(directory.path().join("out/energy.png")).unwrap() != b"mine");
+    assert_eq!(files(&folder.at("out")), written);
+    folder.write("out/energy.png", "mine");
+    let error = folder.refuses(line, "exists").stderr;
+    assert_contains(&error, "--force");
+    assert_eq!(folder.read("out/energy.png"), b"mine");
+    folder.toprise(&format!("{line} --force --kinds png,png"), 0);
+    assert_ne!(folder.read("out/energy.png"), b"mine");
 }
 
 #[test]
 fn without_a_run_the_presets_are_drawn() {
-    let directory = tempdir().unwrap();
-    figures(
-        &directory,
-        &["--only", "figure-4", "--kinds", "svg", "--width", "170"],
-    )
-    .assert()
-    .success();
-    let svg = fs::read_to_string(directory.path().join("figures/figure-4.svg")).unwrap();
+    let folder = Folder::new();
+    folder.toprise("figures --only figure-4 --kinds svg --width 170", 0);
+    let svg = folder.text("figures/figure-4.svg");
     for name in [
         "paper, average",
         "paper-precession-term-only",
@@ -710,66 +571,49 @@ fn without_a_run_the_presets_are_drawn() {
 
 #[test]
 fn what_is_missing_is_told_and_the_rest_is_drawn() {
-    let directory = tempdir().unwrap();
-    record(&directory, "some.mcap", &["/top/state", "/top/nutation"]);
-    record(&directory, "other.mcap", &["/events"]);
-    let error = error_of(
-        &mut figures(&directory, &["some.mcap", "--kinds", "svg"]),
-        3,
-    );
+    let folder = Folder::new();
+    record(&folder, "some.mcap", &["/top/state", "/top/nutation"]);
+    record(&folder, "other.mcap", &["/events"]);
+    let error = folder.toprise("figures some.mcap --kinds svg", 3).stderr;
     for part in [
         "figure-3 of some skipped: the run has no /top/pose",
         "energy of some skipped: the run has no /top/energy",
     ] {
         assert_contains(&error, part);
     }
-    let drawn: Vec<_> = fs::read_dir(directory.path().join("figures"))
-        .unwrap()
-        .collect();
-    assert_eq!(drawn.len(), 1);
-    let error = error_of(&mut figures(&directory, &["other.mcap", "-o", "none"]), 2);
-    assert_contains(&error, "nothing can be drawn");
-    let error = error_of(
-        &mut figures(&directory, &["some.mcap", "--only", "figure-4"]),
-        2,
-    );
-    assert_contains(&error, "figure-4 compares runs");
+    assert_eq!(files(&folder.at("figures")).len(), 1);
+    folder.refuses("figures other.mcap -o none", "nothing can be drawn");
+    let compares = "figure-4 compares runs";
+    folder.refuses("figures some.mcap --only figure-4", compares);
 }
 
 #[test]
 fn an_interrupted_run_is_drawn_as_far_as_it_goes() {
-    let directory = tempdir().unwrap();
-    record(&directory, "whole.mcap", &[]);
-    let whole = fs::read(directory.path().join("whole.mcap")).unwrap();
-    fs::write(directory.path().join("cut.mcap"), &whole[..whole.len() / 2]).unwrap();
-    let arguments = ["cut.mcap", "--only", "figure-2", "--kinds", "svg"];
-    let error = error_of(&mut figures(&directory, &arguments), 3);
+    let folder = Folder::new();
+    record(&folder, "whole.mcap", &[]);
+    let whole = folder.read("whole.mcap");
+    folder.write("cut.mcap", &whole[..whole.len() / 2]);
+    let line = "figures cut.mcap --only figure-2 --kinds svg";
+    let error = folder.toprise(line, 3).stderr;
     assert_contains(&error, "cut: the run is incomplete");
-    assert!(directory.path().join("figures/figure-2.svg").is_file());
+    assert!(folder.at("figures/figure-2.svg").is_file());
 }
 
 #[test]
 fn bad_arguments_write_nothing() {
-    let directory = tempdir().unwrap();
-    fs::write(directory.path().join("file"), "").unwrap();
+    let folder = Folder::new();
+    folder.write("file", "");
     for (arguments, part) in [
-        (&["--only", "figure-5"][..], "figure-"),
-        (
-            &["--only", "precesion"],
-            "a similar value exists: 'precession'",
-        ),
-        (&["--width", "20"], "80 to 400"),
-        (&["--kinds", "pdf"], "svg"),
-        (&["missing.mcap"], "missing.mcap"),
-        (&["file"], "file"),
-        (&["-o", "file/figures", "--only", "slip"], "file"),
+        ("--only figure-5", "figure-"),
+        ("--only precesion", "a similar value exists: 'precession'"),
+        ("--width 20", "80 to 400"),
+        ("--kinds pdf", "svg"),
+        ("missing.mcap", "missing.mcap"),
+        ("file", "file"),
+        ("-o file/figures --only slip", "file"),
     ] {
-        let error = error_of(&mut figures(&directory, arguments), 2);
-        assert!(
-            error.contains(part),
-            "{arguments:?}: {part} is not in {error}"
-        );
+        let error = folder.refuses(&format!("figures {arguments}"), part).stderr;
         assert!(!error.contains("panicked"), "{error}");
     }
-    assert!(!Path::new(&directory.path().join("figures")).exists());
+    assert!(!folder.at("figures").exists());
 }
