@@ -104,10 +104,10 @@ fn envelopes_are_those_of_a_much_finer_sampling() {
         "rise-by-loss-of-spin",
     ] {
         let run = |period| {
-            Run::of(&scenario(
+            Run::with(
                 preset,
                 &[("stop.duration", "0.3"), ("sampling.period", period)],
-            ))
+            )
         };
         let (coarse, fine) = (run("0.05"), run("1e-5"));
         // What is recorded of cycles doesn't depend on the sampling.
@@ -234,7 +234,7 @@ fn val_the_ranges_of_rates_are_those_of_a_much_finer_sampling() {
 fn val_the_terms_add_up_to_the_change_of_the_rate() {
     // 20 samples a second see a nutation of 23 to 60 Hz at odd phases: sums over them would be anything.
     let overrides = [("stop.duration", "20"), ("sampling.period", "0.05")];
-    let run = Run::of(&scenario("paper-precession-term-only", &overrides));
+    let run = Run::with("paper-precession-term-only", &overrides);
     let first = run.samples[0].tilt.rates.phi;
     for sample in &run.samples {
         let terms = &sample.integrals.terms;
@@ -249,7 +249,7 @@ fn val_the_terms_add_up_to_the_change_of_the_rate() {
         run.samples.last().unwrap().integrals.terms.psi_frictional,
         0.0
     );
-    let run = Run::of(&scenario("frictionless", &[("stop.duration", "1")]));
+    let run = Run::with("frictionless", &[("stop.duration", "1")]);
     let last = run.samples.last().unwrap().integrals;
     assert_eq!((last.terms.phi_frictional, last.slip_work), (0.0, 0.0));
 }

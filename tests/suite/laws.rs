@@ -367,7 +367,7 @@ fn full_friction_sticks_just_short_of_upright() {
 
 #[test]
 fn a_top_that_sticks_stops_by_default() {
-    let run = Run::of(&scenario("full-coulomb", &[("stop.theta_risen", "")]));
+    let run = Run::with("full-coulomb", &[("stop.theta_risen", "")]);
     assert_eq!(run.end.stop, StopReason::SlipStopped);
     let last = run.events.last().unwrap();
     assert_eq!(last.kind, EventKind::SlipStops);
@@ -472,7 +472,7 @@ fn val_the_sleeping_top_nutates_under_viscous_friction() {
     let rate = c * (spin - omega) / (2.0 * ix * omega - axial);
     assert_near("closed form", rate, 0.007_331_71, 1e-8);
     let theta = 1e-4;
-    let run = Run::of(&scenario(
+    let run = Run::with(
         "viscous",
         &[
             ("formulation", "body"),
@@ -484,7 +484,7 @@ fn val_the_sleeping_top_nutates_under_viscous_friction() {
             ("stop.duration", "60"),
             ("sampling.period", "0.1"),
         ],
-    ));
+    );
     let grown = libm::log(run.at(60.0).angles.theta / run.at(0.0).angles.theta) / 60.0;
     // The closed form is the first order in c. The second only changes the frequency, so that the
     // relative error is of the order (c/L_n)² = 8e-8.
@@ -494,10 +494,7 @@ fn val_the_sleeping_top_nutates_under_viscous_friction() {
 #[test]
 fn val_the_tilt_torque_alone_raises_at_constant_axial_momentum() {
     for formulation in ["euler", "body"] {
-        let run = Run::of(&scenario(
-            "tilt-torque-only",
-            &[("formulation", formulation)],
-        ));
+        let run = Run::with("tilt-torque-only", &[("formulation", formulation)]);
         assert_eq!(run.end.stop, StopReason::Risen);
         let axial = run.samples[0].momentum.axial;
         for sample in &run.samples {
@@ -509,7 +506,7 @@ fn val_the_tilt_torque_alone_raises_at_constant_axial_momentum() {
             * (inverse_gudermann(0.5) - inverse_gudermann(0.02));
         assert_near("t", run.end.time, time, 0.04 * time);
     }
-    let spin = Run::of(&scenario("spin-torque-only", &[("sampling.period", "0.1")]));
+    let spin = Run::with("spin-torque-only", &[("sampling.period", "0.1")]);
     assert_eq!(spin.end.stop, StopReason::Fallen);
     assert!(spin.samples.iter().all(|s| s.angles.theta > 0.49));
 }
@@ -521,7 +518,7 @@ fn inverse_gudermann(theta: f64) -> f64 {
 
 #[test]
 fn a_top_rises_by_loss_of_spin_without_faster_precession() {
-    let run = Run::of(&scenario("rise-by-loss-of-spin", &[]));
+    let run = Run::with("rise-by-loss-of-spin", &[]);
     assert_eq!(run.end.stop, StopReason::Risen);
     for pair in run.cycles.windows(2) {
         let rates = |i: usize| pair[i].mean_rates;
@@ -533,7 +530,7 @@ fn a_top_rises_by_loss_of_spin_without_faster_precession() {
 
 #[test]
 fn a_top_in_air_rises_sleeps_weakens_and_falls() {
-    let run = Run::of(&scenario("lifecycle", &[("sampling.period", "0.01")]));
+    let run = Run::with("lifecycle", &[("sampling.period", "0.01")]);
     assert_eq!(run.end.stop, StopReason::Fallen);
     assert!(run.end.time < 120.0);
     let weak = run.first(EventKind::WeakTop).time;
@@ -573,7 +570,7 @@ fn val_logged_torques_of_all_laws_drive_the_logged_momentum() {
                 ("stop.duration", "0.1"),
                 ("sampling.period", "0.00001"),
             ];
-            let run = Run::of(&scenario(preset, &[&common[..], all, more].concat()));
+            let run = Run::with(preset, &[&common[..], all, more].concat());
             for three in run.samples.windows(3).step_by(101) {
                 let difference = (three[2].momentum.world - three[0].momentum.world) / 2e-5;
                 let torque = three[1].pose.world_from_body * three[1].torque.total.body;
@@ -663,12 +660,12 @@ fn every_word_is_a_law_with_its_parameters() {
 #[test]
 fn losses_alone_move_a_top_without_sliding_friction() {
     // Rolling resistance has the form of the paper's friction with arm k R.
-    let coulomb = Run::of(&scenario("full-coulomb", &[("stop.duration", "5")]));
+    let coulomb = Run::with("full-coulomb", &[("stop.duration", "5")]);
     let arm = format!("{:?}", 0.03 * 0.007);
-    let rolling = Run::of(&scenario(
+    let rolling = Run::with(
         "frictionless",
         &[("rolling.arm", &arm), ("stop.duration", "5")],
-    ));
+    );
     for (a, b) in coulomb.samples.iter().zip(&rolling.samples) {
         assert_near("θ", a.angles.theta, b.angles.theta, 1e-11);
         assert_near("E", a.energy.total(), b.energy.total(), 1e-12);
@@ -714,7 +711,7 @@ fn the_formulations_agree_on_every_derivative_at_rest() {
 #[test]
 fn a_nutation_that_ends_after_the_run_is_not_counted() {
     for (preset, duration) in [("stribeck", "2"), ("paper", "6.75")] {
-        let run = Run::of(&scenario(preset, &[("stop.duration", duration)]));
+        let run = Run::with(preset, &[("stop.duration", duration)]);
         assert_eq!(run.end.nutations, run.cycles.len() as u64, "{preset}");
     }
 }

@@ -118,7 +118,7 @@ fn a_fall_between_rises_is_no_artefact() {
                 ("integrator.relative_tolerance", tolerance),
                 ("integrator.absolute_tolerance", tolerance),
             ];
-            let run = Run::of(&scenario("paper", &changes));
+            let run = Run::with("paper", &changes);
             let minima = run.events_of(EventKind::NutationMinimum);
             let least = minima.map(|event| event.motion.angles.theta);
             (run.end.stop, least.fold(f64::INFINITY, f64::min))

@@ -17,7 +17,7 @@ const MOMENTUM_DRIFT: f64 = 1e-14;
 fn val_angular_momentum_about_the_vertical_is_constant() {
     for preset in ["paper", "full-coulomb", "frictionless"] {
         for formulation in ["euler", "body"] {
-            let run = Run::of(&scenario(preset, &[("formulation", formulation)]));
+            let run = Run::with(preset, &[("formulation", formulation)]);
             let start = run.samples[0].momentum.vertical;
             let drift = largest(run.samples.iter().map(|s| s.momentum.vertical - start));
             assert!(drift < MOMENTUM_DRIFT, "{preset} {formulation}: {drift:e}");
@@ -28,7 +28,7 @@ fn val_angular_momentum_about_the_vertical_is_constant() {
 #[test]
 fn val_without_friction_energy_and_momenta_are_constant() {
     for formulation in ["euler", "body"] {
-        let run = Run::of(&scenario("frictionless", &[("formulation", formulation)]));
+        let run = Run::with("frictionless", &[("formulation", formulation)]);
         let first = &run.samples[0];
         let energy = largest(
             run.samples
@@ -55,10 +55,10 @@ fn val_energy_changes_by_the_work_of_friction() {
         "paper-precession-term-only",
     ] {
         for formulation in ["euler", "body"] {
-            let run = Run::of(&scenario(
+            let run = Run::with(
                 preset,
                 &[("formulation", formulation), ("sampling.period", "0.01")],
-            ));
+            );
             let start = run.samples[0].energy.total();
             let scale = run.end.energy.abs().max(start);
             for sample in &run.samples {
@@ -79,7 +79,7 @@ fn val_energy_changes_by_the_work_of_friction() {
 
 #[test]
 fn val_energy_lost_is_weight_times_path_under_full_friction() {
-    let run = Run::of(&scenario("full-coulomb", &[]));
+    let run = Run::with("full-coulomb", &[]);
     let lost = run.end.energy_at_start - run.end.energy;
     let path = run.end.motion.integrals.slip_path;
     assert_near("loss", lost, 0.03 * 0.110 * 9.81 * path, 1e-12);
@@ -100,10 +100,10 @@ fn val_the_ablations_change_momenta_as_their_equations_say() {
         ("paper-precession-term-only", true),
         ("paper-spin-term-only", false),
     ] {
-        let run = Run::of(&scenario(
+        let run = Run::with(
             preset,
             &[("stop.duration", "5"), ("sampling.period", "0.01")],
-        ));
+        );
         for sample in &run.samples {
             let (s, c, kf) = (sample.tilt.sin, sample.tilt.cos, k_f(sample));
             let (vertical, axial) = if precession {
@@ -133,7 +133,7 @@ fn val_the_ablations_change_momenta_as_their_equations_say() {
 
 #[test]
 fn val_the_paper_keeps_only_the_spin_part_of_friction() {
-    let run = Run::of(&scenario("paper", &[("stop.duration", "2")]));
+    let run = Run::with("paper", &[("stop.duration", "2")]);
     for sample in &run.samples {
         // Equation (6): no friction about the line of nodes, and the magnitude of (4) otherwise.
         assert_eq!(sample.torque.friction.node.x, 0.0);
@@ -189,10 +189,10 @@ fn val_regular_precession_stays_regular() {
 fn val_small_nutations_have_the_frequency_of_the_linear_theory() {
     // ω_n² = (L_n/I_x − 2 φ̇ cos θ)² + (φ̇ sin θ)² = 142.8935164793966882² at the slow root; a nutation of
     // amplitude ε changes it by O(ε²), here 1e-8.
-    let run = Run::of(&scenario(
+    let run = Run::with(
         "frictionless",
         &[("initial.phi_dot", "1.7538"), ("stop.duration", "2")],
-    ));
+    );
     let omega = std::f64::consts::TAU / run.cycles[3].period();
     assert_near("ω_n", omega, 142.893_516_479_396_69, 1e-3);
 }
@@ -200,11 +200,11 @@ fn val_small_nutations_have_the_frequency_of_the_linear_theory() {
 #[test]
 fn val_both_formulations_agree() {
     for preset in ["paper", "full-coulomb", "paper-spin-term-only"] {
-        let euler = Run::of(&scenario(preset, &[("sampling.period", "0.1")]));
-        let body = Run::of(&scenario(
+        let euler = Run::with(preset, &[("sampling.period", "0.1")]);
+        let body = Run::with(
             preset,
             &[("sampling.period", "0.1"), ("formulation", "body")],
-        ));
+        );
         assert_eq!(euler.samples.len(), body.samples.len());
         assert_near("end", euler.end.time, body.end.time, 2e-9);
         for (a, b) in euler.samples.iter().zip(&body.samples) {
@@ -224,10 +224,10 @@ fn val_both_formulations_agree() {
 fn val_logged_accelerations_are_the_derivatives_of_the_motion() {
     // Central differences of the logged rates: error h²/6 · the third derivative, about (150 rad/s)³ of
     // the nutation's amplitude.
-    let run = Run::of(&scenario(
+    let run = Run::with(
         "paper",
         &[("stop.duration", "0.5"), ("sampling.period", "0.00001")],
-    ));
+    );
     let h = 1e-5;
     for three in run.samples.windows(3).step_by(97) {
         let total = three[1].accelerations.total();
@@ -251,14 +251,14 @@ fn val_logged_torque_drives_the_logged_angular_momentum() {
         "paper-precession-term-only",
         "paper-spin-term-only",
     ] {
-        let run = Run::of(&scenario(
+        let run = Run::with(
             preset,
             &[
                 ("stop.duration", "0.1"),
                 ("sampling.period", "0.00001"),
                 ("formulation", "body"),
             ],
-        ));
+        );
         for three in run.samples.windows(3).step_by(101) {
             let difference = (three[2].momentum.world - three[0].momentum.world) / 2e-5;
             let torque = three[1].pose.world_from_body * three[1].torque.total.body;
@@ -270,7 +270,7 @@ fn val_logged_torque_drives_the_logged_angular_momentum() {
 
 #[test]
 fn val_slip_velocity_is_omega_cross_r() {
-    let run = Run::of(&scenario("full-coulomb", &[("sampling.period", "0.05")]));
+    let run = Run::with("full-coulomb", &[("sampling.period", "0.05")]);
     for sample in &run.samples {
         let r = Vector3::new(0.0, 0.0, -0.007);
         let slip = sample.pose.omega_world.cross(&r);
@@ -341,7 +341,7 @@ fn the_euler_formulation_stops_where_it_is_singular() {
 
 #[test]
 fn a_sleeping_top_sleeps() {
-    let run = Run::of(&scenario(
+    let run = Run::with(
         "frictionless",
         &[
             ("formulation", "body"),
@@ -349,7 +349,7 @@ fn a_sleeping_top_sleeps() {
             ("initial.phi_dot", "0"),
             ("stop.duration", "2"),
         ],
-    ));
+    );
     for sample in &run.samples {
         assert_eq!(sample.angles.theta, 0.0);
         assert_near("spin", sample.tilt.rates.psi, 170.0, 1e-10);
@@ -365,10 +365,10 @@ fn a_sleeping_top_sleeps() {
 
 #[test]
 fn full_friction_stops_the_slip_just_short_of_upright() {
-    let run = Run::of(&scenario(
+    let run = Run::with(
         "full-coulomb",
         &[("formulation", "body"), ("stop.theta_risen", "")],
-    ));
+    );
     assert_eq!(run.end.stop, StopReason::SlipStopped);
     assert!(run.end.motion.angles.theta < 1e-3);
 }
@@ -392,10 +392,10 @@ fn the_strength_ratio_is_one_at_the_sleeping_threshold() {
 fn a_shorter_run_is_a_prefix_of_a_longer_one() {
     for formulation in ["euler", "body"] {
         let run = |duration| {
-            Run::of(&scenario(
+            Run::with(
                 "paper",
                 &[("formulation", formulation), ("stop.duration", duration)],
-            ))
+            )
         };
         let (short, long) = (run("1.2345"), run("3"));
         assert_eq!(short.samples.len(), 1235);
@@ -407,10 +407,10 @@ fn a_shorter_run_is_a_prefix_of_a_longer_one() {
 #[test]
 fn sampling_does_not_influence_the_motion() {
     let run = |period| {
-        Run::of(&scenario(
+        Run::with(
             "paper",
             &[("sampling.period", period), ("stop.duration", "2")],
-        ))
+        )
     };
     let (fine, coarse) = (run("0.0001"), run("0.1"));
     assert_eq!(fine.end.statistics, coarse.end.statistics);

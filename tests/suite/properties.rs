@@ -1,6 +1,6 @@
 //! Laws that hold in every state.
 
-use crate::support::{Run, scenario};
+use crate::support::Run;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use toprise::physics::dynamics::{BodyRotation, EulerAngles, Formulation, Model, Support};
@@ -199,12 +199,12 @@ proptest! {
 
     #[test]
     fn the_mirror_image_is_the_mirror_motion(theta in 0.2..1.2_f64, phi in 0.5..4.0_f64, psi in 100.0..200.0_f64) {
-        let run = |sign: f64| Run::of(&scenario("paper", &[
+        let run = |sign: f64| Run::with("paper", &[
             ("initial.theta", &format!("{theta:?}")),
             ("initial.phi_dot", &format!("{:?}", sign * phi)),
             ("initial.psi_dot", &format!("{:?}", sign * psi)),
             ("stop.duration", "1"),
-        ]));
+        ]);
         let (a, b) = (run(1.0), run(-1.0));
         for (a, b) in a.samples.iter().zip(&b.samples) {
             prop_assert_eq!(a.angles.theta, b.angles.theta);
@@ -217,11 +217,11 @@ proptest! {
 
     #[test]
     fn only_the_product_of_k_and_radius_counts(scale in 0.5..2.0_f64) {
-        let run = |k: f64, radius: f64| Run::of(&scenario("paper", &[
+        let run = |k: f64, radius: f64| Run::with("paper", &[
             ("friction.k", &format!("{k:?}")),
             ("top.peg_radius", &format!("{radius:?}")),
             ("stop.duration", "2"),
-        ]));
+        ]);
         let (a, b) = (run(0.03, 0.007), run(0.03 / scale, 0.007 * scale));
         for (a, b) in a.samples.iter().zip(&b.samples) {
             prop_assert!((a.angles.theta - b.angles.theta).abs() < 1e-12);
@@ -231,12 +231,12 @@ proptest! {
     #[test]
     fn stronger_gravity_is_faster_time(lambda in 0.5..2.0_f64) {
         // g → λ² g and rates → λ: the same motion, λ times as fast.
-        let run = |lambda: f64| Run::of(&scenario("paper", &[
+        let run = |lambda: f64| Run::with("paper", &[
             ("gravity", &format!("{:?}", 9.81 * lambda * lambda)),
             ("initial.phi_dot", &format!("{:?}", 1.75 * lambda)),
             ("initial.psi_dot", &format!("{:?}", 170.0 * lambda)),
             ("stop.duration", "60"),
-        ]));
+        ]);
         let (a, b) = (run(1.0), run(lambda));
         let gap = a.end.time - b.end.time * lambda;
         prop_assert!(gap.abs() < 1e-8, "{gap}");
@@ -245,12 +245,12 @@ proptest! {
     #[test]
     fn where_the_axis_points_at_first_does_not_matter(phi in -3.0..3.0_f64, psi in -3.0..3.0_f64) {
         for formulation in ["euler", "body"] {
-            let run = |phi: f64, psi: f64| Run::of(&scenario("paper", &[
+            let run = |phi: f64, psi: f64| Run::with("paper", &[
                 ("formulation", formulation),
                 ("initial.phi", &format!("{phi:?}")),
                 ("initial.psi", &format!("{psi:?}")),
                 ("stop.duration", "2"),
-            ]));
+            ]);
             let (a, b) = (run(0.0, 0.0), run(phi, psi));
             for (a, b) in a.samples.iter().zip(&b.samples) {
                 prop_assert!((a.angles.theta - b.angles.theta).abs() < 1e-11);
@@ -261,19 +261,19 @@ proptest! {
 
     #[test]
     fn without_friction_time_can_be_turned_back(theta in 0.2..1.2_f64, phi in 0.5..4.0_f64) {
-        let there = Run::of(&scenario("frictionless", &[
+        let there = Run::with("frictionless", &[
             ("initial.theta", &format!("{theta:?}")),
             ("initial.phi_dot", &format!("{phi:?}")),
             ("stop.duration", "1"),
-        ]));
+        ]);
         let end = there.samples.last().unwrap();
-        let back = Run::of(&scenario("frictionless", &[
+        let back = Run::with("frictionless", &[
             ("initial.theta", &format!("{:?}", end.angles.theta)),
             ("initial.theta_dot", &format!("{:?}", -end.tilt.rates.theta)),
             ("initial.phi_dot", &format!("{:?}", -end.tilt.rates.phi)),
             ("initial.psi_dot", &format!("{:?}", -end.tilt.rates.psi)),
             ("stop.duration", "1"),
-        ]));
+        ]);
         let home = back.samples.last().unwrap();
         prop_assert!((home.angles.theta - theta).abs() < 1e-10);
         prop_assert!((home.tilt.rates.phi + phi).abs() < 1e-8);

@@ -3,7 +3,7 @@
 //! `eval "$(tests/readers/setup)"` installs it. Where it is missing these tests are skipped, unless
 //! `TOPRISE_READERS_REQUIRED` is set: then they fail.
 
-use crate::support::{Run, scenario};
+use crate::support::Run;
 use assert_cmd::Command;
 use serde_json::{Map, Value};
 use std::env;
@@ -147,7 +147,7 @@ fn val_javascript_reads_every_message_through_the_index() {
         return;
     }
     let directory = tempdir().unwrap();
-    let run = Run::of(&scenario("paper", &[("stop.duration", "1")]));
+    let run = Run::with("paper", &[("stop.duration", "1")]);
     let sum_theta = run.samples.iter().fold(0.0, |sum, s| sum + s.angles.theta);
     for encoding in ENCODINGS {
         let recording = record(&directory, encoding);

@@ -1,6 +1,6 @@
 //! `val_*`: whole runs against motions computed by others with 113 bits (`tests/data/reference.json`).
 
-use crate::support::{Run, assert_near, scenario};
+use crate::support::{Run, assert_near};
 use serde_json::Value;
 use toprise::run::simulation::{EventKind, Sample, StopReason};
 
@@ -55,7 +55,7 @@ fn compare(sample: &Sample, truth: &Value, tolerance: &Tolerance) -> usize {
 
 /// Runs a preset and compares it with all samples of a reference motion.
 fn validate(name: &str, preset: &str, overrides: &[(&str, &str)], tolerance: &Tolerance) -> Run {
-    let run = Run::of(&scenario(preset, overrides));
+    let run = Run::with(preset, overrides);
     let truth = &reference()["fixed_peg"][name];
     let mut compared = 0;
     for sample in truth["samples"].as_array().unwrap() {
@@ -91,7 +91,7 @@ fn val_paper_rises_as_computed_by_others() {
 
 #[test]
 fn val_paper_nutations_are_counted() {
-    let run = Run::of(&scenario("paper", &[]));
+    let run = Run::with("paper", &[]);
     let truth = &reference()["paper_k0.03_extras"];
     let maxima = truth["nutation_count_thetadot_maxima_0_to_rise"]
         .as_u64()
@@ -113,7 +113,7 @@ fn val_errors_fall_with_the_tolerance() {
     // in the rotation's variables; twice that is allowed. Below 1e-13 rounding takes over.
     for (formulation, factor) in [("euler", 260.0), ("body", 4.0)] {
         for tolerance in [1e-10, 1e-11, 1e-12, 1e-13] {
-            let run = Run::of(&scenario(
+            let run = Run::with(
                 "paper",
                 &[
                     ("formulation", formulation),
@@ -121,7 +121,7 @@ fn val_errors_fall_with_the_tolerance() {
                     ("integrator.absolute_tolerance", &format!("{tolerance:?}")),
                     ("sampling.period", "1"),
                 ],
-            ));
+            );
             assert_near(formulation, run.end.time, rise, factor * tolerance + 1e-12);
         }
     }
@@ -131,7 +131,7 @@ fn val_errors_fall_with_the_tolerance() {
 fn val_paper_nutation_means() {
     // The reference gives means and frequencies about the middle of each second, over a window of whole
     // nutations that is not stated: one nutation (45 ms) of drift is allowed. It grows toward upright.
-    let run = Run::of(&scenario("paper", &[]));
+    let run = Run::with("paper", &[]);
     let mut compared = 0;
     for truth in reference()["nutation_averages"]["paper"]
         .as_array()
@@ -164,10 +164,10 @@ fn val_paper_nutation_means() {
 #[test]
 fn nutation_means_are_means_over_the_cycle() {
     // Against sums over samples of 0.1 ms: the trapezoidal rule over whole periods of a ripple.
-    let run = Run::of(&scenario(
+    let run = Run::with(
         "paper",
         &[("sampling.period", "0.0001"), ("stop.duration", "1")],
-    ));
+    );
     for cycle in &run.cycles {
         let within = |s: &&Sample| {
             let t = s.time_ns as f64 / 1e9;
@@ -254,7 +254,7 @@ fn val_other_coefficients_of_friction() {
     ] {
         for formulation in ["euler", "body"] {
             let overrides = [("friction.k", k), ("formulation", formulation)];
-            let run = Run::of(&scenario(preset, &overrides));
+            let run = Run::with(preset, &overrides);
             let truth = reference();
             for sample in truth["fixed_peg"][name]["samples"].as_array().unwrap() {
                 compare(run.at(digits(sample, "t").unwrap()), sample, &EULER);
@@ -305,7 +305,7 @@ fn val_closed_form_by_elliptic_functions() {
             number => number.to_string(),
         };
         for formulation in ["euler", "body"] {
-            let run = Run::of(&scenario(
+            let run = Run::with(
                 "frictionless",
                 &[
                     ("formulation", formulation),
@@ -314,7 +314,7 @@ fn val_closed_form_by_elliptic_functions() {
                     ("initial.psi_dot", &text("psidot0")),
                     ("stop.duration", "10"),
                 ],
-            ));
+            );
             for time in ["1", "10"] {
                 let expected = &case["samples"][time];
                 let sample = run.at(time.parse().unwrap());
@@ -366,7 +366,7 @@ fn val_laws_of_friction_move_as_computed_by_others() {
                 angles: EULER.angles * length,
             };
             let overrides = [overrides, &[("formulation", formulation)]].concat();
-            let run = Run::of(&scenario(preset, &overrides));
+            let run = Run::with(preset, &overrides);
             for sample in truth["samples"].as_array().unwrap() {
                 let compared = compare(run.at(digits(sample, "t").unwrap()), sample, &tolerance);
                 assert!(compared >= 5, "{name}: only {compared} numbers compared");
@@ -382,7 +382,7 @@ fn val_laws_of_friction_move_as_computed_by_others() {
 
 #[test]
 fn val_a_start_without_nutation_rises_as_computed_by_others() {
-    let run = Run::of(&scenario("nutation-free", &[]));
+    let run = Run::with("nutation-free", &[]);
     let truth = &reference()["slow_manifold_ic"];
     let rise = truth["t_rise"].as_f64().unwrap();
     assert_near("t", run.end.time, rise, 5e-10);

@@ -95,6 +95,11 @@ impl Run {
         }
     }
 
+    /// A run of a preset with some keys set otherwise.
+    pub fn with(preset: &str, overrides: &[(&str, &str)]) -> Self {
+        Self::of(&scenario(preset, overrides))
+    }
+
     /// The sample at a time in seconds that is one of the sample times.
     pub fn at(&self, time: f64) -> &Sample {
         let time_ns = (time * 1e9).round() as u64;
@@ -104,6 +109,10 @@ impl Run {
 
     pub fn events_of(&self, kind: EventKind) -> impl Iterator<Item = &Event> {
         self.events.iter().filter(move |event| event.kind == kind)
+    }
+
+    pub fn times_of(&self, kind: EventKind) -> Vec<f64> {
+        self.events_of(kind).map(|event| event.time).collect()
     }
 
     pub fn first(&self, kind: EventKind) -> &Event {
