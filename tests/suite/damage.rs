@@ -1,9 +1,13 @@
 //! Damaged recordings: all damage is detected, nothing panics, and the run can be repeated.
 
 use crate::fuzz_corpus::steps::analyses;
-use crate::support::{archive, is_noticed, run_again, scenario, verified};
+use crate::support::{
+    Folder, assert_contains, is_noticed, recorded, run_again, scenario, verified,
+};
+use mcap::records::op;
 use std::fs;
 use std::io::Read as _;
+use std::ops::Range;
 use std::path::Path;
 use std::thread;
 use toprise::analysis::explain::explain;
@@ -38,12 +42,16 @@ fn in_parallel<T: Sync>(cases: &[T], check: impl Fn(&Path, &T) + Sync) {
     });
 }
 
-fn recorded(duration: &str, topics: &[&str], form: Form) -> Vec<u8> {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("run.mcap");
+fn short(duration: &str) -> Vec<u8> {
     let scenario = scenario("paper", &[("stop.duration", duration)]);
-    archive(&path, &scenario, topics, form).unwrap();
-    fs::read(&path).unwrap()
+    recorded(&scenario, &[], Form::default())
+}
+
+/// A copy with other bits at a place.
+fn flipped(bytes: &[u8], place: usize, mask: u8) -> Vec<u8> {
+    let mut bytes = bytes.to_vec();
+    bytes[place] ^= mask;
+    bytes
 }
 
 #[test]
@@ -52,13 +60,12 @@ fn every_byte_of_a_tiny_recording_counts() {
         views: false,
         ..Form::default()
     };
-    let whole = recorded("0.002", &["/events"], form);
+    let scenario = scenario("paper", &[("stop.duration", "0.002")]);
+    let whole = recorded(&scenario, &["/events"], form);
     let positions: Vec<usize> = (0..whole.len()).collect();
     in_parallel(&positions, |path, position| {
         for mask in [0x01, 0x80, 0xff] {
-            let mut bytes = whole.clone();
-            bytes[*position] ^= mask;
-            fs::write(path, bytes).unwrap();
+            fs::write(path, flipped(&whole, *position, mask)).unwrap();
             assert!(is_noticed(path), "byte {position} xor {mask:#x}");
         }
         endures(path);
@@ -72,11 +79,11 @@ fn flipped_bits_are_noticed_all_over_a_recording() {
             encoding,
             views: true,
         };
-        let whole = recorded("0.08", &[], form);
+        let scenario = scenario("paper", &[("stop.duration", "0.08")]);
+        let whole = recorded(&scenario, &[], form);
         let positions: Vec<usize> = (0..1000).map(|i| i * whole.len() / 1000).collect();
         in_parallel(&positions, |path, position| {
-            let mut bytes = whole.clone();
-            bytes[*position] ^= 1 << (position % 8);
+            let bytes = flipped(&whole, *position, 1 << (position % 8));
             fs::write(path, bytes).unwrap();
             assert!(is_noticed(path), "{encoding:?}: byte {position}");
             if position % 10 == 0 {
@@ -93,7 +100,7 @@ fn flipped_bits_are_noticed_all_over_a_recording() {
 
 #[test]
 fn a_recording_may_end_anywhere() {
-    let whole = recorded("0.1", &[], Form::default());
+    let whole = short("0.1");
     let mut lengths: Vec<usize> = (0..200).map(|i| i * whole.len() / 200).collect();
     lengths.extend(whole.len() - 300..whole.len());
     in_parallel(&lengths, |path, length| {
@@ -112,22 +119,24 @@ fn a_recording_may_end_anywhere() {
 
 #[test]
 fn chunks_that_were_swapped_or_repeated_are_noticed() {
-    let whole = recorded("0.5", &[], Form::default());
+    let whole = short("0.5");
     let chunks = chunks(&whole);
     assert!(chunks.len() > 4);
     let (first, second) = (chunks[1].clone(), chunks[2].clone());
-    let parts = |order: [std::ops::Range<usize>; 2]| {
-        let mut bytes = whole[..first.start].to_vec();
-        for part in order {
-            bytes.extend_from_slice(&whole[part]);
-        }
-        bytes.extend_from_slice(&whole[second.end..]);
-        bytes
+    let parts = |order: [&Range<usize>; 2]| {
+        let parts = order.map(|part| &whole[part.clone()]);
+        [
+            &whole[..first.start],
+            parts[0],
+            parts[1],
+            &whole[second.end..],
+        ]
+        .concat()
     };
     let changed = [
-        parts([second.clone(), first.clone()]),
-        parts([first.clone(), first.clone()]),
-        parts([first.clone(), 0..0]),
+        parts([&second, &first]),
+        parts([&first, &first]),
+        parts([&first, &(0..0)]),
     ];
     in_parallel(&changed, |path, bytes| {
         fs::write(path, bytes).unwrap();
@@ -139,40 +148,30 @@ fn chunks_that_were_swapped_or_repeated_are_noticed() {
 
 #[test]
 fn messages_that_come_twice_are_left_out_and_told() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("run.mcap");
-    let whole = recorded("0.5", &[], Form::default());
+    let folder = Folder::new();
+    let whole = short("0.5");
     let first = chunks(&whole)[1].clone();
-    let mut bytes = whole[..first.end].to_vec();
-    bytes.extend_from_slice(&whole[first.start..]);
-    fs::write(&path, &bytes).unwrap();
+    let bytes = [&whole[..first.end], &whole[first.start..]].concat();
+    let path = folder.write("run.mcap", bytes);
     let recording = Recording::open(&path).unwrap();
     let figure = Figure::find("figure-2").unwrap();
     let run = Run::read(&recording, "run", &[figure], &|_| {});
     let story = explain(&recording).unwrap();
     for losses in [&run.losses, &story.losses] {
-        assert!(
-            losses
-                .iter()
-                .any(|loss| loss.contains("messages that repeat others or go back in time")),
-            "{losses:?}"
-        );
+        let part = "messages that repeat others or go back in time";
+        assert_contains(&losses.join("\n"), part);
     }
     // Sorted and without the repetition it is the run that was recorded.
-    let original = directory.path().join("original.mcap");
-    fs::write(&original, &whole).unwrap();
-    let original = Recording::open(&original).unwrap();
+    let original = Recording::open(&folder.write("original.mcap", &whole)).unwrap();
     let sound = Run::read(&original, "run", &[figure], &|_| {});
     assert_eq!(sound.losses, Vec::<String>::new());
-    assert_eq!(
-        figure.draw(&[&run], 85.0).svg(),
-        figure.draw(&[&sound], 85.0).svg()
-    );
+    let [run, sound] = [run, sound].map(|run| figure.draw(&[&run], 85.0).svg());
+    assert_eq!(run, sound);
     analyses(&recording);
 }
 
 /// Where the chunks with their indexes lie, by another reader.
-pub fn chunks(bytes: &[u8]) -> Vec<std::ops::Range<usize>> {
+pub fn chunks(bytes: &[u8]) -> Vec<Range<usize>> {
     let summary = mcap::Summary::read(bytes).unwrap().unwrap();
     let mut indexes = summary.chunk_indexes;
     indexes.sort_by_key(|index| index.chunk_start_offset);
@@ -186,24 +185,20 @@ pub fn chunks(bytes: &[u8]) -> Vec<std::ops::Range<usize>> {
 
 #[test]
 fn a_damaged_recording_is_read_past_its_damage_and_run_again_to_the_same_bytes() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("run.mcap");
+    let folder = Folder::new();
     let scenario = scenario("paper", &[("stop.duration", "0.5")]);
     for (encoding, topics) in [
         (Encoding::Json, &[][..]),
         (Encoding::Protobuf, &["/top/state", "/top/energy"]),
     ] {
-        let _ = fs::remove_file(&path);
         let form = Form {
             encoding,
             ..Form::default()
         };
-        archive(&path, &scenario, topics, form).unwrap();
-        let whole = fs::read(&path).unwrap();
+        let whole = recorded(&scenario, topics, form);
         let hit = chunks(&whole).pop().unwrap();
-        let mut bytes = whole.clone();
-        bytes[usize::midpoint(hit.start, hit.end)] ^= 1;
-        fs::write(&path, bytes).unwrap();
+        let bytes = flipped(&whole, usize::midpoint(hit.start, hit.end), 1);
+        let path = folder.write("run.mcap", bytes);
         let recording = Recording::open(&path).unwrap();
         let overview = Overview::of(&recording);
         assert_eq!(overview.condition, Condition::Damaged);
@@ -222,9 +217,8 @@ fn a_damaged_recording_is_read_past_its_damage_and_run_again_to_the_same_bytes()
 
 #[test]
 fn a_recording_that_ends_before_its_scenario_can_not_be_run_again() {
-    let whole = recorded("0.02", &[], Form::default());
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("cut.mcap");
+    let whole = short("0.02");
+    let folder = Folder::new();
     let first_chunk = chunks(&whole)[0].start;
     // Each record is an opcode, the length of its body, and the body; the header stands behind the magic.
     let mut ends = vec![8];
@@ -233,26 +227,20 @@ fn a_recording_that_ends_before_its_scenario_can_not_be_run_again() {
         ends.push(end + 9 + u64::from_le_bytes(length) as usize);
     }
     // The header, toprise.run and the scenario.
-    let runs: Vec<_> = ends[1..]
-        .iter()
-        .map(|end| {
-            fs::write(&path, &whole[..*end]).unwrap();
-            assert!(is_noticed(&path), "{end}");
-            run_again(&path).map(|bytes| bytes == whole)
-        })
-        .collect();
-    assert_eq!(runs, [None, None, Some(true)]);
+    let runs = ends[1..].iter().map(|end| {
+        let path = folder.write("cut.mcap", &whole[..*end]);
+        assert!(is_noticed(&path), "{end}");
+        run_again(&path).map(|bytes| bytes == whole)
+    });
+    assert_eq!(runs.collect::<Vec<_>>(), [None, None, Some(true)]);
 }
 
 #[test]
 fn damage_outside_of_chunks_costs_no_messages() {
-    let whole = recorded("0.5", &[], Form::default());
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("run.mcap");
+    let whole = short("0.5");
+    let folder = Folder::new();
     let changed = |at: usize, mask: u8| {
-        let mut bytes = whole.clone();
-        bytes[at] ^= mask;
-        fs::write(&path, bytes).unwrap();
+        let path = folder.write("run.mcap", flipped(&whole, at, mask));
         assert!(is_noticed(&path), "byte {at}");
         assert_eq!(verified(&path).missing, 0, "byte {at}");
     };
@@ -266,7 +254,7 @@ fn damage_outside_of_chunks_costs_no_messages() {
     changed(8 + 1, 0x40);
     let summary = mcap::read::footer(&whole).unwrap().summary_start as usize;
     let data_end = summary - 13;
-    assert_eq!(whole[data_end], mcap::records::op::DATA_END);
+    assert_eq!(whole[data_end], op::DATA_END);
     for (byte, mask) in [(1, 0x40), (2, 0x01), (2, 0x04)] {
         changed(data_end + byte, mask);
     }
@@ -278,72 +266,57 @@ fn damage_outside_of_chunks_costs_no_messages() {
 
 #[test]
 fn what_stands_behind_the_footer_is_noticed() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("run.mcap");
-    let whole = recorded("0.1", &[], Form::default());
-    let end = whole.len() - mcap::MAGIC.len();
-    let mut bytes = whole[..end].to_vec();
-    bytes.extend_from_slice(&[0x85, 5, 0, 0, 0, 0, 0, 0, 0]);
-    bytes.extend_from_slice(b"hello");
-    bytes.extend_from_slice(&whole[end..]);
-    fs::write(&path, bytes).unwrap();
+    let whole = short("0.1");
+    let (whole, magic) = whole.split_at(whole.len() - mcap::MAGIC.len());
+    let bytes = [whole, &record(0x85, b"hello"), magic].concat();
+    let folder = Folder::new();
+    let path = folder.write("run.mcap", bytes);
     assert!(is_noticed(&path));
 }
 
 #[test]
 fn a_recording_whose_index_is_lost_loses_nothing() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("run.mcap");
-    let whole = recorded("0.3", &[], Form::default());
+    let folder = Folder::new();
+    let whole = short("0.3");
     // The end magic and a part of the footer.
-    fs::write(&path, &whole[..whole.len() - 20]).unwrap();
+    let path = folder.write("run.mcap", &whole[..whole.len() - 20]);
     let report = verified(&path);
     assert_eq!(report.state, Condition::Damaged);
     assert_eq!((report.verdict, report.missing), (Verdict::Incomplete, 0));
-    assert_eq!(
-        report.equal,
-        Some(Overview::read(&path).unwrap().messages())
-    );
+    let messages = Overview::read(&path).unwrap().messages();
+    assert_eq!(report.equal, Some(messages));
     assert!(run_again(&path).unwrap() == whole);
 }
 
 #[test]
 fn the_scenario_of_another_run_is_not_taken_for_its_own() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = |name: &str| directory.path().join(name);
     let whole = |k: &str| {
-        let name = format!("{k}.mcap");
         let scenario = scenario("paper", &[("stop.duration", "0.3"), ("friction.k", k)]);
-        archive(&path(&name), &scenario, &[], Form::default()).unwrap();
-        fs::read(path(&name)).unwrap()
+        recorded(&scenario, &[], Form::default())
     };
     let (a, b) = (whole("0.03"), whole("0.02"));
     // The metadata and the scenario of one run, something unreadable, and all messages and the end of the other.
     let (head, rest) = (&a[..chunks(&a)[0].start], &b[chunks(&b)[0].start..]);
     let spliced = [head, &[0xee; 40], rest].concat();
-    fs::write(path("spliced.mcap"), spliced).unwrap();
-    let report = verified(&path("spliced.mcap"));
+    let folder = Folder::new();
+    let report = verified(&folder.write("spliced.mcap", spliced));
     assert_eq!(report.verdict, Verdict::Different, "{report:#?}");
 }
 
 #[test]
 fn every_byte_of_the_record_of_the_run_counts_in_an_interrupted_recording() {
-    let whole = recorded("0.01", &[], Form::default());
+    let whole = short("0.01");
     let interrupted = &whole[..chunks(&whole).last().unwrap().end];
-    let name = interrupted
-        .windows(11)
-        .position(|bytes| bytes == b"toprise.run");
+    let mut places = interrupted.windows(11);
+    let name = places.position(|bytes| bytes == b"toprise.run");
     // Opcode and length of the record, and the length of its name, stand before.
     let start = name.unwrap() - 13;
     let length = u64::from_le_bytes(whole[start + 1..start + 9].try_into().unwrap());
     let positions: Vec<usize> = (start..start + 9 + length as usize).collect();
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("interrupted.mcap");
-    fs::write(&path, interrupted).unwrap();
-    let sound = verified(&path);
+    let folder = Folder::new();
+    let sound = verified(&folder.write("interrupted.mcap", interrupted));
     in_parallel(&positions, |path, position| {
-        let mut bytes = interrupted.to_vec();
-        bytes[*position] ^= 1 << (position % 8);
+        let bytes = flipped(interrupted, *position, 1 << (position % 8));
         fs::write(path, bytes).unwrap();
         assert_ne!(verified(path), sound, "byte {position}");
     });
@@ -351,98 +324,80 @@ fn every_byte_of_the_record_of_the_run_counts_in_an_interrupted_recording() {
 
 #[test]
 fn a_recording_that_ends_in_its_summary_is_incomplete() {
-    let whole = recorded("0.1", &[], Form::default());
+    let whole = short("0.1");
     let summary = mcap::read::footer(&whole).unwrap().summary_start as usize;
     let lengths: Vec<usize> = (summary..whole.len()).step_by(29).collect();
     in_parallel(&lengths, |path, length| {
         fs::write(path, &whole[..*length]).unwrap();
         let report = verified(path);
-        assert_eq!(
-            report.verdict,
-            Verdict::Incomplete,
-            "{length} bytes: {report:?}"
-        );
+        let what = format!("{length} bytes: {report:?}");
+        assert_eq!(report.verdict, Verdict::Incomplete, "{what}");
     });
 }
 
 #[test]
 fn an_empty_summary_offset_beside_that_of_the_group_is_refused() {
-    let mut bytes = recorded("0.1", &[], Form::default());
+    let mut bytes = short("0.1");
     let summary = mcap::read::footer(&bytes).unwrap().summary_start as usize;
     let footer = bytes.len() - mcap::MAGIC.len() - 29;
-    assert_eq!(bytes[footer], mcap::records::op::FOOTER);
+    assert_eq!(bytes[footer], op::FOOTER);
     // A reader that believes it finds no attachments.
-    let mut group = vec![mcap::records::op::ATTACHMENT_INDEX];
-    group.extend_from_slice(&(summary as u64).to_le_bytes());
-    group.extend_from_slice(&0_u64.to_le_bytes());
-    let offset = record(mcap::records::op::SUMMARY_OFFSET, &group);
+    let start = (summary as u64).to_le_bytes();
+    let group = [&[op::ATTACHMENT_INDEX], &start[..], &[0; 8]].concat();
+    let offset = record(op::SUMMARY_OFFSET, &group);
     bytes.splice(footer..footer, offset.iter().copied());
     let sum_at = footer + offset.len() + 25;
     let sum = crc32fast::hash(&bytes[summary..sum_at]);
     bytes[sum_at..sum_at + 4].copy_from_slice(&sum.to_le_bytes());
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("run.mcap");
-    fs::write(&path, bytes).unwrap();
+    let folder = Folder::new();
+    let path = folder.write("run.mcap", bytes);
     let difference = verified(&path).difference.unwrap();
     assert_eq!(difference.place, "the groups of the summary");
 }
 
 /// A record of an MCAP file.
 fn record(opcode: u8, body: &[u8]) -> Vec<u8> {
-    let mut record = vec![opcode];
-    record.extend_from_slice(&(body.len() as u64).to_le_bytes());
-    record.extend_from_slice(body);
-    record
+    [&[opcode], &(body.len() as u64).to_le_bytes()[..], body].concat()
 }
 
 #[test]
 fn a_chunk_of_compressed_zeros_is_not_read_to_its_end() {
     let size = 1 << 26;
     let zeros = zstd::encode_all(std::io::repeat(0).take(size), 1).unwrap();
-    let mut chunk = vec![0; 16];
-    chunk.extend_from_slice(&size.to_le_bytes());
-    chunk.extend_from_slice(&0_u32.to_le_bytes());
-    chunk.extend_from_slice(&4_u32.to_le_bytes());
-    chunk.extend_from_slice(b"zstd");
-    chunk.extend_from_slice(&(zeros.len() as u64).to_le_bytes());
-    chunk.extend_from_slice(&zeros);
-    let mut bytes = mcap::MAGIC.to_vec();
-    bytes.extend(record(mcap::records::op::HEADER, &[0; 8]));
-    bytes.extend(record(mcap::records::op::CHUNK, &chunk));
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("zeros.mcap");
-    fs::write(&path, bytes).unwrap();
+    let chunk = [
+        // Times, size and checksum.
+        &[0; 16][..],
+        &size.to_le_bytes(),
+        &[0; 4],
+        // Compression.
+        &4_u32.to_le_bytes(),
+        b"zstd",
+        &(zeros.len() as u64).to_le_bytes(),
+        &zeros,
+    ];
+    let header = record(op::HEADER, &[0; 8]);
+    let chunk = record(op::CHUNK, &chunk.concat());
+    let folder = Folder::new();
+    let path = folder.write("zeros.mcap", [mcap::MAGIC, &header, &chunk].concat());
     let overview = Overview::read(&path).unwrap();
     let losses: Vec<_> = overview.losses.iter().map(ToString::to_string).collect();
-    assert!(
-        losses
-            .iter()
-            .any(|loss| loss.contains("at byte 0 of the chunk")),
-        "{losses:?}"
-    );
+    assert_contains(&losses.join("\n"), "at byte 0 of the chunk");
 }
 
 #[cfg(unix)]
 #[test]
 fn a_pipe_is_refused_and_not_waited_for() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("pipe.mcap");
+    let folder = Folder::new();
+    let path = folder.at("pipe.mcap");
     let made = std::process::Command::new("mkfifo").arg(&path).status();
     assert!(made.unwrap().success());
     let (told, opened) = std::sync::mpsc::channel();
     thread::spawn(move || {
-        told.send(
-            Recording::open(&path)
-                .map(|_| ())
-                .map_err(|e| e.to_string()),
-        )
+        let opened = Recording::open(&path).map(|_| ());
+        told.send(opened.map_err(|error| error.to_string()))
     });
     let minute = std::time::Duration::from_mins(1);
-    let opened = opened
-        .recv_timeout(minute)
-        .expect("opening a pipe takes no time");
-    assert_eq!(
-        opened,
-        Err("it is a pipe or device, not an MCAP file".to_owned())
-    );
+    let opened = opened.recv_timeout(minute);
+    let error = opened.expect("opening a pipe takes no time").unwrap_err();
+    assert_eq!(error, "it is a pipe or device, not an MCAP file");
 }

@@ -3,14 +3,13 @@
 
 mod forgery;
 
-use crate::support::{archive, assert_contains, scenario, verified};
+use crate::support::{Folder, assert_contains, recorded, scenario, verified};
 use forgery::{END, Forgery, RUN, Raw, Record, body, edit, framed, metadata, named};
 use mcap::records::{Header, MessageHeader, Metadata, SchemaHeader, op};
 use std::fs;
 use std::io::Write as _;
 use std::path::Path;
 use std::rc::Rc;
-use tempfile::TempDir;
 use toprise::analysis::verify::{Report, Verdict, verify};
 use toprise::archive::recording::Recording;
 use toprise::archive::writer::Form;
@@ -44,29 +43,23 @@ fn judge(path: &Path) -> (Expected, String) {
     (found, format!("{report:?}"))
 }
 
-fn recorded(encoding: Encoding) -> Vec<u8> {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("run.mcap");
-    let form = Form {
-        encoding,
-        views: true,
-    };
+fn original(encoding: Encoding) -> Vec<u8> {
     let scenario = scenario("paper", &[("stop.duration", "0.05")]);
-    archive(&path, &scenario, &[], form).unwrap();
-    fs::read(&path).unwrap()
+    let views = true;
+    recorded(&scenario, &[], Form { encoding, views })
 }
 
 /// Attempts to forge a recording.
 struct Attempts {
     original: Forgery,
-    directory: TempDir,
+    folder: Folder,
     /// The attempts with another verdict than expected.
     surprises: Vec<String>,
 }
 
 impl Attempts {
     fn judge(&mut self, name: &str, expected: Expected, forge: impl FnOnce(&mut Forgery)) {
-        let path = self.directory.path().join("forged.mcap");
+        let path = self.folder.at("forged.mcap");
         let mut forgery = self.original.clone();
         forge(&mut forgery);
         forgery.write(&path);
@@ -123,8 +116,8 @@ impl Attempts {
 /// Tries forgeries of a recording.
 fn try_all(encoding: Encoding, forge: impl FnOnce(&mut Attempts)) {
     let mut attempts = Attempts {
-        original: Forgery::of(&recorded(encoding)),
-        directory: tempfile::tempdir().unwrap(),
+        original: Forgery::of(&original(encoding)),
+        folder: Folder::new(),
         surprises: Vec::new(),
     };
     forge(&mut attempts);
@@ -804,8 +797,8 @@ fn to_claim_to_be_old_or_new_is_no_way_out() {
 
 /// The report on a forged recording.
 fn report(forgery: &Forgery) -> Report {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("a.mcap");
+    let folder = Folder::new();
+    let path = folder.at("a.mcap");
     forgery.clone().write(&path);
     verified(&path)
 }
@@ -818,7 +811,7 @@ fn assert_verdict(forgery: &Forgery, expected: Verdict) {
 
 #[test]
 fn another_telemetry_is_compared_by_the_names_of_its_fields() {
-    let mut forgery = Forgery::of(&recorded(Encoding::Json));
+    let mut forgery = Forgery::of(&original(Encoding::Json));
     forgery.set(RUN, "telemetry", "1000");
     // Another field in the place of one, and a topic less.
     let renamed = |data: &mut _| edit(data, |text| text.replace("\"potential\"", "\"novel\""));
@@ -834,7 +827,7 @@ fn another_telemetry_is_compared_by_the_names_of_its_fields() {
 
 #[test]
 fn a_run_without_the_end_of_its_simulation_is_not_verified() {
-    let mut forgery = Forgery::of(&recorded(Encoding::Json));
+    let mut forgery = Forgery::of(&original(Encoding::Json));
     forgery.drop(named(END));
     assert_verdict(&forgery, Verdict::Incomplete);
 }
@@ -851,7 +844,7 @@ fn an_index_that_contradicts_the_data_is_different_in_parts_of_runs_too() {
         |f| f.set(RUN, "version", "0.1.9"),
     ];
     for part in parts {
-        let mut forgery = Forgery::of(&recorded(Encoding::Json));
+        let mut forgery = Forgery::of(&original(Encoding::Json));
         part(&mut forgery);
         let report = report(&forgery);
         assert_ne!(report.verdict, Verdict::Different, "{report:#?}");
@@ -863,9 +856,9 @@ fn an_index_that_contradicts_the_data_is_different_in_parts_of_runs_too() {
 /// Python's `mcap` writes no checksum of the data unless it is asked to.
 #[test]
 fn a_file_without_a_checksum_of_its_data_is_packed_otherwise() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("a.mcap");
-    let mut bytes = recorded(Encoding::Json);
+    let folder = Folder::new();
+    let path = folder.at("a.mcap");
+    let mut bytes = original(Encoding::Json);
     // The footer's first number says where the summary begins: behind the checksum.
     let footer = bytes.len() - mcap::MAGIC.len() - 20;
     let summary = u64::from_le_bytes(bytes[footer..footer + 8].try_into().unwrap()) as usize;
@@ -880,9 +873,9 @@ fn a_file_without_a_checksum_of_its_data_is_packed_otherwise() {
 /// A text of megabytes is no scenario, and is not given to a parser.
 #[test]
 fn a_scenario_of_megabytes_is_not_read() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("a.mcap");
-    let mut forgery = Forgery::of(&recorded(Encoding::Json));
+    let folder = Folder::new();
+    let path = folder.at("a.mcap");
+    let mut forgery = Forgery::of(&original(Encoding::Json));
     *forgery.toml() = vec![b' '; 2 << 20];
     fs::write(&path, forgery.bytes()).unwrap();
     let recording = Recording::open(&path).unwrap();

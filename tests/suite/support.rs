@@ -169,8 +169,11 @@ impl Folder {
         fs::read_to_string(self.at(name)).unwrap()
     }
 
-    pub fn write(&self, name: impl AsRef<Path>, content: impl AsRef<[u8]>) {
-        fs::write(self.at(name), content).unwrap();
+    /// Writes a file; returns its path.
+    pub fn write(&self, name: impl AsRef<Path>, content: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.at(name);
+        fs::write(&path, content).unwrap();
+        path
     }
 
     /// The names of all files and folders in it, hidden ones too, in alphabetical order.
@@ -270,6 +273,13 @@ fn archive_topics(
     let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
     let end = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
     sink.finish(&end)
+}
+
+/// The bytes of a recording.
+pub fn recorded(scenario: &Scenario, topics: &[&str], form: Form) -> Vec<u8> {
+    let folder = Folder::new();
+    archive(&folder.at("run.mcap"), scenario, topics, form).unwrap();
+    folder.read("run.mcap")
 }
 
 /// Runs again what a file holds, in its own form, as `toprise run FILE` does; gives the bytes of the new recording, none if
