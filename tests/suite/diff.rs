@@ -4,6 +4,7 @@ mod findings;
 mod others;
 mod values;
 
+use crate::damage::chunks;
 use crate::random_scenarios::{Random, free_tops};
 use crate::support::{Run, archive, assert_contains, assert_near, in_memory, scenario};
 use assert_cmd::Command;
@@ -195,21 +196,6 @@ fn a_cut_recording_agrees_as_far_as_it_goes() {
     let report = compare(&whole, &short(&[("stop.duration", "1.0")]), &quick()).unwrap();
     assert_eq!(report.verdict, Verdict::Different);
     assert_eq!(channel(&report, "/top/state").beyond, [1000, 0]);
-}
-
-/// The chunks of a file.
-fn chunks(bytes: &[u8]) -> Vec<std::ops::Range<usize>> {
-    const MAGIC: usize = 8;
-    const CHUNK: u8 = 6;
-    let (mut chunks, mut at) = (Vec::new(), MAGIC);
-    while at + MAGIC < bytes.len() {
-        let length = u64::from_le_bytes(bytes[at + 1..at + 9].try_into().unwrap()) as usize;
-        if bytes[at] == CHUNK {
-            chunks.push(at..at + 9 + length);
-        }
-        at += 9 + length;
-    }
-    chunks
 }
 
 #[test]

@@ -13,7 +13,7 @@ use toprise::physics::friction::{
 };
 use toprise::physics::integrate::System;
 use toprise::physics::kinematics::{Euler, Tilt};
-use toprise::run::scenario::{KEYS, Kind, LAWS, Scenario};
+use toprise::run::scenario::{KEYS, Kind, LAWS, Law, Scenario};
 use toprise::run::simulation::{EventKind, Simulation, StopReason};
 
 fn model(friction: Friction) -> Model {
@@ -326,10 +326,8 @@ fn sticking(overrides: &[(&str, &str)]) -> Scenario {
 #[test]
 fn full_friction_sticks_just_short_of_upright() {
     for formulation in ["euler", "body"] {
-        let run = Run::of(&sticking(&[
-            ("formulation", formulation),
-            ("stop.duration", "30"),
-        ]));
+        let keys = [("formulation", formulation), ("stop.duration", "30")];
+        let run = Run::of(&sticking(&keys));
         assert_eq!(run.end.stop, StopReason::Duration);
         let stick = run.first(EventKind::Stick);
         // |(I_z − I_x) Ω² cos θ − M g l| sin θ ≤ k M g R.
@@ -348,20 +346,12 @@ fn full_friction_sticks_just_short_of_upright() {
             assert_eq!(sample.energy.friction_power, 0.0);
             let held = sample.torque.friction.node.norm();
             assert_near("held", held, needed, 1e-9 * needed);
-            assert_near(
-                "L_z",
-                sample.momentum.vertical,
-                before.momentum.vertical,
-                1e-14,
-            );
+            let [now, then] = [sample, before].map(|s| s.momentum.vertical);
+            assert_near("L_z", now, then, 1e-14);
         }
         let last = run.samples.last().unwrap();
-        assert_near(
-            "E",
-            last.energy.total() - before.energy.total(),
-            last.integrals.friction_work,
-            1e-12,
-        );
+        let change = last.energy.total() - before.energy.total();
+        assert_near("E", change, last.integrals.friction_work, 1e-12);
     }
 }
 
@@ -472,19 +462,17 @@ fn val_the_sleeping_top_nutates_under_viscous_friction() {
     let rate = c * (spin - omega) / (2.0 * ix * omega - axial);
     assert_near("closed form", rate, 0.007_331_71, 1e-8);
     let theta = 1e-4;
-    let run = Run::with(
-        "viscous",
-        &[
-            ("formulation", "body"),
-            ("initial.theta", &format!("{theta:?}")),
-            ("initial.theta_dot", &format!("{:?}", rate * theta)),
-            ("initial.phi_dot", &format!("{omega:?}")),
-            ("initial.psi_dot", &format!("{:?}", spin - omega)),
-            ("stop.theta_risen", ""),
-            ("stop.duration", "60"),
-            ("sampling.period", "0.1"),
-        ],
-    );
+    let keys = [
+        ("formulation", "body"),
+        ("initial.theta", &format!("{theta:?}")),
+        ("initial.theta_dot", &format!("{:?}", rate * theta)),
+        ("initial.phi_dot", &format!("{omega:?}")),
+        ("initial.psi_dot", &format!("{:?}", spin - omega)),
+        ("stop.theta_risen", ""),
+        ("stop.duration", "60"),
+        ("sampling.period", "0.1"),
+    ];
+    let run = Run::with("viscous", &keys);
     let grown = libm::log(run.at(60.0).angles.theta / run.at(0.0).angles.theta) / 60.0;
     // The closed form is the first order in c. The second only changes the frequency, so that the
     // relative error is of the order (c/L_n)² = 8e-8.
@@ -642,14 +630,10 @@ fn every_word_is_a_law_with_its_parameters() {
         let section = path.split_once('.').map_or("", |(section, _)| section);
         sections.contains(&section) && !["friction.law", "friction.dissipation"].contains(&path)
     };
-    let all: BTreeSet<_> = KEYS
-        .iter()
-        .map(|key| key.path)
-        .filter(|path| is_parameter(path))
-        .collect();
-    let told = LAWS
-        .iter()
-        .flat_map(|law| law.parameters().map(|key| key.path));
+    let all = KEYS.iter().map(|key| key.path);
+    let all: BTreeSet<_> = all.filter(|path| is_parameter(path)).collect();
+    let parameters = LAWS.iter().flat_map(Law::parameters);
+    let told = parameters.map(|key| key.path);
     assert_eq!(told.collect::<BTreeSet<_>>(), all);
     for law in &LAWS[1..] {
         assert!(law.parameters().count() > 0, "{}", law.name);
@@ -662,10 +646,8 @@ fn losses_alone_move_a_top_without_sliding_friction() {
     // Rolling resistance has the form of the paper's friction with arm k R.
     let coulomb = Run::with("full-coulomb", &[("stop.duration", "5")]);
     let arm = format!("{:?}", 0.03 * 0.007);
-    let rolling = Run::with(
-        "frictionless",
-        &[("rolling.arm", &arm), ("stop.duration", "5")],
-    );
+    let keys = [("rolling.arm", &*arm), ("stop.duration", "5")];
+    let rolling = Run::with("frictionless", &keys);
     for (a, b) in coulomb.samples.iter().zip(&rolling.samples) {
         assert_near("θ", a.angles.theta, b.angles.theta, 1e-11);
         assert_near("E", a.energy.total(), b.energy.total(), 1e-12);
@@ -676,18 +658,14 @@ fn losses_alone_move_a_top_without_sliding_friction() {
 #[test]
 fn the_formulations_agree_on_every_derivative_at_rest() {
     let model = balanced("0.3").model;
-    let (phi_dot, angles) = (
-        50.0,
-        Euler {
-            phi: 0.3,
-            theta: 0.5,
-            psi: 0.2,
-        },
-    );
+    let angles = Euler {
+        phi: 0.3,
+        theta: 0.5,
+        psi: 0.2,
+    };
     let rates = Euler {
-        phi: phi_dot,
-        theta: 0.0,
-        psi: 0.0,
+        phi: 50.0,
+        ..Euler::default()
     };
     let phase = Phase::Sticking;
     let euler = EulerAngles { model, phase };
@@ -753,12 +731,8 @@ fn val_drilling_takes_the_spin_in_its_time_and_then_holds_it() {
     let slowing = 3.0 * PI / 16.0 * top.weight() * 1e-3 / top.axial_moment;
     let creep = scenario.model.friction.losses.unwrap().drilling.creep;
     // It would stop within 1e-5 s.
-    assert_near(
-        "creep",
-        creep,
-        1e-5 * slowing.max(slowing * top.axial_moment / top.central_moment()),
-        1e-12,
-    );
+    let expected = 1e-5 * slowing.max(slowing * top.axial_moment / top.central_moment());
+    assert_near("creep", creep, expected, 1e-12);
     let run = Run::of(&scenario);
     assert_eq!(run.end.time, 1.0);
     for sample in &run.samples {

@@ -135,13 +135,12 @@ impl LawsOfMotion {
             if violation.is_nan() || allowed.is_nan() {
                 continue;
             }
-            let found = Worst {
-                violation,
-                allowed,
-                time_ns: self.time_ns,
-            };
             if violation > allowed && law.broken.is_none() {
-                law.broken = Some(found);
+                law.broken = Some(Worst {
+                    violation,
+                    allowed,
+                    time_ns: self.time_ns,
+                });
             }
         }
         self.rows.iter_mut().for_each(|row| *row = None);
@@ -349,17 +348,13 @@ fn laws(scenario: &Scenario) -> Vec<PhysicalLaw> {
     }
     laws.push(energy_balance());
     if !friction.turns_about_vertical() || scenario.is_frictionless() {
-        laws.push(constant(
-            "vertical momentum",
-            momentum::VERTICAL,
-            |history| history.vertical,
-        ));
+        let first = |history: &History| history.vertical;
+        laws.push(constant("vertical momentum", momentum::VERTICAL, first));
     }
     let tilts_only = friction.dissipation == Dissipation::TiltTorqueOnly;
     if scenario.is_frictionless() || (tilts_only && !friction.has_losses()) {
-        laws.push(constant("axial momentum", momentum::AXIAL, |history| {
-            history.axial
-        }));
+        let first = |history: &History| history.axial;
+        laws.push(constant("axial momentum", momentum::AXIAL, first));
     }
     laws
 }
@@ -368,13 +363,13 @@ fn laws(scenario: &Scenario) -> Vec<PhysicalLaw> {
 fn only_takes(scenario: &Scenario) -> PhysicalLaw {
     let Model { top, friction, .. } = scenario.model;
     law("friction only takes", "W", move |now, _| {
-        let allowed = if friction.has_losses() {
-            let omega = pose::OMEGA_WORLD.of(now).norm();
-            8.0 * EPS * size_of_torques(&top, &friction, now) * omega
-        } else {
-            0.0
-        };
-        (energy::FRICTION_POWER.of(now), allowed)
+        let power = energy::FRICTION_POWER.of(now);
+        if !friction.has_losses() {
+            return (power, 0.0);
+        }
+        let omega = pose::OMEGA_WORLD.of(now).norm();
+        let size = size_of_torques(&top, &friction, now) * omega;
+        (power, 8.0 * EPS * size)
     })
 }
 
@@ -469,11 +464,8 @@ fn torque_of_parts(scenario: &Scenario) -> PhysicalLaw {
             .torque_of_losses(slip_speed, normal, pose::OMEGA_WORLD.of(now), axis)
             .unwrap_or_default();
         // The resistance of a peg that doesn't roll is what it has to be, up to a bound.
-        let unknown = if slip_speed > 0.0 {
-            0.0
-        } else {
-            friction.rolling_arm() * normal
-        };
+        let arm = friction.rolling_arm();
+        let unknown = if slip_speed > 0.0 { 0.0 } else { arm * normal };
         let rotation = UnitQuaternion::new_unchecked(pose::ORIENTATION.of(now));
         let torque = rotation * torque::FRICTION_BODY.of(now);
         let error = (torque - sliding - losses).norm();
@@ -522,10 +514,10 @@ fn kept(part: Dissipation, torque: &Vector3<f64>, axis: &Vector3<f64>) -> Vector
     direction * direction.dot(torque)
 }
 
-/// The accelerations are the sums of their terms.
-fn sum_of_accelerations() -> PhysicalLaw {
+/// The accelerations, each with its terms.
+const ACCELERATIONS: [(NumberField, &[NumberField]); 3] = {
     use acceleration::*;
-    let angles: [(NumberField, &[NumberField]); 3] = [
+    [
         (
             state::THETA_DDOT,
             &[
@@ -543,14 +535,23 @@ fn sum_of_accelerations() -> PhysicalLaw {
             state::PSI_DDOT,
             &[PSI_DDOT_GYROSCOPIC, PSI_DDOT_CORIOLIS, PSI_DDOT_FRICTIONAL],
         ),
-    ];
-    law("sum of accelerations", "of the terms", move |now, _| {
+    ]
+};
+
+/// The sum of terms, and of their magnitudes.
+fn sum_of<'a>(terms: impl Iterator<Item = &'a NumberField>, now: &Instant<'_>) -> (f64, f64) {
+    let terms = terms.map(|term| term.of(now));
+    terms.fold((0.0, 0.0), |(s, a), t| (s + t, a + t.abs()))
+}
+
+/// The accelerations are the sums of their terms.
+fn sum_of_accelerations() -> PhysicalLaw {
+    law("sum of accelerations", "of the terms", |now, _| {
         let error = |(total, terms): &(NumberField, &[NumberField])| {
-            let terms = terms.iter().map(|term| term.of(now));
-            let (sum, size) = terms.fold((0.0, 0.0), |(s, a), t| (s + t, a + t.abs()));
+            let (sum, size) = sum_of(terms.iter(), now);
             (sum - total.of(now)).abs() / f64::max(size, f64::MIN_POSITIVE)
         };
-        (angles.iter().map(error).sum(), 16.0 * EPS)
+        (ACCELERATIONS.iter().map(error).sum(), 16.0 * EPS)
     })
 }
 
@@ -682,46 +683,26 @@ fn slip_of_free_peg(scenario: &Scenario) -> PhysicalLaw {
         let expected = Vector3::new(peg.x - radius * omega.y, peg.y + radius * omega.x, 0.0);
         let of_speed = (slip.norm() - contact::SLIP_SPEED.of(now)).abs();
         let size = reach * omega.norm() + peg.norm();
-        (
-            (expected - slip).norm() + of_speed,
-            32.0 * EPS * turns(now) * size,
-        )
+        let error = (expected - slip).norm() + of_speed;
+        (error, 32.0 * EPS * turns(now) * size)
     })
 }
 
 /// The accelerations are the sums of their terms and of what the acceleration of the peg adds, of which rounding is that
 /// of the largest term.
 fn sum_of_driven_accelerations() -> PhysicalLaw {
-    use acceleration::*;
-    law("sum of accelerations", "of the terms", |now, _| {
-        let error = |total: NumberField, terms: &[NumberField]| {
-            let terms = terms.iter().map(|term| term.of(now));
-            let (sum, size) = terms.fold((0.0, 0.0), |(s, a), t| (s + t, a + t.abs()));
+    let driven = [
+        free_peg::DRIVEN_THETA_DDOT,
+        free_peg::DRIVEN_PHI_DDOT,
+        free_peg::DRIVEN_PSI_DDOT,
+    ];
+    law("sum of accelerations", "of the terms", move |now, _| {
+        let errors = ACCELERATIONS.iter().zip(&driven);
+        let errors = errors.map(|((total, terms), driven)| {
+            let (sum, size) = sum_of(terms.iter().chain([driven]), now);
             (sum - total.of(now)).abs() / f64::max(size + total.of(now).abs(), f64::MIN_POSITIVE)
-        };
-        let theta = [
-            THETA_DDOT_GYROSCOPIC,
-            THETA_DDOT_CENTRIFUGAL,
-            THETA_DDOT_GRAVITATIONAL,
-            THETA_DDOT_FRICTIONAL,
-            free_peg::DRIVEN_THETA_DDOT,
-        ];
-        let phi = [
-            PHI_DDOT_GYROSCOPIC,
-            PHI_DDOT_CORIOLIS,
-            PHI_DDOT_FRICTIONAL,
-            free_peg::DRIVEN_PHI_DDOT,
-        ];
-        let psi = [
-            PSI_DDOT_GYROSCOPIC,
-            PSI_DDOT_CORIOLIS,
-            PSI_DDOT_FRICTIONAL,
-            free_peg::DRIVEN_PSI_DDOT,
-        ];
-        let errors = error(state::THETA_DDOT, &theta)
-            + error(state::PHI_DDOT, &phi)
-            + error(state::PSI_DDOT, &psi);
-        (errors, 32.0 * EPS)
+        });
+        (errors.sum(), 32.0 * EPS)
     })
 }
 
@@ -779,18 +760,15 @@ fn losses_add_up() -> PhysicalLaw {
 /// The centre of mass accelerates by the forces of table and gravity.
 fn newton(scenario: &Scenario) -> PhysicalLaw {
     let top = scenario.model.top;
-    law(
-        "acceleration of the centre of mass",
-        "m/s²",
-        move |now, _| {
-            let normal = contact::NORMAL_FORCE.of(now);
-            let force = contact::FRICTION_FORCE.of(now) + Vector3::new(0.0, 0.0, normal);
-            let expected = force / top.mass - Vector3::new(0.0, 0.0, top.gravity);
-            let error = center_of_mass::ACCELERATION.of(now) - expected;
-            let size = force.norm() / top.mass + top.gravity;
-            (error.norm(), 32.0 * EPS * turns(now) * size)
-        },
-    )
+    let name = "acceleration of the centre of mass";
+    law(name, "m/s²", move |now, _| {
+        let normal = contact::NORMAL_FORCE.of(now);
+        let force = contact::FRICTION_FORCE.of(now) + Vector3::new(0.0, 0.0, normal);
+        let expected = force / top.mass - Vector3::new(0.0, 0.0, top.gravity);
+        let error = center_of_mass::ACCELERATION.of(now) - expected;
+        let size = force.norm() / top.mass + top.gravity;
+        (error.norm(), 32.0 * EPS * turns(now) * size)
+    })
 }
 
 /// The table only pushes, where there is no gap; the peg is never below it.
@@ -800,11 +778,8 @@ fn contact_of_free_peg(scenario: &Scenario) -> PhysicalLaw {
         let (normal, gap) = (contact::NORMAL_FORCE.of(now), free_peg::GAP.of(now));
         let pulls = if normal < 0.0 { -normal } else { 0.0 };
         let below = if gap < 0.0 { -gap / radius } else { 0.0 };
-        let apart = if gap * normal == 0.0 {
-            0.0
-        } else {
-            normal.abs()
-        };
+        let is_one_zero = gap * normal == 0.0;
+        let apart = if is_one_zero { 0.0 } else { normal.abs() };
         // A gap in flight is that of the dense output, which errs by what a state may.
         let weight = history.top.weight();
         let allowed = history.force_error(now);
@@ -843,14 +818,11 @@ fn routh(scenario: &Scenario) -> PhysicalLaw {
     let lever = top.peg_radius + top.center_distance.abs();
     let whole = top.central_moment() + top.axial_moment + top.mass * lever * lever;
     let factor = whole / top.axial_moment;
-    law(
-        "Routh's integral while rolling",
-        "kg m²/s",
-        move |now, history| {
-            let error = (free_peg::ROUTH.of(now) - history.routh).abs();
-            (error, 2.0 * factor * history.momentum_error(now))
-        },
-    )
+    let name = "Routh's integral while rolling";
+    law(name, "kg m²/s", move |now, history| {
+        let error = (free_peg::ROUTH.of(now) - history.routh).abs();
+        (error, 2.0 * factor * history.momentum_error(now))
+    })
 }
 
 /// In flight nothing changes the angular momentum about the centre of mass, nor its horizontal velocity.

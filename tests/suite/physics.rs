@@ -30,16 +30,10 @@ fn val_without_friction_energy_and_momenta_are_constant() {
     for formulation in ["euler", "body"] {
         let run = Run::with("frictionless", &[("formulation", formulation)]);
         let first = &run.samples[0];
-        let energy = largest(
-            run.samples
-                .iter()
-                .map(|s| s.energy.total() - first.energy.total()),
-        );
-        let axial = largest(
-            run.samples
-                .iter()
-                .map(|s| s.momentum.axial - first.momentum.axial),
-        );
+        let change = |s: &Sample| s.energy.total() - first.energy.total();
+        let energy = largest(run.samples.iter().map(change));
+        let change = |s: &Sample| s.momentum.axial - first.momentum.axial;
+        let axial = largest(run.samples.iter().map(change));
         assert!(energy < 1e-12, "{energy:e}");
         assert!(axial < MOMENTUM_DRIFT, "{axial:e}");
         assert_eq!(run.end.stop, StopReason::Duration);
@@ -55,10 +49,8 @@ fn val_energy_changes_by_the_work_of_friction() {
         "paper-precession-term-only",
     ] {
         for formulation in ["euler", "body"] {
-            let run = Run::with(
-                preset,
-                &[("formulation", formulation), ("sampling.period", "0.01")],
-            );
+            let keys = [("formulation", formulation), ("sampling.period", "0.01")];
+            let run = Run::with(preset, &keys);
             let start = run.samples[0].energy.total();
             let scale = run.end.energy.abs().max(start);
             for sample in &run.samples {
@@ -66,12 +58,8 @@ fn val_energy_changes_by_the_work_of_friction() {
                 assert!(gap.abs() < 2e-12 * scale, "{preset} {formulation}: {gap:e}");
                 // dE/dt = τ·ω, as logged.
                 let power = sample.torque.friction.body.dot(&sample.pose.omega_body);
-                assert_near(
-                    "power",
-                    power,
-                    sample.energy.friction_power,
-                    1e-12 * (1.0 + power.abs()),
-                );
+                let (logged, bound) = (sample.energy.friction_power, 1e-12 * (1.0 + power.abs()));
+                assert_near("power", power, logged, bound);
             }
         }
     }
@@ -100,17 +88,13 @@ fn val_the_ablations_change_momenta_as_their_equations_say() {
         ("paper-precession-term-only", true),
         ("paper-spin-term-only", false),
     ] {
-        let run = Run::with(
-            preset,
-            &[("stop.duration", "5"), ("sampling.period", "0.01")],
-        );
+        let keys = [("stop.duration", "5"), ("sampling.period", "0.01")];
+        let run = Run::with(preset, &keys);
         for sample in &run.samples {
             let (s, c, kf) = (sample.tilt.sin, sample.tilt.cos, k_f(sample));
             let (vertical, axial) = if precession {
-                (
-                    kf * c * (ix * s * s + iz * c * c) / ix,
-                    kf * c * c * iz / ix,
-                )
+                let vertical = kf * c * (ix * s * s + iz * c * c) / ix;
+                (vertical, kf * c * c * iz / ix)
             } else {
                 let axial = -kf * (iz * c * c + ix * s * s) / ix;
                 (c * axial, axial)
@@ -118,15 +102,8 @@ fn val_the_ablations_change_momenta_as_their_equations_say() {
             let torque = sample.torque.friction.node;
             assert_near("axial", torque.z, axial, 1e-17);
             assert_near("vertical", s * torque.y + c * torque.z, vertical, 1e-17);
-            let frictional = sample.accelerations.frictional;
-            assert_eq!(
-                if precession {
-                    frictional.psi
-                } else {
-                    frictional.phi
-                },
-                0.0
-            );
+            let Euler { phi, psi, .. } = sample.accelerations.frictional;
+            assert_eq!(if precession { psi } else { phi }, 0.0);
         }
     }
 }
@@ -136,45 +113,36 @@ fn val_the_paper_keeps_only_the_spin_part_of_friction() {
     let run = Run::with("paper", &[("stop.duration", "2")]);
     for sample in &run.samples {
         // Equation (6): no friction about the line of nodes, and the magnitude of (4) otherwise.
-        assert_eq!(sample.torque.friction.node.x, 0.0);
+        let torque = sample.torque.friction.node;
+        assert_eq!(torque.x, 0.0);
         let (s, c, kf) = (sample.tilt.sin, sample.tilt.cos, k_f(sample));
-        assert_near(
-            "perpendicular",
-            sample.torque.friction.node.y,
-            kf * s * c,
-            1e-17,
-        );
-        assert_near("axial", sample.torque.friction.node.z, -kf * s * s, 1e-17);
+        assert_near("perpendicular", torque.y, kf * s * c, 1e-17);
+        assert_near("axial", torque.z, -kf * s * s, 1e-17);
     }
 }
 
 #[test]
 fn val_regular_precession_stays_regular() {
     for formulation in ["euler", "body"] {
-        let mut scenario_at = scenario("frictionless", &[("formulation", formulation)]);
-        let tilt = Tilt::from_rates(
-            0.5,
-            Euler {
-                phi: 0.0,
-                theta: 0.0,
-                psi: 170.0,
-            },
-        );
-        let roots = scenario_at.model.top.precession_roots(&tilt).unwrap();
+        let top = scenario("frictionless", &[("formulation", formulation)])
+            .model
+            .top;
+        let rates = Euler {
+            psi: 170.0,
+            ..Euler::default()
+        };
+        let roots = top.precession_roots(&Tilt::from_rates(0.5, rates)).unwrap();
         // Closed form with 24 digits: tests/data/reference.json, elliptic.
         assert_near("slow", roots.slow, 1.753_856_639_711_258_6, 1e-14);
         assert_near("fast", roots.fast, 1_104.093_596_452_813_8, 1e-10);
         for rate in [roots.slow, roots.fast] {
-            scenario_at = scenario(
-                "frictionless",
-                &[
-                    ("formulation", formulation),
-                    ("initial.phi_dot", &format!("{rate:?}")),
-                    ("stop.duration", "5"),
-                    ("sampling.period", "0.01"),
-                ],
-            );
-            let run = Run::of(&scenario_at);
+            let keys = [
+                ("formulation", formulation),
+                ("initial.phi_dot", &format!("{rate:?}")),
+                ("stop.duration", "5"),
+                ("sampling.period", "0.01"),
+            ];
+            let run = Run::with("frictionless", &keys);
             let ripple = largest(run.samples.iter().map(|s| s.angles.theta - 0.5));
             let drift = largest(run.samples.iter().map(|s| s.tilt.rates.phi - rate));
             // One local error, 1e-12, per radian of precession, and ten to start with.
@@ -189,10 +157,8 @@ fn val_regular_precession_stays_regular() {
 fn val_small_nutations_have_the_frequency_of_the_linear_theory() {
     // ω_n² = (L_n/I_x − 2 φ̇ cos θ)² + (φ̇ sin θ)² = 142.8935164793966882² at the slow root; a nutation of
     // amplitude ε changes it by O(ε²), here 1e-8.
-    let run = Run::with(
-        "frictionless",
-        &[("initial.phi_dot", "1.7538"), ("stop.duration", "2")],
-    );
+    let keys = [("initial.phi_dot", "1.7538"), ("stop.duration", "2")];
+    let run = Run::with("frictionless", &keys);
     let omega = std::f64::consts::TAU / run.cycles[3].period();
     assert_near("ω_n", omega, 142.893_516_479_396_69, 1e-3);
 }
@@ -201,10 +167,8 @@ fn val_small_nutations_have_the_frequency_of_the_linear_theory() {
 fn val_both_formulations_agree() {
     for preset in ["paper", "full-coulomb", "paper-spin-term-only"] {
         let euler = Run::with(preset, &[("sampling.period", "0.1")]);
-        let body = Run::with(
-            preset,
-            &[("sampling.period", "0.1"), ("formulation", "body")],
-        );
+        let keys = [("sampling.period", "0.1"), ("formulation", "body")];
+        let body = Run::with(preset, &keys);
         assert_eq!(euler.samples.len(), body.samples.len());
         assert_near("end", euler.end.time, body.end.time, 2e-9);
         for (a, b) in euler.samples.iter().zip(&body.samples) {
@@ -224,10 +188,8 @@ fn val_both_formulations_agree() {
 fn val_logged_accelerations_are_the_derivatives_of_the_motion() {
     // Central differences of the logged rates: error h²/6 · the third derivative, about (150 rad/s)³ of
     // the nutation's amplitude.
-    let run = Run::with(
-        "paper",
-        &[("stop.duration", "0.5"), ("sampling.period", "0.00001")],
-    );
+    let keys = [("stop.duration", "0.5"), ("sampling.period", "0.00001")];
+    let run = Run::with("paper", &keys);
     let h = 1e-5;
     for three in run.samples.windows(3).step_by(97) {
         let total = three[1].accelerations.total();
@@ -251,14 +213,12 @@ fn val_logged_torque_drives_the_logged_angular_momentum() {
         "paper-precession-term-only",
         "paper-spin-term-only",
     ] {
-        let run = Run::with(
-            preset,
-            &[
-                ("stop.duration", "0.1"),
-                ("sampling.period", "0.00001"),
-                ("formulation", "body"),
-            ],
-        );
+        let keys = [
+            ("stop.duration", "0.1"),
+            ("sampling.period", "0.00001"),
+            ("formulation", "body"),
+        ];
+        let run = Run::with(preset, &keys);
         for three in run.samples.windows(3).step_by(101) {
             let difference = (three[2].momentum.world - three[0].momentum.world) / 2e-5;
             let torque = three[1].pose.world_from_body * three[1].torque.total.body;
@@ -341,15 +301,13 @@ fn the_euler_formulation_stops_where_it_is_singular() {
 
 #[test]
 fn a_sleeping_top_sleeps() {
-    let run = Run::with(
-        "frictionless",
-        &[
-            ("formulation", "body"),
-            ("initial.theta", "0"),
-            ("initial.phi_dot", "0"),
-            ("stop.duration", "2"),
-        ],
-    );
+    let keys = [
+        ("formulation", "body"),
+        ("initial.theta", "0"),
+        ("initial.phi_dot", "0"),
+        ("stop.duration", "2"),
+    ];
+    let run = Run::with("frictionless", &keys);
     for sample in &run.samples {
         assert_eq!(sample.angles.theta, 0.0);
         assert_near("spin", sample.tilt.rates.psi, 170.0, 1e-10);
@@ -365,10 +323,8 @@ fn a_sleeping_top_sleeps() {
 
 #[test]
 fn full_friction_stops_the_slip_just_short_of_upright() {
-    let run = Run::with(
-        "full-coulomb",
-        &[("formulation", "body"), ("stop.theta_risen", "")],
-    );
+    let keys = [("formulation", "body"), ("stop.theta_risen", "")];
+    let run = Run::with("full-coulomb", &keys);
     assert_eq!(run.end.stop, StopReason::SlipStopped);
     assert!(run.end.motion.angles.theta < 1e-3);
 }

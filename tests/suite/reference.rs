@@ -113,15 +113,13 @@ fn val_errors_fall_with_the_tolerance() {
     // in the rotation's variables; twice that is allowed. Below 1e-13 rounding takes over.
     for (formulation, factor) in [("euler", 260.0), ("body", 4.0)] {
         for tolerance in [1e-10, 1e-11, 1e-12, 1e-13] {
-            let run = Run::with(
-                "paper",
-                &[
-                    ("formulation", formulation),
-                    ("integrator.relative_tolerance", &format!("{tolerance:?}")),
-                    ("integrator.absolute_tolerance", &format!("{tolerance:?}")),
-                    ("sampling.period", "1"),
-                ],
-            );
+            let keys = [
+                ("formulation", formulation),
+                ("integrator.relative_tolerance", &format!("{tolerance:?}")),
+                ("integrator.absolute_tolerance", &format!("{tolerance:?}")),
+                ("sampling.period", "1"),
+            ];
+            let run = Run::with("paper", &keys);
             assert_near(formulation, run.end.time, rise, factor * tolerance + 1e-12);
         }
     }
@@ -164,10 +162,8 @@ fn val_paper_nutation_means() {
 #[test]
 fn nutation_means_are_means_over_the_cycle() {
     // Against sums over samples of 0.1 ms: the trapezoidal rule over whole periods of a ripple.
-    let run = Run::with(
-        "paper",
-        &[("sampling.period", "0.0001"), ("stop.duration", "1")],
-    );
+    let keys = [("sampling.period", "0.0001"), ("stop.duration", "1")];
+    let run = Run::with("paper", &keys);
     for cycle in &run.cycles {
         let within = |s: &&Sample| {
             let t = s.time_ns as f64 / 1e9;
@@ -305,16 +301,14 @@ fn val_closed_form_by_elliptic_functions() {
             number => number.to_string(),
         };
         for formulation in ["euler", "body"] {
-            let run = Run::with(
-                "frictionless",
-                &[
-                    ("formulation", formulation),
-                    ("initial.theta", &text("theta0")),
-                    ("initial.phi_dot", &text("phidot0")),
-                    ("initial.psi_dot", &text("psidot0")),
-                    ("stop.duration", "10"),
-                ],
-            );
+            let keys = [
+                ("formulation", formulation),
+                ("initial.theta", &text("theta0")),
+                ("initial.phi_dot", &text("phidot0")),
+                ("initial.psi_dot", &text("psidot0")),
+                ("stop.duration", "10"),
+            ];
+            let run = Run::with("frictionless", &keys);
             for time in ["1", "10"] {
                 let expected = &case["samples"][time];
                 let sample = run.at(time.parse().unwrap());
