@@ -31,196 +31,131 @@ fn every_preset_comes_back_from_its_canonical_form() {
 #[test]
 fn the_digest_is_that_of_the_run_not_of_its_name() {
     let paper = scenario("paper", &[]);
-    assert_eq!(
-        paper.digest(),
-        scenario("paper", &[("name", "other")]).digest()
-    );
-    assert_ne!(
-        paper.digest(),
-        scenario("paper", &[("friction.k", "0.0300001")]).digest()
-    );
+    let renamed = scenario("paper", &[("name", "other")]);
+    assert_eq!(paper.digest(), renamed.digest());
+    let other = scenario("paper", &[("friction.k", "0.0300001")]);
+    assert_ne!(paper.digest(), other.digest());
 }
 
 #[test]
 fn each_error_names_key_value_and_what_is_allowed() {
+    // Overrides, and the parts of the message.
     for (overrides, parts) in [
+        ("top.mass=-1", "top.mass | -1 | from 1e-30"),
+        ("top.mass=0", "top.mass | 0 | from 1e-30"),
         (
-            &[("top.mass", "-1")][..],
-            &["top.mass", "-1", "from 1e-30"][..],
+            "top.transverse_moment=-1e-5",
+            "top.transverse_moment | from 1e-30",
         ),
-        (&[("top.mass", "0")], &["top.mass", "0", "from 1e-30"]),
+        ("top.peg_radius=0", "top.peg_radius | from 1e-15"),
+        ("top.mass=inf", "top.mass | inf | from 1e-30"),
+        ("initial.phi=nan", "initial.phi | NaN | finite"),
+        ("top.mass=heavy", "top.mass | heavy | number"),
+        ("top.mass=\"0.1\"", "top.mass | number"),
+        ("friction.law=1", "friction.law | 1 | coulomb"),
+        ("friction.law=glue", "friction.law | glue | none, coulomb"),
         (
-            &[("top.transverse_moment", "-1e-5")],
-            &["top.transverse_moment", "from 1e-30"],
-        ),
-        (
-            &[("top.peg_radius", "0")],
-            &["top.peg_radius", "from 1e-15"],
-        ),
-        (&[("top.mass", "inf")], &["top.mass", "inf", "from 1e-30"]),
-        (&[("initial.phi", "nan")], &["initial.phi", "NaN", "finite"]),
-        (&[("top.mass", "heavy")], &["top.mass", "heavy", "number"]),
-        (&[("top.mass", "\"0.1\"")], &["top.mass", "number"]),
-        (&[("friction.law", "1")], &["friction.law", "1", "coulomb"]),
-        (
-            &[("friction.law", "glue")],
-            &["friction.law", "glue", "none, coulomb"],
+            "friction.dissipation=half",
+            "friction.dissipation | half | spin-term-only",
         ),
         (
-            &[("friction.dissipation", "half")],
-            &["friction.dissipation", "half", "spin-term-only"],
+            "top.axial_moment=2e-4",
+            "top.axial_moment | 2e-4 | 1.704e-4",
+        ),
+        ("top.axial_moment=1e-4", "top.axial_moment | centre of mass"),
+        ("initial.theta=0", "initial.theta | body"),
+        ("initial.theta=3.2", "initial.theta | 3.2 | 3.14159"),
+        (
+            "integrator.relative_tolerance=0",
+            "integrator.relative_tolerance | 1e-14",
         ),
         (
-            &[("top.axial_moment", "2e-4")],
-            &["top.axial_moment", "2e-4", "1.704e-4"],
+            "integrator.absolute_tolerance=-1e-9",
+            "integrator.absolute_tolerance | 1e-18",
+        ),
+        ("sampling.period=0", "sampling.period | nanoseconds"),
+        ("sampling.period=1.5e-9", "sampling.period | nanoseconds"),
+        ("sampling.period=-0.001", "sampling.period | nanoseconds"),
+        ("top.colour=1", "top.colour | top.mass"),
+        ("frction.k=1", "frction.k | friction.k"),
+        ("top.mass=", "top.mass | missing"),
+        ("name=a/b", "name | a/b | letters"),
+        ("name=..", "name | beginning"),
+        ("friction.law=none", "friction.k | none"),
+        ("friction.k=", "friction.k | missing"),
+        (
+            "stop.theta_risen=0.6",
+            "stop.theta_risen | 0.6 | initial.theta",
         ),
         (
-            &[("top.axial_moment", "1e-4")],
-            &["top.axial_moment", "centre of mass"],
-        ),
-        (&[("initial.theta", "0")], &["initial.theta", "body"]),
-        (
-            &[("initial.theta", "3.2")],
-            &["initial.theta", "3.2", "3.14159"],
+            "stop.theta_fallen=0.4",
+            "stop.theta_fallen | 0.4 | initial.theta",
         ),
         (
-            &[("integrator.relative_tolerance", "0")],
-            &["integrator.relative_tolerance", "1e-14"],
+            "stop.duration= stop.theta_risen= stop.theta_fallen=",
+            "never stop",
+        ),
+        ("friction.k=0 stop.duration=", "never stop"),
+        (
+            "friction.dissipation=spin-term-only stop.theta_risen=",
+            "friction.dissipation | stop.theta_risen",
+        ),
+        ("sampling.period=1e-9", "sampling.period | 4294967295"),
+        (
+            "friction.law=coulom-sqrt",
+            "coulom-sqrt | did you mean coulomb-sqrt? | stribeck",
         ),
         (
-            &[("integrator.absolute_tolerance", "-1e-9")],
-            &["integrator.absolute_tolerance", "1e-18"],
+            "friction.smoothing_sped=0.1",
+            "did you mean friction.smoothing_speed?",
+        ),
+        ("roling.arm=1", "did you mean rolling.arm?"),
+        (
+            "psi_dot=1",
+            "unknown key psi_dot (did you mean initial.psi_dot?) | stop.duration",
+        ),
+        ("kk=1", "did you mean friction.k or drilling.k?"),
+        ("duratio=1", "did you mean stop.duration?"),
+        (
+            "foo=1",
+            "unknown key foo; allowed: format | friction.k | stop.duration",
+        ),
+        ("friction.foo=1", "allowed: friction.law"),
+        ("friction.law=viscous", "friction.viscous_speed | missing"),
+        (
+            "friction.viscous_speed=1",
+            "friction.viscous_speed | does not apply | coulomb",
         ),
         (
-            &[("sampling.period", "0")],
-            &["sampling.period", "nanoseconds"],
+            "friction.law=viscous friction.viscous_speed=0",
+            "friction.viscous_speed | 0 | 1e-9",
+        ),
+        ("rolling.arm=-1e-4", "rolling.arm | -1e-4 | 0 to 1"),
+        ("air.axial=nan", "air.axial | NaN"),
+        ("drilling.k=0.1", "drilling.patch_radius | missing"),
+        ("drilling.patch_radius=0.001", "drilling.k | missing"),
+        (
+            "friction.law=contensou friction.patch_radius=1e-4 drilling.k=0.1 drilling.patch_radius=1e-4",
+            "drilling.k | contensou | already includes",
         ),
         (
-            &[("sampling.period", "1.5e-9")],
-            &["sampling.period", "nanoseconds"],
+            "stop.on_stick=continue",
+            "stop.on_stick | friction.dissipation | full",
         ),
         (
-            &[("sampling.period", "-0.001")],
-            &["sampling.period", "nanoseconds"],
+            "friction.dissipation=full stop.on_stick=continue stop.duration=",
+            "stop.on_stick | stop.duration",
         ),
-        (&[("top.colour", "1")], &["top.colour", "top.mass"]),
-        (&[("frction.k", "1")], &["frction.k", "friction.k"]),
-        (&[("top.mass", "")], &["top.mass", "missing"]),
-        (&[("name", "a/b")], &["name", "a/b", "letters"]),
-        (&[("name", "..")], &["name", "beginning"]),
-        (&[("friction.law", "none")], &["friction.k", "none"]),
-        (&[("friction.k", "")], &["friction.k", "missing"]),
-        (
-            &[("stop.theta_risen", "0.6")],
-            &["stop.theta_risen", "0.6", "initial.theta"],
-        ),
-        (
-            &[("stop.theta_fallen", "0.4")],
-            &["stop.theta_fallen", "0.4", "initial.theta"],
-        ),
-        (
-            &[
-                ("stop.duration", ""),
-                ("stop.theta_risen", ""),
-                ("stop.theta_fallen", ""),
-            ],
-            &["never stop"],
-        ),
-        (
-            &[("friction.k", "0"), ("stop.duration", "")],
-            &["never stop"],
-        ),
-        (
-            &[
-                ("friction.dissipation", "spin-term-only"),
-                ("stop.theta_risen", ""),
-            ],
-            &["friction.dissipation", "stop.theta_risen"],
-        ),
-        (
-            &[("sampling.period", "1e-9")],
-            &["sampling.period", "4294967295"],
-        ),
-        (
-            &[("friction.law", "coulom-sqrt")],
-            &["coulom-sqrt", "did you mean coulomb-sqrt?", "stribeck"],
-        ),
-        (
-            &[("friction.smoothing_sped", "0.1")],
-            &["did you mean friction.smoothing_speed?"],
-        ),
-        (&[("roling.arm", "1")], &["did you mean rolling.arm?"]),
-        (
-            &[("psi_dot", "1")],
-            &[
-                "unknown key psi_dot (did you mean initial.psi_dot?)",
-                "stop.duration",
-            ],
-        ),
-        (&[("kk", "1")], &["did you mean friction.k or drilling.k?"]),
-        (&[("duratio", "1")], &["did you mean stop.duration?"]),
-        (
-            &[("foo", "1")],
-            &[
-                "unknown key foo; allowed: format",
-                "friction.k",
-                "stop.duration",
-            ],
-        ),
-        (&[("friction.foo", "1")], &["allowed: friction.law"]),
-        (
-            &[("friction.law", "viscous")],
-            &["friction.viscous_speed", "missing"],
-        ),
-        (
-            &[("friction.viscous_speed", "1")],
-            &["friction.viscous_speed", "does not apply", "coulomb"],
-        ),
-        (
-            &[("friction.law", "viscous"), ("friction.viscous_speed", "0")],
-            &["friction.viscous_speed", "0", "1e-9"],
-        ),
-        (
-            &[("rolling.arm", "-1e-4")],
-            &["rolling.arm", "-1e-4", "0 to 1"],
-        ),
-        (&[("air.axial", "nan")], &["air.axial", "NaN"]),
-        (
-            &[("drilling.k", "0.1")],
-            &["drilling.patch_radius", "missing"],
-        ),
-        (
-            &[("drilling.patch_radius", "0.001")],
-            &["drilling.k", "missing"],
-        ),
-        (
-            &[
-                ("friction.law", "contensou"),
-                ("friction.patch_radius", "1e-4"),
-                ("drilling.k", "0.1"),
-                ("drilling.patch_radius", "1e-4"),
-            ],
-            &["drilling.k", "contensou", "already includes"],
-        ),
-        (
-            &[("stop.on_stick", "continue")],
-            &["stop.on_stick", "friction.dissipation", "full"],
-        ),
-        (
-            &[
-                ("friction.dissipation", "full"),
-                ("stop.on_stick", "continue"),
-                ("stop.duration", ""),
-            ],
-            &["stop.on_stick", "stop.duration"],
-        ),
-        (&[("stop.on_stick", "wait")], &["stop.on_stick", "continue"]),
+        ("stop.on_stick=wait", "stop.on_stick | continue"),
     ] {
-        let message = error("paper", overrides);
-        for part in parts {
+        let pairs = overrides
+            .split(' ')
+            .map(|pair| pair.split_once('=').unwrap());
+        let message = error("paper", &pairs.collect::<Vec<_>>());
+        for part in parts.split(" | ") {
             assert!(
                 message.contains(part),
-                "{overrides:?}: {part:?} is not in {message:?}"
+                "{overrides}: {part:?} is not in {message:?}"
             );
         }
     }
@@ -302,14 +237,12 @@ fn errors_say_what_to_do_next() {
 
 #[test]
 fn whole_numbers_and_unquoted_words_are_taken() {
-    let scenario = scenario(
-        "paper",
-        &[
-            ("gravity", "10"),
-            ("formulation", "body"),
-            ("description", "no quotes = needed"),
-        ],
-    );
+    let changes = [
+        ("gravity", "10"),
+        ("formulation", "body"),
+        ("description", "no quotes = needed"),
+    ];
+    let scenario = scenario("paper", &changes);
     assert_eq!(scenario.model.top.gravity, 10.0);
     assert_eq!(scenario.description(), "no quotes = needed");
     assert_eq!(Scenario::from_toml(&scenario.to_toml()).unwrap(), scenario);
@@ -318,10 +251,8 @@ fn whole_numbers_and_unquoted_words_are_taken() {
 #[test]
 fn an_unknown_preset_is_told_which_there_are() {
     let message = Preset::find("papr").unwrap_err().to_string();
-    assert!(
-        message.contains("papr") && message.contains("full-coulomb"),
-        "{message}"
-    );
+    assert_contains(&message, "papr");
+    assert_contains(&message, "full-coulomb");
 }
 
 proptest! {
