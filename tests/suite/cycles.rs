@@ -14,16 +14,10 @@ use toprise::telemetry::fields::STATE;
 use toprise::telemetry::{Topics, table};
 
 /// The period of nutation without friction from the state of the sample that is next to a cycle's start.
-fn period(run: &Run, scenario: &toprise::run::scenario::Scenario, cycle: &NutationCycle) -> f64 {
-    let sample = run
-        .samples
-        .iter()
-        .min_by(|a, b| {
-            let distance =
-                |s: &toprise::run::simulation::Sample| (s.time_ns as f64 / 1e9 - cycle.start).abs();
-            distance(a).total_cmp(&distance(b))
-        })
-        .unwrap();
+fn period(run: &Run, scenario: &Scenario, cycle: &NutationCycle) -> f64 {
+    let distance = |s: &&Sample| (s.time_ns as f64 / 1e9 - cycle.start).abs();
+    let nearest = |a: &&Sample, b: &&Sample| distance(a).total_cmp(&distance(b));
+    let sample = run.samples.iter().min_by(nearest).unwrap();
     let extremes = [cycle.theta_min, cycle.theta_max];
     let top = &scenario.model.top;
     top.nutation_period(&sample.tilt, extremes).unwrap()
@@ -40,34 +34,27 @@ fn val_the_period_of_nutation_of_any_amplitude() {
         ("120", "400", "0.7"),
         ("3", "0", "2.5"),
     ] {
-        let scenario = scenario(
-            "frictionless",
-            &[
-                ("initial.psi_dot", psi_dot),
-                ("initial.phi_dot", phi_dot),
-                ("initial.theta", theta),
-                ("stop.duration", "3"),
-                ("formulation", "body"),
-                ("stop.theta_fallen", ""),
-                ("stop.theta_risen", ""),
-            ],
-        );
+        let changes = [
+            ("initial.psi_dot", psi_dot),
+            ("initial.phi_dot", phi_dot),
+            ("initial.theta", theta),
+            ("stop.duration", "3"),
+            ("formulation", "body"),
+            ("stop.theta_fallen", ""),
+            ("stop.theta_risen", ""),
+        ];
+        let scenario = scenario("frictionless", &changes);
         let run = Run::of(&scenario);
-        assert!(run.cycles.len() > 2, "{psi_dot} {phi_dot} {theta}");
+        let what = format!("{psi_dot} {phi_dot} {theta}");
+        assert!(run.cycles.len() > 2, "{what}");
         for cycle in &run.cycles {
             let expected = period(&run, &scenario, cycle);
             let error = (cycle.period() / expected - 1.0).abs();
-            assert!(
-                error < 1e-8,
-                "{psi_dot} {phi_dot} {theta}: {cycle:?} {expected}"
-            );
+            assert!(error < 1e-8, "{what}: {cycle:?} {expected}");
         }
         // No nutation is lost: each begins where the one before ends.
-        assert!(
-            run.cycles
-                .windows(2)
-                .all(|pair| pair[0].end == pair[1].start)
-        );
+        let mut pairs = run.cycles.windows(2);
+        assert!(pairs.all(|pair| pair[0].end == pair[1].start), "{what}");
     }
 }
 
@@ -81,17 +68,11 @@ fn a_fall_is_no_nutation() {
         for cycle in &run.cycles {
             let periods = cycle.period() / period(&run, &scenario, cycle);
             // 1.12 is that of the last one before the fall.
-            assert!(
-                (0.9..1.15).contains(&periods),
-                "{preset}: {periods} {cycle:?}"
-            );
+            let is_one = (0.9..1.15).contains(&periods);
+            assert!(is_one, "{preset}: {periods} {cycle:?}");
         }
-        let indices: Vec<_> = run
-            .cycles
-            .iter()
-            .map(|cycle| cycle.index as usize)
-            .collect();
-        assert!(indices.iter().copied().eq(0..count));
+        let indices = run.cycles.iter().map(|cycle| cycle.index as usize);
+        assert!(indices.eq(0..count), "{preset}");
     }
 }
 
@@ -104,10 +85,8 @@ fn envelopes_are_those_of_a_much_finer_sampling() {
         "rise-by-loss-of-spin",
     ] {
         let run = |period| {
-            Run::with(
-                preset,
-                &[("stop.duration", "0.3"), ("sampling.period", period)],
-            )
+            let keys = [("stop.duration", "0.3"), ("sampling.period", period)];
+            Run::with(preset, &keys)
         };
         let (coarse, fine) = (run("0.05"), run("1e-5"));
         // What is recorded of cycles doesn't depend on the sampling.
@@ -161,22 +140,14 @@ fn assert_ranges_are_tight(scenario: &Scenario) -> usize {
     let run = Run::of(scenario);
     for cycle in &run.cycles {
         let near = |time: f64| {
-            let at = |impact: &&toprise::run::simulation::ImpactRecord| {
-                (impact.time - time).abs() < 1e-9
-            };
-            if run.impacts.iter().any(|impact| at(&impact)) {
-                0.0
-            } else {
-                FINE
-            }
+            let mut distances = run.impacts.iter().map(|hit| (hit.time - time).abs());
+            let is_impact = distances.any(|distance| distance < 1e-9);
+            if is_impact { 0.0 } else { FINE }
         };
         let [from, to] = [cycle.start - near(cycle.start), cycle.end + near(cycle.end)];
         let time = |sample: &Sample| sample.time_ns as f64 / 1e9;
-        let around: Vec<_> = run
-            .samples
-            .iter()
-            .filter(|s| time(s) > from && time(s) < to)
-            .collect();
+        let around = run.samples.iter();
+        let around: Vec<_> = around.filter(|s| time(s) > from && time(s) < to).collect();
         let inside = |s: &&&Sample| time(s) > cycle.start && time(s) < cycle.end;
         let sine = around.iter().map(|s| s.tilt.sin).fold(1.0, f64::min);
         for get in
@@ -187,29 +158,19 @@ fn assert_ranges_are_tight(scenario: &Scenario) -> usize {
             let slack = 1e-11 * (greatest - least + greatest.abs()) / (sine * sine);
             for sample in around.iter().filter(inside) {
                 let rate = get(&sample.tilt.rates);
-                assert!(
-                    rate >= least - slack && rate <= greatest + slack,
-                    "{rate} {cycle:?} {}",
-                    scenario.to_toml()
-                );
+                let is_inside = rate >= least - slack && rate <= greatest + slack;
+                assert!(is_inside, "{rate} {cycle:?} {}", scenario.to_toml());
             }
-            let steepest = around
-                .iter()
-                .map(|s| get(&s.euler_accelerations).abs())
-                .fold(0.0, f64::max);
+            let slopes = around.iter().map(|s| get(&s.euler_accelerations).abs());
+            let steepest = slopes.fold(0.0, f64::max);
             let range = |of: fn(f64, f64) -> f64, from| {
                 around.iter().map(|s| get(&s.tilt.rates)).fold(from, of)
             };
             let reach = 2.0 * steepest * FINE + slack;
-            let (low, high) = (
-                range(f64::min, f64::INFINITY),
-                range(f64::max, f64::NEG_INFINITY),
-            );
-            assert!(
-                least >= low - reach && greatest <= high + reach,
-                "{low} {high} {cycle:?} {}",
-                scenario.to_toml()
-            );
+            let low = range(f64::min, f64::INFINITY);
+            let high = range(f64::max, f64::NEG_INFINITY);
+            let is_reached = least >= low - reach && greatest <= high + reach;
+            assert!(is_reached, "{low} {high} {cycle:?} {}", scenario.to_toml());
         }
     }
     run.cycles.len()
@@ -245,10 +206,8 @@ fn val_the_terms_add_up_to_the_change_of_the_rate() {
         assert!((work - sample.integrals.friction_work).abs() < 1e-12);
     }
     // In closed form: its integral of friction's term in ψ̈ is none.
-    assert_eq!(
-        run.samples.last().unwrap().integrals.terms.psi_frictional,
-        0.0
-    );
+    let last = run.samples.last().unwrap().integrals;
+    assert_eq!(last.terms.psi_frictional, 0.0);
     let run = Run::with("frictionless", &[("stop.duration", "1")]);
     let last = run.samples.last().unwrap().integrals;
     assert_eq!((last.terms.phi_frictional, last.slip_work), (0.0, 0.0));

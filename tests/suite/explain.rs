@@ -1,8 +1,7 @@
 //! Explaining a run.
 
 use crate::random_scenarios::{Random, free_tops};
-use crate::support::{Run, archive, assert_near, scenario};
-use assert_cmd::Command;
+use crate::support::{Folder, Run, archive, assert_contains, assert_near, scenario};
 use std::f64::consts::FRAC_PI_2;
 use std::fs;
 use tempfile::tempdir;
@@ -266,11 +265,10 @@ fn a_drop_is_one_flight_with_impacts() {
         assert!(sentences.contains(&sentence.to_owned()), "{sentences:#?}");
     }
     let balance = sentences.iter().find(|s| s.contains("equals this change"));
-    assert!(
-        balance
-            .unwrap()
-            .starts_with("The work of friction and impacts")
-    );
+    let is_of_both = balance
+        .unwrap()
+        .starts_with("The work of friction and impacts");
+    assert!(is_of_both, "{balance:?}");
 }
 
 /// An impact after the last sample is reported with its energy loss; the energies include samples only.
@@ -311,11 +309,7 @@ fn recordings_and_scenarios_have_the_same_explanation() {
         let cut = directory.path().join("cut.mcap");
         fs::write(&cut, &bytes[..bytes.len() / 2]).unwrap();
         let explanation = explain(&Recording::open(&cut).unwrap()).unwrap();
-        assert!(
-            explanation.title.contains("recorded until"),
-            "{}",
-            explanation.title
-        );
+        assert_contains(&explanation.title, "recorded until");
         assert!(!explanation.losses.is_empty());
     }
 }
@@ -359,21 +353,13 @@ fn an_explanation_can_be_interrupted() {
 
 #[test]
 fn the_page_has_stages_if_everything_is_wanted() {
-    let page = |more: &[&str]| {
-        let mut command = Command::cargo_bin("toprise").unwrap();
-        let command = command
-            .args(["explain", "paper", "--color", "never"])
-            .args(more);
-        let output = command.assert().success().get_output().stdout.clone();
-        String::from_utf8(output).unwrap()
+    let page = |more: &str| {
+        let line = format!("explain paper --color never {more}");
+        Folder::new().toprise(&line, 0).stdout
     };
-    let (short, all) = (page(&[]), page(&["--all"]));
-    assert!(
-        short.lines().count() < 30 && !short.contains("Nutations"),
-        "{short}"
-    );
-    assert!(
-        all.contains("Nutations") && all.contains("slow rate"),
-        "{all}"
-    );
+    let (short, all) = (page(""), page("--all"));
+    let is_short = short.lines().count() < 30 && !short.contains("Nutations");
+    assert!(is_short, "{short}");
+    assert_contains(&all, "Nutations");
+    assert_contains(&all, "slow rate");
 }

@@ -2,6 +2,7 @@
 
 use crate::support::{MemorySink, in_memory, scenario};
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -36,18 +37,15 @@ fn precession_views() -> Vec<(Option<[f64; 2]>, Vec<f64>)> {
     for message in &messages {
         let message = message.as_message();
         if message.topic() == NUTATION {
-            range = Some(
-                [nutation::PHI_DOT_MIN, nutation::PHI_DOT_MAX].map(|field| field.of(&message)),
-            );
+            let fields = [nutation::PHI_DOT_MIN, nutation::PHI_DOT_MAX];
+            range = Some(fields.map(|field| field.of(&message)));
         }
         views.process(&message, |view, _, bytes| {
             if view_channels()[view].topic == "/view/precession_rate" {
                 // A header of four bytes, an empty layout, the number of values and four bytes of room.
                 assert_eq!(bytes.len(), 4 + 16 + 8 * 3);
-                let values = bytes[20..]
-                    .chunks(8)
-                    .map(|bytes| f64::from_le_bytes(bytes.try_into().unwrap()));
-                found.push((range, values.collect()));
+                let number = |bytes: &[u8]| f64::from_le_bytes(bytes.try_into().unwrap());
+                found.push((range, bytes[20..].chunks(8).map(number).collect()));
             }
         });
     }
@@ -67,59 +65,34 @@ fn views_tell_the_range_in_the_last_nutation() {
 #[test]
 fn regress_the_committed_schemas_are_those_of_the_table() {
     let directory = root().join("schemas");
-    for channel in channels() {
-        let path = directory.join(file_name(channel));
-        let committed = fs::read_to_string(&path).unwrap_or_default();
-        let advice = "is out of date: run `cargo run -- schema --write schemas`";
-        assert_eq!(
-            committed,
-            json_schema(channel),
-            "{} {advice}",
-            path.display()
-        );
-        let path = directory.join(proto_file_name(channel));
-        let committed = fs::read_to_string(&path).unwrap_or_default();
-        assert_eq!(
-            committed,
-            proto_file(channel),
-            "{} {advice}",
-            path.display()
-        );
-    }
     let reports = toprise::cli::schemas();
-    for (name, schema) in &reports {
-        let committed = fs::read_to_string(directory.join(name)).unwrap_or_default();
-        assert_eq!(
-            &committed, schema,
-            "{name} is out of date: run `cargo run -- schema --write schemas`"
-        );
+    let mut schemas = reports.clone();
+    for channel in channels() {
+        schemas.push((file_name(channel), json_schema(channel)));
+        schemas.push((proto_file_name(channel), proto_file(channel)));
+    }
+    for (name, schema) in schemas {
+        let committed = fs::read_to_string(directory.join(&name)).unwrap_or_default();
+        let advice = "is out of date: run `cargo run -- schema --write schemas`";
+        assert_eq!(committed, schema, "{name} {advice}");
     }
     let files = fs::read_dir(&directory).unwrap().count();
     // A build without Rerun has no `view`, one without sweeps no `sweep`.
-    let missing =
-        usize::from(cfg!(not(feature = "rerun"))) + usize::from(cfg!(not(feature = "sweep")));
+    let missing = [cfg!(not(feature = "rerun")), cfg!(not(feature = "sweep"))];
+    let missing = missing.map(usize::from).iter().sum::<usize>();
     let of_scenarios = 1;
-    assert_eq!(
-        files,
-        2 * channels().len() + reports.len() + missing + of_scenarios
-    );
+    let expected = 2 * channels().len() + reports.len() + missing + of_scenarios;
+    assert_eq!(files, expected);
 }
 
 #[test]
 fn the_documents_list_every_channel() {
     let page = fs::read_to_string(root().join("docs/recordings.md")).unwrap();
-    for channel in channels() {
-        let row = format!("| `{}` | {} |", channel.topic, channel.meaning);
-        assert!(
-            page.contains(&row),
-            "docs/recordings.md lacks the row {row}"
-        );
-    }
-    for view in view_channels() {
-        let row = format!(
-            "| `{}` | `{}` | {} |",
-            view.topic, view.schema, view.meaning
-        );
+    let rows = channels().iter();
+    let rows = rows.map(|channel| format!("| `{}` | {} |", channel.topic, channel.meaning));
+    let views = view_channels().iter();
+    let views = views.map(|v| format!("| `{}` | `{}` | {} |", v.topic, v.schema, v.meaning));
+    for row in rows.chain(views) {
         assert!(
             page.contains(&row),
             "docs/recordings.md lacks the row {row}"
@@ -175,18 +148,13 @@ fn at<'a>(message: &'a Value, path: &str) -> &'a Value {
 fn conforms(message: &Value, schema: &Value) -> bool {
     match schema["type"].as_str().unwrap() {
         "object" => {
-            let (Some(members), properties) = (
-                message.as_object(),
-                schema["properties"].as_object().unwrap(),
-            ) else {
+            let properties = schema["properties"].as_object().unwrap();
+            let Some(members) = message.as_object() else {
                 return false;
             };
-            members.len() == properties.len()
-                && properties.iter().all(|(name, inner)| {
-                    members
-                        .get(name)
-                        .is_some_and(|member| conforms(member, inner))
-                })
+            let fits = |name, inner| members.get(name).is_some_and(|m| conforms(m, inner));
+            let all_fit = properties.iter().all(|(name, inner)| fits(name, inner));
+            members.len() == properties.len() && all_fit
         }
         "integer" => message.is_u64(),
         "number" => message.is_number(),
@@ -212,13 +180,8 @@ fn json_messages_carry_every_bit_and_fit_their_schema() {
         assert_eq!(sec * 1_000_000_000 + nsec, message.time_ns);
         for (leaf, number) in channel.numbers.iter().zip(&message.numbers) {
             let back = at(&json, &leaf.path).as_f64().unwrap();
-            assert_eq!(
-                back.to_bits(),
-                number.to_bits(),
-                "{} {}",
-                channel.topic,
-                leaf.path
-            );
+            let what = format!("{} {}", channel.topic, leaf.path);
+            assert_eq!(back.to_bits(), number.to_bits(), "{what}");
         }
         for (leaf, text) in channel.texts.iter().zip(&message.texts) {
             assert_eq!(at(&json, &leaf.path), text);
@@ -279,12 +242,7 @@ fn topics_that_are_not_wanted_are_not_made() {
     let mut simulation = Simulation::new(&scenario).unwrap();
     let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
     record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
-    let mut seen: Vec<_> = sink
-        .messages
-        .iter()
-        .map(|m| channels()[m.channel].topic)
-        .collect();
-    seen.sort_unstable();
-    seen.dedup();
-    assert_eq!(seen, ["/events", "/top/state"]);
+    let seen = sink.messages.iter().map(|m| channels()[m.channel].topic);
+    let seen: BTreeSet<_> = seen.collect();
+    assert_eq!(seen, BTreeSet::from(["/events", "/top/state"]));
 }
