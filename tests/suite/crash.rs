@@ -14,9 +14,7 @@ use toprise::telemetry::Topics;
 const KILLS: u64 = 24;
 const SCENARIO: [&str; 2] = ["--set", "stop.duration=10"];
 
-fn program() -> std::path::PathBuf {
-    assert_cmd::cargo::cargo_bin("toprise")
-}
+const PROGRAM: &str = env!("CARGO_BIN_EXE_toprise");
 
 /// Forms of a run.
 const FORMS: [&[&str]; 2] = [
@@ -26,7 +24,7 @@ const FORMS: [&[&str]; 2] = [
 
 /// A run in the background.
 fn start(directory: &Path, arguments: &[&str]) -> Child {
-    Command::new(program())
+    Command::new(PROGRAM)
         .current_dir(directory)
         .arg("run")
         .args(arguments)
@@ -47,17 +45,22 @@ fn messages(partial: &Path) -> u64 {
     Overview::read(partial).map_or(0, |overview| overview.messages())
 }
 
+/// Waits until something is so, for twenty seconds at most.
+fn wait_until(mut is_so: impl FnMut() -> bool) {
+    for _ in 0..1000 {
+        if is_so() {
+            break;
+        }
+        thread::sleep(Duration::from_millis(20));
+    }
+}
+
 /// Kills a run some milliseconds after its first messages have reached the disk.
 fn killed_after(directory: &Path, form: &[&str], milliseconds: u64, expected: &[u8]) {
     let partial = directory.join("live.mcap.partial");
     let paced = ["--realtime", "4", "-o", "live.mcap"];
     let mut run = start(directory, &[&SCENARIO, form, &paced].concat());
-    for _ in 0..1000 {
-        if messages(&partial) > 0 {
-            break;
-        }
-        thread::sleep(Duration::from_millis(20));
-    }
+    wait_until(|| messages(&partial) > 0);
     thread::sleep(Duration::from_millis(milliseconds));
     let before = messages(&partial);
     assert!(before > 0, "the run doesn't write anything");
@@ -67,11 +70,8 @@ fn killed_after(directory: &Path, form: &[&str], milliseconds: u64, expected: &[
     let recording = Recording::open(&partial).unwrap();
     assert_eq!(recording.condition(), Condition::Interrupted);
     let overview = Overview::of(&recording);
-    assert!(
-        overview.messages() >= before,
-        "{} of {before}",
-        overview.messages()
-    );
+    let after = overview.messages();
+    assert!(after >= before, "{after} of {before}");
     let report = verified(&partial);
     assert_eq!(report.verdict, Verdict::Incomplete, "{report:#?}");
     assert!(whole(directory, &["live.mcap.partial"]) == expected);
@@ -119,9 +119,8 @@ fn a_full_file_system_is_a_clear_error() {
     fs::create_dir(&room).unwrap();
     let script = format!(
         "mount -t tmpfs -o size=400k tmpfs {room} || exit 99; cd {room}; \
-         {program} run -o full.mcap; code=$?; cp full.mcap.partial ..; ls; exit $code",
+         {PROGRAM} run -o full.mcap; code=$?; cp full.mcap.partial ..; ls; exit $code",
         room = room.display(),
-        program = program().display()
     );
     let output = Command::new("unshare")
         .args(["--user", "--mount", "--map-root-user", "sh", "-c", &script])
@@ -150,45 +149,29 @@ fn a_full_file_system_is_a_clear_error() {
 #[test]
 fn a_run_without_records_ends_when_it_is_told_to() {
     let directory = tempfile::tempdir().unwrap();
-    let mut run = Command::new(program())
-        .current_dir(directory.path())
-        .args(["run", "--set", "initial.psi_dot=1e6"])
-        .args([
-            "--set",
-            "sampling.period=3600",
-            "--set",
-            "stop.duration=1e5",
-        ])
-        .args(["--set", "stop.theta_risen=", "--set", "stop.theta_fallen="])
-        .args(["-o", "still.mcap"])
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
+    let mut program = Command::new(PROGRAM);
+    program.args(["run", "-o", "still.mcap"]);
+    for change in [
+        "initial.psi_dot=1e6",
+        "sampling.period=3600",
+        "stop.duration=1e5",
+        "stop.theta_risen=",
+        "stop.theta_fallen=",
+    ] {
+        program.args(["--set", change]);
+    }
+    program.stdout(Stdio::null()).stderr(Stdio::null());
+    let mut run = program.current_dir(directory.path()).spawn().unwrap();
     let partial = directory.path().join("still.mcap.partial");
-    let written = |path: &Path| fs::metadata(path).map_or(0, |metadata| metadata.len());
-    for _ in 0..1000 {
-        if written(&partial) > 0 {
-            break;
-        }
-        thread::sleep(Duration::from_millis(20));
-    }
+    wait_until(|| fs::metadata(&partial).is_ok_and(|metadata| metadata.len() > 0));
     let pid = run.id().to_string();
-    assert!(
-        Command::new("kill")
-            .args(["-TERM", &pid])
-            .status()
-            .unwrap()
-            .success()
-    );
+    let killed = Command::new("kill").args(["-TERM", &pid]).status();
+    assert!(killed.unwrap().success());
     let mut status = None;
-    for _ in 0..1000 {
+    wait_until(|| {
         status = run.try_wait().unwrap();
-        if status.is_some() {
-            break;
-        }
-        thread::sleep(Duration::from_millis(20));
-    }
+        status.is_some()
+    });
     if status.is_none() {
         run.kill().unwrap();
     }
@@ -196,8 +179,5 @@ fn a_run_without_records_ends_when_it_is_told_to() {
     let recording = Recording::open(&directory.path().join("still.mcap")).unwrap();
     assert_eq!(recording.condition(), Condition::Whole);
     let end = recording.end().unwrap();
-    assert_eq!(
-        end.get("stop_reason").map(String::as_str),
-        Some("interrupted")
-    );
+    assert_eq!(end["stop_reason"], "interrupted");
 }

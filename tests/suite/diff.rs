@@ -6,17 +6,16 @@ mod values;
 
 use crate::damage::chunks;
 use crate::random_scenarios::{Random, free_tops};
-use crate::support::{Run, archive, assert_contains, assert_near, in_memory, scenario};
+use crate::support::{Folder, Run, archive, assert_contains, assert_near, in_memory, scenario};
 use assert_cmd::Command;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
-use tempfile::{TempDir, tempdir};
 use toprise::analysis::diff::{
-    ChannelDifference, FieldDifference, Finding, Observer, Options, Report, Verdict, compare,
-    compare_observed,
+    ChannelDifference, FieldDifference, Finding, Observer, Options, Report, TopicBytes, Verdict,
+    compare, compare_observed,
 };
 use toprise::archive::memory::Owned;
 use toprise::archive::pipeline::McapSink;
@@ -85,24 +84,24 @@ fn values(report: &Report, what: &str) -> [Option<f64>; 2] {
     [found.a, found.b]
 }
 
-fn recorded(directory: &TempDir, name: &str, scenario: &Scenario, encoding: Encoding) -> Recording {
+fn recorded(folder: &Folder, name: &str, scenario: &Scenario, encoding: Encoding) -> Recording {
     let form = Form {
         encoding,
         ..Form::default()
     };
-    let path = directory.path().join(name);
+    let path = folder.at(name);
     archive(&path, scenario, &[], form).unwrap();
     Recording::open(&path).unwrap()
 }
 
 /// A recording of a run with some messages changed.
 fn rewritten(
-    directory: &TempDir,
+    folder: &Folder,
     name: &str,
     scenario: &Scenario,
     mut change: impl FnMut(&mut Owned),
 ) -> Recording {
-    let path = directory.path().join(name);
+    let path = folder.at(name);
     let (telemetry, form) = (Telemetry::default(), Form::default());
     let mut sink = McapSink::create(&path, Existing::Keep, scenario, &telemetry, form).unwrap();
     let (original, end) = in_memory(scenario);
@@ -123,10 +122,10 @@ fn data(name: &str) -> PathBuf {
 
 #[test]
 fn a_run_is_identical_to_itself_in_any_encoding_and_simulated_now() {
-    let directory = tempdir().unwrap();
+    let folder = Folder::new();
     let scenario = short(&[]);
-    let json = recorded(&directory, "a.mcap", &scenario, Encoding::Json);
-    let protobuf = recorded(&directory, "b.mcap", &scenario, Encoding::Protobuf);
+    let json = recorded(&folder, "a.mcap", &scenario, Encoding::Json);
+    let protobuf = recorded(&folder, "b.mcap", &scenario, Encoding::Protobuf);
     let renamed = short(&[("name", "other")]);
     for (report, verdict) in [
         (compare(&json, &json, &quick()), Verdict::Identical),
@@ -160,9 +159,9 @@ fn a_finer_run_agrees_at_the_times_that_both_have() {
 /// B's own messages are.
 #[test]
 fn a_run_with_other_sample_times_is_simulated_again() {
-    let directory = tempdir().unwrap();
+    let folder = Folder::new();
     let other = short(&[("sampling.period", "0.0007")]);
-    let recording = recorded(&directory, "b.mcap", &other, Encoding::Protobuf);
+    let recording = recorded(&folder, "b.mcap", &other, Encoding::Protobuf);
     for report in [
         compare(&short(&[]), &other, &quick()),
         compare(&short(&[]), &recording, &quick()),
@@ -181,11 +180,10 @@ fn a_run_with_other_sample_times_is_simulated_again() {
 
 #[test]
 fn a_cut_recording_agrees_as_far_as_it_goes() {
-    let directory = tempdir().unwrap();
-    let whole = recorded(&directory, "a.mcap", &short(&[]), Encoding::Json);
+    let folder = Folder::new();
+    let whole = recorded(&folder, "a.mcap", &short(&[]), Encoding::Json);
     let bytes = fs::read(whole.path()).unwrap();
-    let path = directory.path().join("cut.mcap");
-    fs::write(&path, &bytes[..bytes.len() * 2 / 3]).unwrap();
+    let path = folder.write("cut.mcap", &bytes[..bytes.len() * 2 / 3]);
     let cut = Recording::open(&path).unwrap();
     for (a, b) in [(&whole, &cut), (&cut, &whole)] {
         let report = compare(a, b, &quick()).unwrap();
@@ -200,8 +198,8 @@ fn a_cut_recording_agrees_as_far_as_it_goes() {
 
 #[test]
 fn a_flipped_bit_costs_a_chunk_and_no_more() {
-    let directory = tempdir().unwrap();
-    let whole = recorded(&directory, "a.mcap", &short(&[]), Encoding::Json);
+    let folder = Folder::new();
+    let whole = recorded(&folder, "a.mcap", &short(&[]), Encoding::Json);
     let bytes = fs::read(whole.path()).unwrap();
     let chunks = chunks(&bytes);
     let damaged = |name: &str, damaged: &[std::ops::Range<usize>]| {
@@ -209,9 +207,7 @@ fn a_flipped_bit_costs_a_chunk_and_no_more() {
         for chunk in damaged {
             bytes[usize::midpoint(chunk.start, chunk.end)] ^= 1;
         }
-        let path = directory.path().join(name);
-        fs::write(&path, &bytes).unwrap();
-        Recording::open(&path).unwrap()
+        Recording::open(&folder.write(name, &bytes)).unwrap()
     };
     let middle = chunks.len() / 2;
     let one = damaged("one.mcap", &chunks[middle..=middle]);
@@ -229,12 +225,12 @@ fn a_flipped_bit_costs_a_chunk_and_no_more() {
 
 #[test]
 fn one_ulp_in_one_number_is_named() {
-    let directory = tempdir().unwrap();
+    let folder = Folder::new();
     let scenario = short(&[]);
-    let a = recorded(&directory, "a.mcap", &scenario, Encoding::Json);
+    let a = recorded(&folder, "a.mcap", &scenario, Encoding::Json);
     let changed = torque::FRICTION_BODY.y();
     let mut values = [0.0; 2];
-    let b = rewritten(&directory, "b.mcap", &scenario, |message| {
+    let b = rewritten(&folder, "b.mcap", &scenario, |message| {
         if message.channel == changed.topic().index() && message.time_ns == 123_000_000 {
             let number = &mut message.numbers[changed.index()];
             values = [*number, number.next_up()];
@@ -244,31 +240,22 @@ fn one_ulp_in_one_number_is_named() {
     let report = compare(&a, &b, &quick()).unwrap();
     assert_eq!(report.verdict, Verdict::Different);
     let first = channel(&report, "/top/torque").first.as_ref().unwrap();
-    assert_eq!(
-        (first.field.as_str(), first.time),
-        ("friction_body.y", 0.123)
-    );
-    assert_eq!(
-        [&first.a, &first.b].map(|text| text.parse::<f64>().unwrap()),
-        values
-    );
+    assert_eq!(first.field, "friction_body.y");
+    assert_eq!(first.time, 0.123);
+    let found = [&first.a, &first.b].map(|text| text.parse::<f64>().unwrap());
+    assert_eq!(found, values);
     let found = field(&report, "/top/torque", "friction_body.y");
     assert_eq!((found.beyond, found.largest), (1, values[1] - values[0]));
-    let others = report.channels.iter().filter(|c| c.topic != "/top/torque");
-    assert!(
-        others
-            .into_iter()
-            .all(|c| c.first.is_none() && c.identical == c.pairs)
-    );
-    let mut command = Command::cargo_bin("toprise").unwrap();
-    let command = command.arg("diff").args([a.path(), b.path()]);
-    let page = command.args(["--color", "never"]).assert().code(1);
-    let page = String::from_utf8(page.get_output().stdout.clone()).unwrap();
+    for other in report.channels.iter().filter(|c| c.topic != "/top/torque") {
+        assert!(other.first.is_none(), "{}", other.topic);
+        assert_eq!(other.identical, other.pairs, "{}", other.topic);
+    }
+    let page = folder.toprise("diff a.mcap b.mcap --color never", 1).stdout;
     let row = format!(
         "friction_body.y at 0.123 s: {:?}, {:?}",
         values[0], values[1]
     );
-    assert!(page.contains(&row), "{page}");
+    assert_contains(&page, &row);
     for pattern in ["/top/torque", "/top/torque.friction_body", "*.y"] {
         let report = compare(&a, &b, &ignoring(pattern)).unwrap();
         assert_eq!(report.verdict, Verdict::Equal, "{pattern}");
@@ -284,10 +271,10 @@ fn one_ulp_in_one_number_is_named() {
 
 #[test]
 fn a_changed_event_is_different_whatever_the_tolerance() {
-    let directory = tempdir().unwrap();
+    let folder = Folder::new();
     let scenario = short(&[]);
     let mut names = Vec::new();
-    let b = rewritten(&directory, "b.mcap", &scenario, |message| {
+    let b = rewritten(&folder, "b.mcap", &scenario, |message| {
         if message.channel == EVENTS.index() && message.sequence == 3 {
             names.push(message.texts[0].clone());
             message.texts[0] = "other".to_owned();
@@ -310,10 +297,8 @@ fn what_matches_nothing_is_an_error() {
     let error = refused(&tolerating("/top/state.thet=1")).to_string();
     assert_contains(&error, "/top/state.theta");
     let error = refused(&only("/imu")).to_string();
-    assert!(
-        error.contains("/imu") && error.contains("/top/state"),
-        "{error}"
-    );
+    assert_contains(&error, "/imu");
+    assert_contains(&error, "/top/state");
 }
 
 #[test]
@@ -321,18 +306,16 @@ fn keys_that_differ_are_listed() {
     let b = short(&[("friction.k", "0.04"), ("friction.dissipation", "full")]);
     let report = compare(&short(&[]), &b, &quick()).unwrap();
     let rows = report.setup.scenario.iter();
-    let rows: Vec<_> = rows
-        .map(|key| (key.key.as_str(), key.a.as_deref(), key.b.as_deref()))
-        .collect();
-    let dissipation = (
-        "friction.dissipation",
-        Some("without-nutation-part"),
-        Some("full"),
-    );
-    assert_eq!(
-        rows,
-        [("friction.k", Some("0.03"), Some("0.04")), dissipation]
-    );
+    let rows = rows.map(|row| {
+        (
+            &*row.key,
+            row.a.as_deref().unwrap(),
+            row.b.as_deref().unwrap(),
+        )
+    });
+    let dissipation = ("friction.dissipation", "without-nutation-part", "full");
+    let expected = [("friction.k", "0.03", "0.04"), dissipation];
+    assert_eq!(rows.collect::<Vec<_>>(), expected);
 }
 
 #[test]
@@ -361,12 +344,8 @@ fn swapping_the_runs_mirrors_the_report() {
         for (x, y) in there.channels.iter().zip(&back.channels) {
             assert_eq!((x.pairs, x.identical), (y.pairs, y.identical));
             assert_eq!(x.unmatched, [y.unmatched[1], y.unmatched[0]]);
-            for (f, g) in x
-                .fields
-                .iter()
-                .zip(&y.fields)
-                .filter(|(f, _)| !f.is_derived)
-            {
+            let fields = x.fields.iter().zip(&y.fields);
+            for (f, g) in fields.filter(|(f, _)| !f.is_derived) {
                 assert_eq!((f.largest, f.rms), (-g.largest, g.rms), "{}", f.field);
             }
         }
@@ -380,47 +359,35 @@ fn differences_below_the_integrators_errors_are_marked() {
     let report = compare(&short(&[]), &body, &Options::default()).unwrap();
     assert_eq!(report.verdict, Verdict::Different);
     let theta = field(&report, "/top/state", "theta");
-    assert!(
-        theta.largest != 0.0 && theta.largest.abs() < 1e-11,
-        "{theta:?}"
-    );
+    let is_small = theta.largest != 0.0 && theta.largest.abs() < 1e-11;
+    assert!(is_small, "{theta:?}");
     let fields = report.channels.iter().flat_map(|channel| &channel.fields);
     let (below, above): (Vec<_>, Vec<_>) = fields
         .filter(|field| field.largest != 0.0 && field.floor.is_some())
         .partition(|field| field.is_below_floor);
-    assert!(
-        below.len() > 20 && above.len() < below.len() / 10,
-        "{above:?}"
-    );
+    let are_most_below = below.len() > 20 && above.len() < below.len() / 10;
+    assert!(are_most_below, "{above:?}");
     // A real difference is not below.
-    let report = compare(
-        &short(&[]),
-        &short(&[("friction.k", "0.0301")]),
-        &Options::default(),
-    );
+    let other = short(&[("friction.k", "0.0301")]);
+    let report = compare(&short(&[]), &other, &Options::default());
     assert!(!field(&report.unwrap(), "/top/state", "theta").is_below_floor);
 }
 
 /// Errors are numbers or absent, as the schema has it.
 #[test]
 fn reports_are_those_of_the_schema() {
-    let b = scenario(
-        "free-paper",
-        &[("stop.duration", "2"), ("friction.k", "0.05")],
-    );
+    let changes = [("stop.duration", "2"), ("friction.k", "0.05")];
+    let b = scenario("free-paper", &changes);
     let a = scenario("free-paper", &[("stop.duration", "2")]);
     let report = serde_json::to_value(compare(&a, &b, &quick()).unwrap()).unwrap();
     let schemas = toprise::cli::schemas();
-    let schema = schemas
-        .iter()
-        .find(|(name, _)| name == "toprise.DiffReport.json");
+    let mut schemas = schemas.iter();
+    let schema = schemas.find(|(name, _)| name == "toprise.DiffReport.json");
     let schema: Value = serde_json::from_str(&schema.unwrap().1).unwrap();
     for (name, value) in report.as_object().unwrap() {
         assert!(schema["properties"].get(name).is_some(), "{name}");
-        let may_be_absent = !schema["required"]
-            .as_array()
-            .unwrap()
-            .contains(&name.as_str().into());
+        let required = schema["required"].as_array().unwrap();
+        let may_be_absent = !required.contains(&name.as_str().into());
         assert!(!value.is_null() || may_be_absent, "{name}");
     }
 }

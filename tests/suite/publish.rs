@@ -321,7 +321,9 @@ fn a_run_goes_on_without_a_rerun_recording_that_finds_no_room() {
     let output = folder.limited(1100, "run --set stop.duration=1 -o x.mcap --rrd x.rrd");
     let error = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(3), "{error}");
-    assert!(error.contains("x.rrd"), "{error}");
+    for part in ["Rerun recording", "x.rrd", "too large"] {
+        assert!(error.contains(part), "{part} is not in {error}");
+    }
     let recording = Recording::open(&folder.at("x.mcap")).unwrap();
     assert_eq!(recording.condition(), Condition::Whole);
     assert_eq!(folder.files(), ["x.mcap"]);

@@ -1,78 +1,54 @@
 //! The Rerun stream, as far as it can be tested without a viewer.
 
-use crate::support::assert_contains;
-use assert_cmd::Command;
+use crate::support::{Folder, assert_contains, printed};
 use rerun::StoreId;
 use rerun::external::re_log_encoding::{Decodable as _, DecoderApp, RawRrdManifest, StreamFooter};
 use rerun::external::re_log_types::LogMsg;
 use rerun::log::{Chunk, ChunkId};
 use std::collections::BTreeMap;
-use std::fs;
-use std::path::Path;
 use std::time::{Duration, Instant};
-use tempfile::tempdir;
 use toprise::archive::recording::Overview;
 
 #[test]
 fn one_pass_writes_both_recordings() {
-    let directory = tempdir().unwrap();
-    let text = toprise(directory.path())
-        .args(["run", "--set", "stop.duration=0.3"])
-        .assert()
-        .success();
-    let text = String::from_utf8_lossy(&text.get_output().stdout).into_owned();
+    let folder = Folder::new();
+    let text = folder.toprise("run --set stop.duration=0.3", 0).stdout;
     assert_contains(&text, "rerun recordings/paper_duration0.3.rrd");
-    let bytes = fs::read(directory.path().join("recordings/paper_duration0.3.rrd")).unwrap();
+    let bytes = folder.read("recordings/paper_duration0.3.rrd");
     assert_eq!(&bytes[..4], b"RRF2");
-    assert!(
-        !directory
-            .path()
-            .join("recordings/paper_duration0.3.rrd.partial")
-            .exists()
-    );
+    let partial = folder.at("recordings/paper_duration0.3.rrd.partial");
+    assert!(!partial.exists());
 }
 
 #[test]
 fn a_missing_viewer_is_a_warning_and_harms_nothing() {
-    let directory = tempdir().unwrap();
+    let folder = Folder::new();
     let started = Instant::now();
-    let done = toprise(directory.path())
-        .args(["run", "--set", "stop.duration=0.3", "-o", "a.mcap"])
-        // Nothing listens on the discard port.
-        .arg("--connect=rerun+http://127.0.0.1:9/proxy")
-        .timeout(Duration::from_mins(1))
-        .assert()
-        .success();
-    let warning = String::from_utf8_lossy(&done.get_output().stderr).into_owned();
-    assert!(
-        warning.contains("warning") && warning.contains("127.0.0.1:9"),
-        "{warning}"
-    );
+    // Nothing listens on the discard port.
+    let viewer = "--connect=rerun+http://127.0.0.1:9/proxy";
+    let line = format!("run --set stop.duration=0.3 -o a.mcap {viewer}");
+    let mut program = folder.program(&line);
+    let warning = printed(program.timeout(Duration::from_mins(1)), &line, 0).stderr;
+    assert_contains(&warning, "warning");
+    assert_contains(&warning, "127.0.0.1:9");
     assert!(started.elapsed() < Duration::from_secs(30));
-    let archive = Overview::read(&directory.path().join("a.mcap")).unwrap();
+    let archive = Overview::read(&folder.at("a.mcap")).unwrap();
     assert!(archive.is_whole());
 }
 
 #[test]
 fn a_run_gives_the_same_bytes_again_and_from_its_archive() {
-    let directory = tempdir().unwrap();
-    let run = |name: &str, pace: &[&str]| {
-        let rrd = format!("{name}/run.rrd");
-        toprise(directory.path())
-            .args(["run", "--set", "stop.duration=0.3", "-o"])
-            .args([&format!("{name}/run.mcap"), "--rrd", &rrd])
-            .args(pace)
-            .assert()
-            .success();
-        fs::read(directory.path().join(rrd)).unwrap()
+    let folder = Folder::new();
+    let run = |name: &str, pace: &str| {
+        let outputs = format!("-o {name}/run.mcap --rrd {name}/run.rrd");
+        let line = format!("run --set stop.duration=0.3 {outputs} {pace}");
+        folder.toprise(&line, 0);
+        folder.read(format!("{name}/run.rrd"))
     };
-    let (first, second) = (run("first", &[]), run("second", &[]));
-    let paced = run("paced", &["--realtime"]);
-    toprise(directory.path())
-        .args(["view", "first/run.mcap", "--rrd", "viewed.rrd"])
-        .assert()
-        .success();
-    let viewed = fs::read(directory.path().join("viewed.rrd")).unwrap();
+    let (first, second) = (run("first", ""), run("second", ""));
+    let paced = run("paced", "--realtime");
+    folder.toprise("view first/run.mcap --rrd viewed.rrd", 0);
+    let viewed = folder.read("viewed.rrd");
     assert!(first.len() > 100_000);
     // Not assert_eq, which would print the files.
     assert!(first == second, "two runs differ");
@@ -82,12 +58,10 @@ fn a_run_gives_the_same_bytes_again_and_from_its_archive() {
 
 #[test]
 fn the_outcome_is_a_property_of_whole_runs() {
-    let directory = tempdir().unwrap();
-    let outcomes = |arguments: &[&str], rrd: &str| {
-        let mut program = toprise(directory.path());
-        program.args(arguments).args(["--rrd", rrd]);
-        program.assert().success();
-        let bytes = fs::read(directory.path().join(rrd)).unwrap();
+    let folder = Folder::new();
+    let outcomes = |arguments: &str, rrd: &str| {
+        folder.toprise(&format!("{arguments} --rrd {rrd}"), 0);
+        let bytes = folder.read(rrd);
         let messages = DecoderApp::decode_eager(&bytes[..]).unwrap();
         let chunks = messages.filter_map(|message| match message.unwrap() {
             LogMsg::ArrowMsg(_, message) => Some(Chunk::from_arrow_msg(&message).unwrap()),
@@ -96,23 +70,19 @@ fn the_outcome_is_a_property_of_whole_runs() {
         let told = chunks.filter(|c| c.entity_path().to_string() == "/__properties/outcome");
         told.count()
     };
-    let run = ["run", "--set", "stop.duration=0.1", "-o", "a.mcap"];
-    assert_eq!(outcomes(&run, "a.rrd"), 1);
-    assert_eq!(outcomes(&["view", "a.mcap"], "whole.rrd"), 1);
+    let run = "run --set stop.duration=0.1 -o a.mcap";
+    assert_eq!(outcomes(run, "a.rrd"), 1);
+    assert_eq!(outcomes("view a.mcap", "whole.rrd"), 1);
     // What came of a run is not what came of a part of it.
-    let part = ["view", "a.mcap", "--to", "0.05"];
-    assert_eq!(outcomes(&part, "part.rrd"), 0);
+    assert_eq!(outcomes("view a.mcap --to 0.05", "part.rrd"), 0);
 }
 
 #[test]
 fn the_footer_tells_of_every_chunk() {
-    let directory = tempdir().unwrap();
-    toprise(directory.path())
-        .args(["run", "--set", "stop.duration=0.3", "-o", "run.mcap"])
-        .args(["--rrd", "run.rrd"])
-        .assert()
-        .success();
-    let bytes = fs::read(directory.path().join("run.rrd")).unwrap();
+    let folder = Folder::new();
+    let line = "run --set stop.duration=0.3 -o run.mcap --rrd run.rrd";
+    folder.toprise(line, 0);
+    let bytes = folder.read("run.rrd");
     let mut chunks: BTreeMap<StoreId, Vec<ChunkId>> = BTreeMap::new();
     let mut decoder = DecoderApp::decode_eager(&bytes[..]).unwrap();
     for message in decoder.by_ref() {
@@ -133,40 +103,6 @@ fn the_footer_tells_of_every_chunk() {
     let place = &StreamFooter::from_rrd_bytes(end).unwrap().entries[0];
     let span = place.rrd_footer_byte_span_from_start_excluding_header;
     let footer = &bytes[span.range_usize()];
-    assert_eq!(
-        StreamFooter::compute_crc(footer),
-        place.crc_excluding_header
-    );
-}
-
-#[cfg(target_os = "linux")]
-#[test]
-fn a_full_disk_for_the_rrd_leaves_the_archive_whole() {
-    let directory = tempdir().unwrap();
-    // A file-size limit stands for the full disk: 1 MiB is enough for the archive only.
-    let script = format!(
-        "ulimit -f 1024; trap '' XFSZ; exec {} run --set stop.duration=0.3 \
-         --encoding protobuf --no-views -o run.mcap --rrd run.rrd",
-        assert_cmd::cargo::cargo_bin("toprise").display()
-    );
-    let output = std::process::Command::new("bash")
-        .current_dir(directory.path())
-        .args(["-c", &script])
-        .output()
-        .unwrap();
-    let error = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(3), "{error}");
-    assert!(
-        error.contains("Rerun recording") && error.contains("too large"),
-        "{error}"
-    );
-    let archive = Overview::read(&directory.path().join("run.mcap")).unwrap();
-    assert!(archive.is_whole());
-    assert!(!directory.path().join("run.rrd").exists());
-}
-
-fn toprise(directory: &Path) -> Command {
-    let mut command = Command::cargo_bin("toprise").unwrap();
-    command.current_dir(directory);
-    command
+    let sum = StreamFooter::compute_crc(footer);
+    assert_eq!(sum, place.crc_excluding_header);
 }
