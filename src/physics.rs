@@ -5,6 +5,10 @@
     clippy::wildcard_enum_match_arm,
     clippy::match_wildcard_for_single_variants
 )]
+#![allow(
+    clippy::inline_always,
+    reason = "plain #[inline] does not inline the right-hand sides into the integrator's stages"
+)]
 
 pub mod dynamics;
 pub mod friction;

@@ -10,5 +10,6 @@ pub mod outcome;
 pub mod scenario;
 pub mod simulation;
 pub(crate) mod suggestion;
+pub(crate) mod time;
 
 pub use outcome::outcome;

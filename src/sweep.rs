@@ -7,10 +7,12 @@
 
 mod axis;
 mod base;
+mod caught;
 mod cells;
 mod change;
 mod checksum;
 mod counts;
+mod deserialize;
 mod design;
 mod error;
 mod file;
@@ -23,7 +25,7 @@ mod sobol;
 mod spec;
 mod store;
 mod table;
-mod words;
+
 mod work;
 
 pub use axis::{Axis, column_name, find_key};
@@ -34,7 +36,7 @@ pub use design::Design;
 pub use error::SweepError;
 pub use part::{PART_ROWS, Sweep};
 pub use reading::{Columns, values_of_row};
-pub use row::{Run, RunResult, Watch, is_in_row};
+pub use row::{Run, RunResult, Watch};
 pub use sample::{Method, Sample};
 pub use spec::Spec;
 pub use store::parts_directory;

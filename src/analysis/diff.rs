@@ -54,10 +54,10 @@ pub use self::topic::{ChannelDifference, FirstDifference};
 pub use crate::analysis::history::{PegSummary, RunSummary};
 pub use crate::analysis::subject::Subject;
 
-use self::field::seconds;
 use self::pairing::read_both;
 use crate::archive::recording::FileChannel;
 use crate::run::scenario::Scenario;
+use crate::run::time::seconds;
 use std::collections::BTreeSet;
 
 /// Compares two runs.
@@ -153,7 +153,7 @@ fn resampled(runs: [Subject<'_>; 2]) -> Option<Scenario> {
     if periods[0].is_multiple_of(periods[1]) || periods[1].is_multiple_of(periods[0]) {
         return None;
     }
-    let period = periods[0] as f64 / 1e9;
+    let period = seconds(periods[0]);
     b.with([("sampling.period", period.into())]).ok()
 }
 

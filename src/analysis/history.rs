@@ -22,6 +22,7 @@ use crate::archive::format::{Entries, INVERSION_TIME, STOP_REASON, STOP_TIME};
 use crate::physics::dynamics::Model;
 use crate::physics::kinematics::Euler;
 use crate::run::simulation::{EventKind, StopReason};
+use crate::run::time::seconds;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{
     ACCELERATION, CONTACT, ENERGY, EVENTS, MOMENTUM, NUTATION, STATE, acceleration, contact,
@@ -119,7 +120,7 @@ impl RunHistory {
             psi: state::PSI_DOT.of(message),
         };
         let now = State {
-            time: message.time_ns as f64 / 1e9,
+            time: seconds(message.time_ns),
             theta: state::THETA.of(message),
             rates,
             terms: [f64::NAN; 3],
@@ -144,7 +145,7 @@ impl RunHistory {
             acceleration::PHI_DOT_FRICTIONAL,
         ];
         let terms = terms.map(|term| term.of(message));
-        let time = message.time_ns as f64 / 1e9;
+        let time = seconds(message.time_ns);
         for state in self.states.iter_mut().flatten() {
             if state.time == time {
                 state.terms = terms;
@@ -207,7 +208,7 @@ impl RunHistory {
     /// Time at which the run ended, s: from the end record, or the last message.
     pub(crate) fn stop_time(&self) -> Option<f64> {
         let known = self.end_number(STOP_TIME);
-        known.or_else(|| Some(self.last_ns? as f64 / 1e9))
+        known.or_else(|| self.last_ns.map(seconds))
     }
 
     /// The first event of a kind.

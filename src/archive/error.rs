@@ -1,5 +1,6 @@
 //! Errors of reading files and messages.
 
+use crate::run::time::seconds;
 use crate::telemetry::encoding::DecodeError;
 use std::io;
 use thiserror::Error;
@@ -24,7 +25,7 @@ impl RecordingError {
 
 /// The reason why a message can't be decoded.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("{topic} message {sequence} at {} s: {reason}", *time_ns as f64 / 1e9)]
+#[error("{topic} message {sequence} at {} s: {reason}", seconds(*time_ns))]
 pub struct MessageError {
     /// Its topic.
     pub topic: &'static str,

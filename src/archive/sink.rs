@@ -64,7 +64,7 @@ pub enum SinkError {
         /// The reason reported by the writer.
         reason: ::mcap::McapError,
     },
-    /// The failed viewer or file.
+    /// A viewer, or the file of one, failed.
     #[error(transparent)]
     Viewer(Box<dyn std::error::Error + Send + Sync>),
     /// A writer thread panicked.

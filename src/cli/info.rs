@@ -8,6 +8,7 @@ use super::table::{Column, Table};
 use crate::archive::format::{STOP_REASON, STOP_TIME};
 use crate::archive::recording::{ChannelOverview, Condition, EventOverview, Overview};
 use crate::run::simulation::EventKind;
+use crate::run::time::seconds;
 use anyhow::{Context as _, Error};
 use clap::Args;
 use schemars::JsonSchema;
@@ -86,7 +87,7 @@ impl InfoReport {
             let digest = entry(end, "content_digest");
             facts.push(("content", format!("sha-256 {digest}")));
         }
-        facts.push(("span", format!("{} s", self.last_ns as f64 / 1e9)));
+        facts.push(("span", format!("{} s", seconds(self.last_ns))));
         facts.push(("messages", count(self.messages)));
         if !self.overview.events.is_empty() {
             let words = |(name, number): (&str, u64)| {

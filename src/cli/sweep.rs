@@ -13,13 +13,12 @@ use crate::archive::input::read_file;
 use crate::run::simulation::StopReason;
 use crate::sweep::{
     Axis, Base, Counts, Design, Finished, Method, Options, Sample, Shard, Spec, Sweep, SweepError,
-    Table, Watch, is_in_row, left_to_do, parts_directory, run,
+    Table, Watch, left_to_do, parts_directory, run,
 };
 use anyhow::{Context as _, Error, bail};
 use clap::Args;
 pub(crate) use report::SweepReport;
 use report::summary;
-use std::panic;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -116,7 +115,7 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Status, Error> {
     let finished = if arguments.dry_run {
         Finished::default()
     } else {
-        quietly(|| compute(arguments, &sweep, left))?
+        compute(arguments, &sweep, left)?
     };
     let report = SweepReport {
         runs: sweep.spec().rows(),
@@ -212,19 +211,6 @@ impl SweepArguments {
         let bytes = self.output.metadata().ok()?.len();
         Some(WrittenFile::new(&self.output, bytes))
     }
-}
-
-/// Runs a task without printing panics of rows, which are recorded in the table.
-fn quietly<T>(task: impl FnOnce() -> T) -> T {
-    let before = panic::take_hook();
-    panic::set_hook(Box::new(|message| {
-        if !is_in_row() {
-            output::error(&message.to_string());
-        }
-    }));
-    let result = task();
-    panic::set_hook(before);
-    result
 }
 
 #[cfg(test)]

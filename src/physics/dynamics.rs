@@ -10,8 +10,9 @@
 //! A motion consists of phases ([`Phase`]). [`Formulation::guards`] are positive during a phase; at a zero,
 //! [`Formulation::enter`] starts the next one.
 //!
-//! The recorded friction is computed by the same function as that of the integrator,
-//! [`Friction::contact`](crate::physics::friction::Friction::contact).
+//! The recorded friction is computed by the same function as that of the integrator:
+//! [`Friction::contact`](crate::physics::friction::Friction::contact) for a fixed peg, `FreeBody::reaction` for a free
+//! one.
 
 mod accelerations;
 mod body;
@@ -35,5 +36,6 @@ pub use free::FreeRotation;
 pub use impact::Impact;
 pub use integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, TERMS_SINE, TermIntegrals};
 pub use model::Model;
+pub(crate) use motion::NO_SLIP;
 pub use motion::{Dissipated, Motion, Peg, Start};
 pub use support::{Phase, Support};

@@ -3,11 +3,6 @@
 //! [`FrictionLaw`] computes the sliding friction force. [`Losses`] are torques independent of slip: rolling resistance,
 //! drilling, air drag. [`Dissipation`] selects components of the sliding friction torque.
 
-#![allow(
-    clippy::inline_always,
-    reason = "plain #[inline] does not inline this; runs would take 25 % longer"
-)]
-
 mod law;
 mod losses;
 

@@ -184,7 +184,8 @@ impl Top {
     ///
     /// With u = cos θ the motion is u̇² = β (u − u₁)(u − u₂)(u − u₃), β = 2 M g l/I_x, where u₁ and u₂ are the given
     /// extremes, and the sum of the roots follows from the conserved energy and axial angular momentum. The period is
-    /// 2π over the arithmetic-geometric mean of √(β (u₃ − u₁)) and √(β (u₃ − u₂)). For equal extremes, both are
+    /// 2π over the arithmetic-geometric mean of √(β (u₃ − u₁)) and √(β (u₃ − u₂)). For equal extremes both
+    /// are the angular frequency of small nutations.
     pub fn nutation_period(&self, tilt: &Tilt, [least, greatest]: [f64; 2]) -> Option<f64> {
         let (lower, upper) = (cos(greatest), cos(least));
         let gravity = 2.0 * self.gravity_moment() / self.transverse_moment;

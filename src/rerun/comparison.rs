@@ -1,6 +1,7 @@
 //! The recording of two runs that are compared: each run below `/a` or `/b`, their difference below `/diff`, the
 //! logarithm of its magnitude below `/diff_log10`.
 
+use crate::run::time::seconds;
 use nalgebra::Vector3;
 use rerun::TextDocument;
 
@@ -116,7 +117,7 @@ impl Content for Comparison {
         }
         outlet.complete();
         let extent = Extent {
-            duration: end_ns as f64 * 1e-9,
+            duration: seconds(end_ns),
             differences: &self.difference,
         };
         let layout = blueprint::pair::messages(&self.identity, Some(&extent));

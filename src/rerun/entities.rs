@@ -1,5 +1,6 @@
 //! The recording of one run: its description, its plots, its events and its scene.
 
+use crate::run::time::seconds;
 use nalgebra::Vector3;
 use rerun::TextDocument;
 
@@ -106,7 +107,7 @@ impl Content for Entities {
         self.summarize_events(outlet);
         outlet.complete();
         // Only in the file; a live viewer already plays the run.
-        let layout = blueprint::run::messages_at_end(&outlet.store, end_ns as f64 * 1e-9);
+        let layout = blueprint::run::messages_at_end(&outlet.store, seconds(end_ns));
         outlet.send_layout(To::File, layout);
     }
 }

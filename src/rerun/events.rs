@@ -1,5 +1,6 @@
 //! The events of a run, as a log of sentences.
 
+use crate::run::time::seconds;
 use rerun::{Color, TextLog};
 
 use super::entity;
@@ -95,7 +96,7 @@ impl Events {
             let Repeated { kind, more, .. } = repeated;
             if let Some(plural) = kind.plural(&self.top) {
                 let span = [repeated.again_ns, repeated.last_ns];
-                let [again, last] = span.map(|ns| ns as f64 * 1e-9);
+                let [again, last] = span.map(seconds);
                 let text = format!("{again:.6} s to {last:.6} s: {more} more {plural}");
                 self.summary.push(outlet, repeated.again_ns, [text]);
             }

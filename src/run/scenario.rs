@@ -15,7 +15,6 @@ mod schema;
 mod values;
 
 pub use choice::FormulationKind;
-pub(crate) use definition::hex;
 pub use definition::{Scenario, Stop};
 pub use error::ScenarioError;
 pub use key::{Key, Kind, Presence, Value};

@@ -2,12 +2,12 @@
 
 use super::axis::Axis;
 use super::base::Base;
+use super::deserialize::{section, some_count, texts};
 use super::design::Design;
 use super::error::SweepError;
 use super::sample::Sample;
 use super::spec::Spec;
 use super::table::Table;
-use super::words::{section, some_count, texts};
 use serde::Deserialize;
 use std::path::Path;
 

@@ -1,12 +1,12 @@
 //! Reading Parquet files.
 
+use super::caught::catch;
 use super::error::SweepError;
 use crate::archive::input::open_file;
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 use parquet::errors::ParquetError;
 use std::fs::File;
-use std::panic::{self, AssertUnwindSafe};
 use std::path::Path;
 
 /// A Parquet file whose schema and metadata are read.
@@ -19,13 +19,8 @@ pub(super) fn read<T>(
     read: impl FnOnce(Opened) -> Result<T, SweepError>,
 ) -> Result<T, SweepError> {
     let file = open_file(path).map_err(SweepError::io("read", path))?;
-    let hook = panic::take_hook();
-    panic::set_hook(Box::new(|_| {}));
-    let result = panic::catch_unwind(AssertUnwindSafe(|| {
-        read(Opened::try_new(file).map_err(SweepError::table(path))?)
-    }));
-    panic::set_hook(hook);
-    result.map_err(|_| SweepError::table(path)("the file is damaged"))?
+    catch(|| read(Opened::try_new(file).map_err(SweepError::table(path))?))
+        .map_err(|_| SweepError::table(path)("the file is damaged"))?
 }
 
 /// The batches of some columns.

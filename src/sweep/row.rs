@@ -1,11 +1,9 @@
 //! Computes one row of a sweep.
 
+use super::caught::catch;
 use crate::run::outcome::Outcome;
 use crate::run::scenario::{Scenario, ScenarioError};
 use crate::run::simulation::{SimulationError, StopReason};
-use std::any::Any;
-use std::cell::Cell;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Result of a run.
 pub type RunResult = Result<Outcome, SimulationError>;
@@ -29,15 +27,6 @@ pub(super) struct Row {
     pub(super) result: Result<Outcome, String>,
 }
 
-thread_local! {
-    static IN_ROW: Cell<bool> = const { Cell::new(false) };
-}
-
-/// Whether this thread computes a row, whose panics are caught and recorded in the table.
-pub fn is_in_row() -> bool {
-    IN_ROW.get()
-}
-
 /// Computes a row; panics become errors. `None` if cancelled.
 pub(super) fn row(
     scenario: Result<Scenario, ScenarioError>,
@@ -59,11 +48,8 @@ pub(super) fn row(
         is_over_budget = most_steps.is_some_and(|most| steps > most);
         !is_over_budget && (watch.carry_on)()
     };
-    IN_ROW.set(true);
-    let caught = catch_unwind(AssertUnwindSafe(|| run(&scenario, &mut carry_on)));
-    IN_ROW.set(false);
-    let result = match caught {
-        Err(panic) => Err(format!("panic: {}", words(panic.as_ref()))),
+    let result = match catch(|| run(&scenario, &mut carry_on)) {
+        Err(panic) => Err(format!("panic: {panic}")),
         Ok(Err(error)) => Err(error.to_string()),
         Ok(Ok(outcome)) if outcome.end.stop == StopReason::Interrupted => {
             if !is_over_budget {
@@ -75,11 +61,4 @@ pub(super) fn row(
         Ok(Ok(outcome)) => Ok(outcome),
     };
     Some(Row { digest, result })
-}
-
-/// Message of a panic.
-fn words(panic: &(dyn Any + Send)) -> &str {
-    let text = panic.downcast_ref::<&str>().copied();
-    let string = || panic.downcast_ref::<String>().map(String::as_str);
-    text.or_else(string).unwrap_or("no message")
 }

@@ -1,7 +1,7 @@
 //! Sampling: each coordinate depends only on seed, row and dimension.
 
+use super::deserialize;
 use super::sobol::{DIMENSIONS, Sobol};
-use super::words;
 use crate::run::scenario::KEYS;
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
@@ -25,13 +25,13 @@ pub enum Method {
 )]
 pub struct Sample {
     /// Number.
-    #[serde(deserialize_with = "words::count")]
+    #[serde(deserialize_with = "deserialize::count")]
     pub count: u64,
     /// Method by which they are chosen.
-    #[serde(default, deserialize_with = "words::method")]
+    #[serde(default, deserialize_with = "deserialize::method")]
     pub method: Method,
     /// The seed; 0 is the unscrambled Sobol sequence.
-    #[serde(default, deserialize_with = "words::seed")]
+    #[serde(default, deserialize_with = "deserialize::seed")]
     pub seed: u64,
 }
 
@@ -42,7 +42,7 @@ const _: () = assert!(KEYS.len() <= DIMENSIONS);
 #[derive(Clone, Debug, Default)]
 pub(super) struct Points {
     seed: u64,
-    /// One for each dimension; `None` for random points.
+    /// One for each dimension; empty for random points.
     sobol: Vec<Sobol>,
 }
 

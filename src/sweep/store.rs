@@ -8,7 +8,6 @@ use super::part::{COUNTS_ENTRY, Sweep, bytes, counts_entry, properties};
 use crate::archive::input::{open_file, read_file};
 use crate::archive::publish::{self, Draft, Existing, is_same_file};
 use crate::archive::sink::SinkError;
-use crate::run::scenario::hex;
 use arrow_array::RecordBatch;
 use parquet::column::writer::ColumnCloseResult;
 use parquet::errors::ParquetError;
@@ -37,7 +36,7 @@ pub fn parts_directory(table: &Path) -> PathBuf {
 
 /// Paths of a sweep's files.
 pub(super) struct Store<'a> {
-    sweep: &'a Sweep,
+    pub(super) sweep: &'a Sweep,
     /// The spec as JSON, which identifies the sweep.
     identity: Json,
     /// Its SHA-256.
@@ -63,7 +62,7 @@ impl<'a> Store<'a> {
         let identity = sweep.spec().to_json();
         let store = Self {
             sweep,
-            digest: hex(&Sha256::digest(identity.to_string())),
+            digest: format!("{:x}", Sha256::digest(identity.to_string())),
             identity,
             table,
             parts: parts_directory(table),
@@ -169,7 +168,7 @@ impl<'a> Store<'a> {
         Ok(publish::write(&self.path(part), Existing::Replace, &bytes)?)
     }
 
-    /// A name that is unique to this sweep.
+    /// The value of [`PART_ENTRY`] of a part.
     fn name(&self, part: u64) -> String {
         format!("{} {part}", self.digest)
     }

@@ -5,7 +5,7 @@ use super::cells::{Cells, cells as cells_of, values_of};
 use super::error::SweepError;
 use super::reader::{self, Opened};
 use crate::archive::input::read_file;
-use crate::run::scenario::{Key, Value, hex};
+use crate::run::scenario::{Key, Value};
 use arrow_array::{RecordBatch, new_empty_array};
 use arrow_schema::{DataType, Schema};
 use serde_json::Value as Json;
@@ -140,7 +140,7 @@ impl Table {
                 }
             }
         }
-        hex(&hash.finalize())
+        format!("{:x}", hash.finalize())
     }
 }
 

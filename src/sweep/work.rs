@@ -72,14 +72,12 @@ pub fn run(
     let mut finished = Finished::default();
     let mut merged = store.finished()?;
     if merged.is_none() {
-        let completed = complete(&store, sweep, options, watch, &mut finished);
-        // Another process may have completed the table meanwhile.
-        merged = store.finished().ok().flatten();
-        match completed {
+        merged = match complete(&store, options, watch, &mut finished) {
+            Ok(()) => store.finished()?,
             Err(error @ SweepError::Row(_)) => return Err(error),
-            Err(error) if merged.is_none() => return Err(error),
-            _ => {}
-        }
+            // Another process may have completed the table meanwhile.
+            Err(error) => Some(store.finished().ok().flatten().ok_or(error)?),
+        };
     }
     if let Some(counts) = merged {
         store.clear_rest();
@@ -99,16 +97,16 @@ fn refuse(error: Option<&RowError>) -> Result<(), SweepError> {
         .map_or(Ok(()), |error| Err(SweepError::Row(error)))
 }
 
-/// Computes missing parts and merges unless sharded. Returns the counts even on failure.
+/// Computes missing parts and merges them unless sharded. `finished` counts the rows computed, even on failure.
 fn complete(
     store: &Store<'_>,
-    sweep: &Sweep,
     options: &Options,
     watch: &Watch<'_>,
     finished: &mut Finished,
 ) -> Result<(), SweepError> {
     store.open()?;
-    let (to_do, failed) = survey(store, sweep, options.shard, options.fail_fast)?;
+    let sweep = store.sweep;
+    let (to_do, failed) = survey(store, options.shard, options.fail_fast)?;
     let threads = threads(options.threads, rows_in(sweep, &to_do));
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
     let pool = pool.build()?;
@@ -143,7 +141,7 @@ pub fn left_to_do(sweep: &Sweep, table: &Path, shard: Option<Shard>) -> Result<u
         return Ok(0);
     }
     store.check_parts()?;
-    Ok(rows_in(sweep, &survey(&store, sweep, shard, false)?.0))
+    Ok(rows_in(sweep, &survey(&store, shard, false)?.0))
 }
 
 /// The number of rows of some parts.
@@ -159,13 +157,12 @@ fn rows_in(sweep: &Sweep, parts: &[u64]) -> u64 {
 /// [`SweepError::File`] for a part of another sweep.
 fn survey(
     store: &Store<'_>,
-    sweep: &Sweep,
     shard: Option<Shard>,
     fail_fast: bool,
 ) -> Result<(Vec<u64>, Option<RowError>), SweepError> {
     let mut missing = Vec::new();
     let is_own = |part: &u64| shard.is_none_or(|shard| shard.has(*part));
-    for part in (0..sweep.parts()).filter(is_own) {
+    for part in (0..store.sweep.parts()).filter(is_own) {
         match store.counts(part)? {
             None => missing.push(part),
             Some(counts) if fail_fast && counts.first_error.is_some() => {

@@ -2,7 +2,6 @@
 
 use super::message::Message;
 use super::table::channels;
-use crate::run::scenario::hex;
 use sha2::{Digest as _, Sha256};
 
 /// Accumulates the content digest of a recording.
@@ -64,6 +63,6 @@ impl ContentDigest {
                 whole.update(hash.clone().finalize());
             }
         }
-        hex(&whole.finalize())
+        format!("{:x}", whole.finalize())
     }
 }

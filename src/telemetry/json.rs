@@ -4,6 +4,7 @@ use super::channel::{ChannelInfo, Content};
 use super::decoding::{DecodeError, Object, Paths, Row, Target};
 use super::message::Message;
 use super::template::Template;
+use crate::run::time::{NANOSECONDS, seconds_and_nanoseconds};
 use serde::de::{self, DeserializeSeed, IgnoredAny, MapAccess, Visitor};
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -32,13 +33,6 @@ pub(super) fn encode(template: &Template, message: &Message<'_>, out: &mut Vec<u
     }
     out.extend_from_slice(&template.end);
 }
-
-/// A time split into seconds and nanoseconds, as in timestamps.
-pub fn seconds_and_nanoseconds(time_ns: u64) -> (u64, u64) {
-    (time_ns / NANOSECONDS, time_ns % NANOSECONDS)
-}
-
-const NANOSECONDS: u64 = 1_000_000_000;
 
 /// The template of a channel's messages.
 pub(super) fn template(channel: &ChannelInfo) -> Template {
@@ -217,7 +211,12 @@ impl<'de> Visitor<'de> for Filling<'_> {
             };
             next = position + 1;
             match &object.0[position].1 {
-                Target::Number(at) => self.row.numbers[*at] = map.next_value()?,
+                Target::Number(at) => {
+                    let number = map.next_value()?;
+                    if !std::mem::replace(&mut self.row.numbers[*at], number).is_nan() {
+                        return Err(de::Error::custom("a member is repeated"));
+                    }
+                }
                 Target::Text(at) => self.row.texts[*at] = map.next_value()?,
                 Target::Seconds => {
                     let seconds: u32 = map.next_value()?;

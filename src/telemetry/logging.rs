@@ -8,6 +8,7 @@ use super::table::{
 use super::topic::{Topic, Topics};
 use crate::physics::dynamics::Support;
 use crate::run::simulation::Record;
+use crate::run::time::seconds;
 use thiserror::Error;
 
 /// Error of converting a record to messages: a quantity is infinite or not a number.
@@ -111,7 +112,7 @@ impl Telemetry {
         if let Some(wrong) = self.numbers.iter().position(|number| !number.is_finite()) {
             let (topic, value) = (row.topic, self.numbers[wrong]);
             let field = &channels()[channel].numbers[wrong].path;
-            let time = time_ns as f64 / 1e9;
+            let time = seconds(time_ns);
             let text = format!("{topic} {field} is {value} at t = {time} s");
             return Err(E::from(TelemetryError(text)));
         }

@@ -10,11 +10,11 @@ use super::message::Message;
 use super::schema::with_unit_and_frame;
 use super::template::Template;
 use super::wire::{Wire, take_field};
+use crate::run::time::seconds_and_nanoseconds;
 use prost::Message as _;
 use prost::encoding::{WireType, encode_key, encode_varint};
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};
-use std::fmt::Write as _;
 
 const PACKAGE: &str = "toprise";
 const TIMESTAMP_TYPE: &str = "google.protobuf.Timestamp";
@@ -36,10 +36,7 @@ pub fn proto_file(channel: &ChannelInfo) -> String {
         "// {}: {}\n\nsyntax = \"proto3\";\n\npackage {PACKAGE};\n\nimport \"{TIMESTAMP_FILE}\";\n\n",
         channel.topic, channel.meaning
     );
-    // Writing to a String cannot fail.
-    let mut line = |text_of_line: &str| {
-        let _ = writeln!(text, "{text_of_line}");
-    };
+    let mut line = |line: &str| text.push_str(&format!("{line}\n"));
     line(&format!("message {} {{", message_name(channel)));
     let members = channel.members();
     for (name, leaves) in nested_types(channel, &members) {
@@ -229,7 +226,7 @@ pub(super) fn encode(template: &Template, message: &Message<'_>, out: &mut Vec<u
 }
 
 fn encode_timestamp(time_ns: u64, out: &mut Vec<u8>) {
-    let (seconds, nanoseconds) = super::json::seconds_and_nanoseconds(time_ns);
+    let (seconds, nanoseconds) = seconds_and_nanoseconds(time_ns);
     let mut inner = Vec::with_capacity(16);
     encode_key(1, WireType::Varint, &mut inner);
     encode_varint(seconds, &mut inner);

@@ -18,7 +18,9 @@ mod urdf;
 use self::cdr::Cdr;
 use self::envelope::Envelope;
 use self::scales::Scales;
-use super::fields::{CONTACT, EVENTS, POSE, STATE, TORQUE, contact, events, pose, state, torque};
+use super::fields::{
+    CONTACT, EVENTS, NumberField, POSE, STATE, TORQUE, contact, events, pose, state, torque,
+};
 use super::message::Message;
 use super::proportions::Proportions;
 use super::table::channels;
@@ -103,11 +105,13 @@ const fn view(
     }
 }
 
-/// A view that exists only for a free peg.
-const fn free_peg_only(view: ViewChannel) -> ViewChannel {
-    ViewChannel {
-        is_free_peg_only: true,
-        ..view
+impl ViewChannel {
+    /// A view that exists only for a free peg.
+    const fn free_peg_only(self) -> Self {
+        Self {
+            is_free_peg_only: true,
+            ..self
+        }
     }
 }
 
@@ -130,8 +134,8 @@ const VIEWS: &[ViewChannel] = &[
         "arrow of the slip velocity in frame `contact`; its scale is in the legend"),
     view(Kind::FrictionTorque, "/view/friction_torque", FIELD, &[TORQUE],
         "arrow of the friction torque in frame `top`; its scale is in the legend"),
-    free_peg_only(view(Kind::NormalForce, "/view/normal_force", NUMBERS, &[CONTACT],
-        "normal force of a free peg, N; 0 in the air")),
+    view(Kind::NormalForce, "/view/normal_force", NUMBERS, &[CONTACT],
+        "normal force of a free peg, N; 0 in the air").free_peg_only(),
     view(Kind::Log, "/log", LOG, &[EVENTS], "events (without nutation extremes) as log lines"),
 ];
 
@@ -169,7 +173,14 @@ impl Views {
             let has_scale = match view.kind {
                 Kind::SlipVelocity => scales.slip.is_some(),
                 Kind::FrictionTorque => scales.torque.is_some(),
-                _ => true,
+                Kind::Description
+                | Kind::Transforms
+                | Kind::Inclination
+                | Kind::PrecessionRate
+                | Kind::SpinRate
+                | Kind::SlipSpeed
+                | Kind::NormalForce
+                | Kind::Log => true,
             };
             let has_channel = is_free || !view.is_free_peg_only;
             let mut sources = view.sources.iter().copied();
@@ -247,13 +258,8 @@ impl Views {
                     .sequence(&theta_dot)
                     .sequence(&[torque::TOTAL_NODE.x().of(message)]);
             }
-            Kind::PrecessionRate | Kind::SpinRate => {
-                let rate = match kind {
-                    Kind::PrecessionRate => state::PHI_DOT,
-                    _ => state::PSI_DOT,
-                };
-                plot(cdr, &envelope.around(rate, rate.of(message)));
-            }
+            Kind::PrecessionRate => plot_range(cdr, envelope, state::PHI_DOT, message),
+            Kind::SpinRate => plot_range(cdr, envelope, state::PSI_DOT, message),
             Kind::SlipSpeed => plot(cdr, &[contact::SLIP_SPEED.of(message)]),
             Kind::NormalForce => plot(cdr, &[contact::NORMAL_FORCE.of(message)]),
             Kind::SlipVelocity => {
@@ -282,6 +288,11 @@ impl Views {
 /// A `Float64MultiArray` with these elements and no layout.
 fn plot(cdr: &mut Cdr, values: &[f64]) {
     cdr.u32(0).u32(0).sequence(values);
+}
+
+/// A rate, and its minimum and maximum in the last nutation.
+fn plot_range(cdr: &mut Cdr, envelope: &Envelope, rate: NumberField, message: &Message<'_>) {
+    plot(cdr, &envelope.around(rate, rate.of(message)));
 }
 
 /// The rest of a `MagneticField`: the vector, and no covariance.

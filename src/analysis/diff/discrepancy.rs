@@ -3,9 +3,10 @@
 //! Evaluates the torques and accelerations of both models at the states of A. This shows the difference of the models,
 //! independent of phase and drift. For a free peg only sliding states are used.
 
-use super::field::{rms, seconds};
+use super::field::rms;
 use crate::physics::dynamics::{Integrals, Model, Motion, Peg, Phase};
 use crate::physics::kinematics::{Euler, Tilt, world_to_lean};
+use crate::run::time::seconds;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{CONTACT, FREE_PEG, STATE, contact, free_peg, state};
 use nalgebra::Vector3;

@@ -1,6 +1,7 @@
 //! Statistics of the differences of one field.
 
 use super::tolerance::Tolerance;
+use crate::run::time::seconds;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -111,9 +112,4 @@ impl FieldTally {
 /// The RMS of `count` numbers with this sum of squares.
 pub(super) fn rms(squares: f64, count: u64) -> f64 {
     (squares / count.max(1) as f64).sqrt().min(f64::MAX)
-}
-
-/// A time in s.
-pub(super) fn seconds(time_ns: u64) -> f64 {
-    time_ns as f64 / 1e9
 }

@@ -1,8 +1,8 @@
 //! Foreign topics, compared by time and bytes.
 
-use super::field::seconds;
 use crate::analysis::subject;
 use crate::archive::recording::{FileChannel, Recording, Selection};
+use crate::run::time::seconds;
 use crate::telemetry::Topics;
 use schemars::JsonSchema;
 use serde::Serialize;

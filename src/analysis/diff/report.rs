@@ -4,7 +4,6 @@
 
 use super::averages::{self, Averaged};
 use super::discrepancy::{Discrepancy, Residuals};
-use super::field::seconds;
 use super::findings::{Evidence, Finding, findings};
 use super::floor::Floor;
 use super::others::TopicBytes;
@@ -14,6 +13,7 @@ use super::topic::{ChannelDifference, TopicTally};
 use crate::analysis::history::RunSummary;
 use crate::analysis::subject::Subject;
 use crate::archive::recording::Condition;
+use crate::run::time::seconds;
 use crate::telemetry::side::Side;
 use schemars::JsonSchema;
 use serde::Serialize;

@@ -2,7 +2,7 @@
 
 use crate::analysis::subject::Subject;
 use crate::archive::recording::Recording;
-use crate::run::scenario::{KEYS, Value, hex};
+use crate::run::scenario::{KEYS, Value};
 use schemars::JsonSchema;
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
@@ -134,7 +134,7 @@ fn facts(recording: &Recording, has_schemas: bool) -> Flat {
     for attachment in &recording.layout.attachments {
         let text = recording.attachment(&attachment.place).map_or_else(
             |reason| reason,
-            |(head, data)| format!("{} {}", head.media_type, hex(&Sha256::digest(&data))),
+            |(head, data)| format!("{} {:x}", head.media_type, Sha256::digest(&data)),
         );
         add(format!("attachment {}", attachment.name), text);
     }

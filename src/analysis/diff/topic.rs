@@ -1,8 +1,9 @@
 //! The comparison of the messages of one topic.
 
 use super::derived::Derived;
-use super::field::{FieldDifference, FieldTally, seconds};
+use super::field::{FieldDifference, FieldTally};
 use super::tolerance::Tolerances;
+use crate::run::time::seconds;
 use crate::telemetry::fields::{EVENTS, NumberField, events};
 use crate::telemetry::side::Side;
 use crate::telemetry::{Message, Topic};

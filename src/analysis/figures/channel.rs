@@ -3,6 +3,7 @@
 use super::sampling::ENOUGH;
 use crate::analysis::plot::rows::{MOST, Rows};
 use crate::analysis::plot::shape::Point;
+use crate::run::time::seconds;
 use crate::telemetry::fields::{NUTATION, NumberField, POSE, acceleration as terms, nutation};
 use crate::telemetry::{Message, Topic};
 use std::collections::VecDeque;
@@ -63,7 +64,7 @@ impl Channel {
         if message.topic() == self.topic {
             let values = self.fields.iter().map(|field| field.of(message));
             let values = values.collect();
-            let time = message.time_ns as f64 / 1e9;
+            let time = seconds(message.time_ns);
             self.push(time, values, |field| field.of(message));
         } else if message.topic() == NUTATION && !self.averaged.is_empty() {
             let start = nutation::START.of(message);

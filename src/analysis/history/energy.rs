@@ -1,5 +1,6 @@
 //! Energy and the work of friction.
 
+use crate::run::time::seconds;
 use crate::telemetry::Message;
 use crate::telemetry::fields::energy;
 
@@ -31,7 +32,7 @@ impl Energies {
         *energies = Some(Self {
             first,
             last,
-            until: message.time_ns as f64 / 1e9,
+            until: seconds(message.time_ns),
             work,
             imbalance: imbalance.max((last - first - work).abs()),
         });

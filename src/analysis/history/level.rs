@@ -6,6 +6,7 @@
 use super::curve::{extreme, hermite5};
 use crate::physics::integrate::zero;
 use crate::run::simulation::EventKind;
+use crate::run::time::seconds;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{EVENTS, STATE, events, state};
 
@@ -52,7 +53,7 @@ impl FirstCrossing {
         if now.iter().any(|value| !value.is_finite()) {
             return;
         }
-        let time = message.time_ns as f64 / 1e9;
+        let time = seconds(message.time_ns);
         if let Some((before, last)) = self.last.replace((time, now)) {
             let [from, to] = [last, now].map(|[theta, rate, acc]| [theta - self.level, rate, acc]);
             let part = first_zero(from, to, time - before);

@@ -8,7 +8,6 @@ use super::shape::{Colour, Point, Shape, Stroke};
 use super::style::{BLACK, FONT};
 use super::text::{self, Style, UNITS};
 use std::collections::BTreeSet;
-use std::fmt::Write as _;
 use tiny_skia::{Path, PathSegment};
 
 /// Units of the drawing in a millimetre.
@@ -19,19 +18,15 @@ impl Drawing {
     pub fn svg(&self) -> String {
         let [width, height] = [self.width, self.height].map(unit);
         let mut svg = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
-        // Writing to a String cannot fail.
-        let _ = writeln!(
-            svg,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" \
-             width=\"{}mm\" height=\"{}mm\" viewBox=\"0 0 {width} {height}\" role=\"img\">\n<title>{}</title>",
+        svg.push_str(&format!("<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" \
+             width=\"{}mm\" height=\"{}mm\" viewBox=\"0 0 {width} {height}\" role=\"img\">\n<title>{}</title>\n",
             decimal(width as f64 / SCALE),
             decimal(height as f64 / SCALE),
-            escaped(&self.title),
-        );
+            escaped(&self.title)));
         svg.push_str(&self.glyphs());
         svg.push_str("<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n");
         for group in &self.groups {
-            let _ = writeln!(svg, "<g aria-label=\"{}\">", escaped(&group.meaning));
+            svg.push_str(&format!("<g aria-label=\"{}\">\n", escaped(&group.meaning)));
             for part in &group.shapes {
                 svg.push_str(&shape(part));
             }
@@ -53,7 +48,7 @@ impl Drawing {
         let mut svg = String::from("<defs>\n");
         for (style, id) in used {
             let (name, path) = (name(style, id), outline(style, id));
-            let _ = writeln!(svg, "<path id=\"{name}\" d=\"{path}\"/>");
+            svg.push_str(&format!("<path id=\"{name}\" d=\"{path}\"/>\n"));
         }
         svg.push_str("</defs>\n");
         svg
@@ -98,10 +93,10 @@ fn stroke(stroke: &Stroke) -> String {
     );
     if !stroke.dash.is_empty() {
         let lengths: Vec<_> = stroke.dash.iter().map(|l| unit(*l).to_string()).collect();
-        let _ = write!(svg, " stroke-dasharray=\"{}\"", lengths.join(" "));
+        svg.push_str(&format!(" stroke-dasharray=\"{}\"", lengths.join(" ")));
     }
     if stroke.opacity < 1.0 {
-        let _ = write!(svg, " stroke-opacity=\"{}\"", decimal(stroke.opacity));
+        svg.push_str(&format!(" stroke-opacity=\"{}\"", decimal(stroke.opacity)));
     }
     svg
 }
@@ -122,7 +117,7 @@ fn path(points: &[Point]) -> String {
             _ => " ",
         };
         let between = if dy < 0 { "" } else { " " };
-        let _ = write!(svg, "{before}{dx}{between}{dy}");
+        svg.push_str(&format!("{before}{dx}{between}{dy}"));
         last = place;
     }
     svg
@@ -181,11 +176,10 @@ fn label(label: &Label) -> String {
                 decimal(glyph.scale)
             )
         };
-        let _ = write!(
-            svg,
+        svg.push_str(&format!(
             "<use xlink:href=\"#{}\" {place}/>",
             name(glyph.style, glyph.id)
-        );
+        ));
     }
     svg.push_str("</g>\n");
     svg

@@ -4,7 +4,6 @@ use super::difference::Difference;
 use crate::archive::format::{CONTENT_DIGEST, END_RECORD, Entries, RUN_RECORD};
 use crate::archive::recording::Recording;
 use crate::archive::writer::Opening;
-use crate::run::scenario::hex;
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
 
@@ -123,6 +122,6 @@ fn declared([encoding, name, language]: [&str; 3], schema: &[u8], metadata: &Ent
 }
 
 fn digest(data: &[u8]) -> String {
-    let digest = hex(&Sha256::digest(data));
+    let digest = format!("{:x}", Sha256::digest(data));
     format!("{} bytes (SHA-256 {digest})", data.len())
 }

@@ -5,6 +5,7 @@ use super::difference::Difference;
 use crate::archive::format::Entries;
 use crate::archive::recording::{FileChannel, Recording, Selection, Undecoded};
 use crate::archive::writer::Opening;
+use crate::run::time::seconds;
 use crate::telemetry::Topic;
 use crate::telemetry::encoding::{Decoder, Row};
 use std::collections::VecDeque;
@@ -194,7 +195,7 @@ fn stray(recorded: &Undecoded<'_>, field: &str) -> Difference {
 /// A difference in a message.
 fn at(recorded: &Undecoded<'_>, field: &str, values: [Option<String>; 2]) -> Difference {
     Difference {
-        time: Some(seconds(recorded.log_time)),
+        time: Some(seconds(recorded.log_time).to_string()),
         ..Difference::of(&recorded.channel.topic, field, values)
     }
 }
@@ -225,9 +226,10 @@ fn first_field(
     }
     let times = [row.time_ns, expected.time_ns];
     let is_late = times[0] != times[1];
-    Ok(is_late.then(|| ("timestamp (s)".to_owned(), times.map(seconds))))
-}
-
-fn seconds(time_ns: u64) -> String {
-    format!("{}", time_ns as f64 / 1e9)
+    Ok(is_late.then(|| {
+        (
+            "timestamp (s)".to_owned(),
+            times.map(|time| seconds(time).to_string()),
+        )
+    }))
 }

@@ -1,5 +1,6 @@
 //! Unreadable or skipped parts of a file.
 
+use crate::run::time::seconds;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt;
@@ -26,7 +27,6 @@ pub struct Loss {
 impl fmt::Display for Loss {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} bytes at {}", self.length, self.offset)?;
-        let seconds = |ns: u64| ns as f64 / 1e9;
         match (self.from_ns.map(seconds), self.to_ns.map(seconds)) {
             (Some(from), Some(to)) => write!(f, ", from {from} s to {to} s")?,
             (Some(from), None) => write!(f, ", from {from} s on")?,

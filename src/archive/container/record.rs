@@ -88,10 +88,10 @@ pub(crate) fn fields_length(opcode: u8, start: &[u8]) -> Option<u64> {
         op::DATA_END => &[Bytes(4)],
         _ => &[Rest],
     };
-    let mut at = 0;
+    let mut at = 0_u64;
     for part in parts {
         at = match part {
-            Bytes(count) => at + count,
+            Bytes(count) => at.checked_add(*count)?,
             Text => behind_text(start, at)?,
             Data => {
                 let length = bytes_at(start, at, at + 8)?.try_into().ok()?;

@@ -213,7 +213,7 @@ impl Recording {
         })
     }
 
-    /// Whether it has a footer.
+    /// Whether it ends with the magic bytes of a closed file.
     pub fn is_closed(&self) -> bool {
         self.layout.is_ended
     }

@@ -4,6 +4,7 @@ use super::condition::Condition;
 use super::file::Recording;
 use crate::archive::container::channels::FileChannel;
 use crate::archive::container::section::MessageRecord;
+use crate::run::time::seconds;
 use std::fmt;
 
 /// Filters out messages that are repeated or go back in time, e.g. if a file contains a chunk twice.
@@ -49,7 +50,7 @@ impl fmt::Display for Misplaced {
             1 => f.write_str("1 message that is repeated or goes")?,
             count => write!(f, "{count} messages that repeat others or go")?,
         }
-        let time = self.time_ns as f64 / 1e9;
+        let time = seconds(self.time_ns);
         write!(
             f,
             " back in time, the first in {} at t = {time} s",
@@ -67,8 +68,9 @@ impl Order {
             rule: match channel.info() {
                 _ if !is_ours => Rule::Nothing,
                 Some(info) if info.is_sampled => Rule::Time,
-                None if !channel.is_view() => Rule::Nothing,
-                _ => Rule::Sequence,
+                Some(_) => Rule::Sequence,
+                None if channel.is_view() => Rule::Sequence,
+                None => Rule::Nothing,
             },
             last: None,
         };
@@ -83,7 +85,7 @@ impl Order {
     pub(super) fn rank(&self, channel: usize, head: &MessageRecord<'_>) -> (u64, usize, u32) {
         match self.channels[channel].rule {
             Rule::Nothing => (head.log_time, 0, 0),
-            _ => (head.log_time, channel, head.sequence),
+            Rule::Time | Rule::Sequence => (head.log_time, channel, head.sequence),
         }
     }
 

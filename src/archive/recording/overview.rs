@@ -122,13 +122,14 @@ impl Overview {
         }
         let mut losses = recording.losses().to_vec();
         losses.extend_from_slice(reader.losses());
-        let condition = match recording.condition() {
-            whole if reader.losses().is_empty() => whole,
-            Condition::Foreign => Condition::Foreign,
-            _ => Condition::Damaged,
-        };
+        let condition = recording.condition();
+        let is_damaged = !reader.losses().is_empty() && condition != Condition::Foreign;
         Self {
-            condition,
+            condition: if is_damaged {
+                Condition::Damaged
+            } else {
+                condition
+            },
             library: recording.library().to_owned(),
             run: recording.run().cloned(),
             end: recording.end().cloned(),

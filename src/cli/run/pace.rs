@@ -4,6 +4,7 @@ use crate::archive::sink::{Sink, SinkError};
 use crate::cli::interrupt;
 use crate::cli::progress::Progress;
 use crate::run::simulation::Record;
+use crate::run::time::seconds;
 use std::ops::ControlFlow;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -45,7 +46,7 @@ impl Pace {
             if self.speed.is_some() || sample.index % PROGRESS_EVERY == 0 {
                 self.progress.set_text(format!(
                     "simulated {:.2} s, θ = {:.3} rad",
-                    sample.time_ns as f64 / 1e9,
+                    seconds(sample.time_ns),
                     sample.angles.theta
                 ));
             }
@@ -83,7 +84,7 @@ impl Pace {
 
 /// Wall time from the start at which simulated time `time_ns` is due. Saturates for very low speeds.
 fn due(time_ns: u64, speed: f64) -> Duration {
-    let seconds = time_ns as f64 / 1e9 / speed;
+    let seconds = seconds(time_ns) / speed;
     Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX)
 }
 

@@ -8,6 +8,7 @@ use crate::physics::top::Top;
 use crate::run::outcome::Outcome;
 use crate::run::scenario::{Scenario, Value, Values};
 use crate::run::simulation::{EventCount, StopReason};
+use crate::run::time::seconds;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -84,7 +85,7 @@ impl RunReport {
             phi: end.motion.angles.phi,
             psi: end.motion.angles.psi,
             samples: end.samples,
-            sample_period: scenario.sample_period_ns as f64 / 1e9,
+            sample_period: seconds(scenario.sample_period_ns),
             events: outcome.tally.counts().to_vec(),
             steps_rejected: end.statistics.rejected,
             evaluations: end.statistics.evaluations,

@@ -1,10 +1,5 @@
 //! The Euler accelerations, term by term.
 
-#![allow(
-    clippy::inline_always,
-    reason = "plain #[inline] does not inline this; runs would take 25 % longer"
-)]
-
 use crate::physics::kinematics::{Euler, Tilt};
 use crate::physics::top::Top;
 use nalgebra::Vector3;

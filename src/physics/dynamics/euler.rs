@@ -1,10 +1,5 @@
 //! The paper's own variables: Euler angles and their rates, equations (7).
 
-#![allow(
-    clippy::inline_always,
-    reason = "keeps the rates in registers between stages and equations"
-)]
-
 use super::fixed::{self, FixedPeg};
 use super::formulation::{Entered, Formulation, Guard, Started};
 use super::integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, first_of, integrals, with_integrals};

@@ -2,12 +2,9 @@
 
 use super::formulation::{Entry, Formulation, Guard, Started, Transition};
 use super::model::Model;
-use super::motion::{Motion, Start};
+use super::motion::{Motion, NO_SLIP, Start};
 use super::support::Phase;
 use crate::physics::kinematics::{Euler, Tilt};
-
-/// Slip speeds below this count as zero, m/s.
-pub(super) const NO_SLIP: f64 = 1e-9;
 
 /// Euler angles are singular within this distance of θ = 0 and θ = π, rad.
 const SINGULAR: f64 = 1e-6;

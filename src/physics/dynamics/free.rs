@@ -1,22 +1,16 @@
 //! A top with a free peg: it slides, rolls, lifts off, flies and lands.
 
-#![allow(
-    clippy::inline_always,
-    reason = "plain #[inline] does not inline this; runs would take 50 % longer"
-)]
-
 mod state;
 mod transitions;
 
 pub use self::state::FreeRotation;
-use self::state::{CONTROLLED, put, turning, vector};
+use self::state::{CENTER, CONTROLLED, SCALED_MOMENTUM, VELOCITY, put, quaternion_rate, vector};
 
-use super::fixed::NO_SLIP;
 use super::formulation::{Entered, Entry, Formulation, Guard, Started, Transition};
 use super::integrals::{integrals, with_integrals};
 use super::lean::quaternion;
 use super::model::Model;
-use super::motion::{Dissipated, Motion, Peg, Start};
+use super::motion::{Dissipated, Motion, NO_SLIP, Peg, Start};
 use super::reaction::Inertia;
 use super::support::Phase;
 use crate::physics::integrate::{System, Tolerances};
@@ -48,8 +42,8 @@ impl<const N: usize> System<N> for FreeRotation {
         let (lean, omega) = (&parts.lean, &parts.tilt.omega_lean);
         let reaction = self.reaction(&parts);
         let torque = reaction.torque(&parts.arm) * self.inertia.per_transverse;
-        let torque = lean.lean_to_world(&torque);
-        let turning = turning(&quaternion(y), &lean.lean_to_world(omega));
+        let scaled_torque = lean.lean_to_world(&torque);
+        let turning = quaternion_rate(&quaternion(y), &lean.lean_to_world(omega));
         let moving = lean.lean_to_world(&parts.velocity);
         let mut acceleration = lean.lean_to_world(&(reaction.force() * self.inertia.per_mass));
         acceleration.z -= self.model.top.gravity;
@@ -64,9 +58,9 @@ impl<const N: usize> System<N> for FreeRotation {
             turning.j,
             turning.k,
             turning.w,
-            torque.x,
-            torque.y,
-            torque.z,
+            scaled_torque.x,
+            scaled_torque.y,
+            scaled_torque.z,
             moving.x,
             moving.y,
             rise,
@@ -92,7 +86,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         }
     }
 
-    fn start(model: &Model, start: &Start, _may_hold: bool) -> Started<Self, N> {
+    fn start(model: &Model, start: &Start, _may_stick: bool) -> Started<Self, N> {
         let (angles, rates) = (start.angles, start.rates);
         let (peg_position, peg_velocity) = (start.peg_position, start.peg_velocity);
         let top = &model.top;
@@ -100,16 +94,16 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         let tilt = Tilt::from_rates(angles.theta, rates);
         let central = top.about_center();
         let momentum = tilt.node_to_lean(&central.angular_momentum_node(&tilt));
-        let turning = lean_to_world(&(momentum / central.transverse_moment), angles.phi);
+        let scaled_momentum = lean_to_world(&(momentum / central.transverse_moment), angles.phi);
         let axis = lean_to_world(&tilt.axis(), angles.phi);
         let omega = lean_to_world(&tilt.omega_lean, angles.phi);
         let center = peg_position + top.center_distance * axis;
         let velocity = peg_velocity + top.center_distance * omega.cross(&axis);
         let mut state = [0.0; N];
         state[..4].copy_from_slice(&[q.i, q.j, q.k, q.w]);
-        put(&mut state, 4, &turning);
-        put(&mut state, 7, &center);
-        put(&mut state, 10, &velocity);
+        put(&mut state, SCALED_MOMENTUM, &scaled_momentum);
+        put(&mut state, CENTER, &center);
+        put(&mut state, VELOCITY, &velocity);
         let flying = Self {
             model: *model,
             phase: Phase::Flying,
@@ -134,13 +128,14 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         let top = &self.model.top;
         let mut parts = self.parts(y);
         if parts.tilt.is_upright() {
-            let torque = vector(&self.derivative(0.0, y), 4);
+            let scaled_torque = vector(&self.derivative(0.0, y), SCALED_MOMENTUM);
+            let scaled_momentum = vector(y, SCALED_MOMENTUM);
             parts.tilt = parts
                 .lean
-                .rates_at_vertical(parts.tilt, &vector(y, 4), &torque);
+                .rates_at_vertical(parts.tilt, &scaled_momentum, &scaled_torque);
         }
         let to_peg = Vector3::new(parts.arm.lean, 0.0, parts.arm.up + top.peg_radius);
-        let mut position = vector(y, 7) + parts.lean.lean_to_world(&to_peg);
+        let mut position = vector(y, CENTER) + parts.lean.lean_to_world(&to_peg);
         let mut velocity_lean = parts.velocity + parts.tilt.omega_lean.cross(&to_peg);
         if self.phase != Phase::Flying {
             position.z = top.peg_radius;

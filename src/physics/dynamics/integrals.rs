@@ -1,7 +1,5 @@
 //! Running integrals over the motion.
 
-#![allow(clippy::inline_always, reason = "plain #[inline] does not inline this")]
-
 use super::accelerations::Accelerations;
 use crate::physics::kinematics::Tilt;
 use nalgebra::Vector3;

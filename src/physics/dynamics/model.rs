@@ -1,10 +1,5 @@
 //! The physics shared by all formulations.
 
-#![allow(
-    clippy::inline_always,
-    reason = "plain #[inline] does not inline this; runs would take 25 % longer"
-)]
-
 use super::accelerations::{Accelerations, accelerations_about, inertial_terms_with_gravity};
 use super::integrals::{Integrals, TermIntegrals};
 use super::motion::Motion;

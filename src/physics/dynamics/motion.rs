@@ -21,9 +21,12 @@ pub struct Motion {
     pub integrals: Integrals,
 }
 
+/// Slip speeds below this count as zero, m/s.
+pub(crate) const NO_SLIP: f64 = 1e-9;
+
 /// Below this slip speed after a departure from rest, friction uses the departure direction, m/s: the slip velocity is
 /// too small to define a direction.
-pub(super) const DEPARTING: f64 = 1e-9;
+pub(super) const DEPARTING: f64 = NO_SLIP;
 
 impl Motion {
     /// Slip velocity of the contact point in the lean frame, m/s; in flight, the velocity of the lowest point.

@@ -3,11 +3,6 @@
 //! All vectors are in the lean frame (x tilt direction, y line of nodes, z up), torques and moments of inertia are
 //! about the centre of mass. `ρ` is the vector from the centre of mass to the contact point.
 
-#![allow(
-    clippy::inline_always,
-    reason = "plain #[inline] does not inline this; runs would take 50 % longer"
-)]
-
 use super::motion::DEPARTING;
 use super::support::Phase;
 use crate::physics::friction::{Friction, Wrench};
@@ -191,12 +186,12 @@ impl<'a> FreeBody<'a> {
         let axis_turns = Vector3::new(omega.y * cos, omega.z * sin - omega.x * cos, -omega.y * sin);
         let inertia = &self.inertia;
         let excess = (inertia.transverse - self.top.axial_moment) * self.tilt.axial_rate();
-        let mut turning = axis_turns * (excess * inertia.per_transverse);
+        let mut angular = axis_turns * (excess * inertia.per_transverse);
         if self.friction.has_losses() {
-            turning += self.angular_acceleration(air);
+            angular += self.angular_acceleration(air);
         }
         let mut acceleration =
-            -self.arm.cross(&turning) - self.top.center_distance * omega.cross(&axis_turns);
+            -self.arm.cross(&angular) - self.top.center_distance * omega.cross(&axis_turns);
         acceleration.z -= self.top.gravity;
         acceleration
     }

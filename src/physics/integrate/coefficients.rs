@@ -13,10 +13,6 @@
 //! * 0 is the derivative at the step's start, 1 to 11 advance the solution;
 //! * 12 is the derivative at the step's end, which is stage 0 of the next step;
 //! * 13 to 15 serve the dense output alone.
-#![allow(
-    clippy::unreadable_literal,
-    reason = "digits without separators compare easily with the published tables"
-)]
 
 /// Nonzero coefficients of a linear combination of stages: (stage, coefficient).
 pub(super) type Row<const M: usize> = [(usize, f64); M];

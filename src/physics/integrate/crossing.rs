@@ -6,7 +6,7 @@ pub const KNOTS: AtKnots = [0.0, 0.25, 0.5, 0.75, 1.0];
 /// The values of a function at the [`KNOTS`].
 pub type AtKnots = [f64; 5];
 
-/// Maximum number of evaluations per search.
+/// Maximum number of evaluations per search for a root or a turning point.
 const MAX_EVALUATIONS: usize = 100;
 
 /// Number of subintervals between knots that are searched for turning points.
@@ -92,8 +92,8 @@ impl SignTracker {
     /// Appends to `found` the sign changes of `g` within a step, in the order of `s`.
     ///
     /// `values` are those of `g` at the [`KNOTS`]. Several crossings between adjacent knots are found if the interpolation
-    /// polynomial has the turning points between them. A search evaluates `g` at most 100 times and is skipped if `g` is
-    /// far from zero.
+    /// polynomial has the turning points between them. Each search for a root or a turning point evaluates `g` at most
+    /// 100 times; it is skipped if `g` is far from zero.
     #[inline]
     pub fn scan(
         &mut self,

@@ -1,10 +1,5 @@
 //! DOP853: step control, the stages and the dense output.
 
-#![allow(
-    clippy::inline_always,
-    reason = "plain #[inline] does not inline the stages; steps would take twice as long"
-)]
-
 use super::coefficients::{
     ALL_STAGES, DENSE, ERROR_3, ERROR_5, NODES, Row, SOLUTION, STAGE_1, STAGE_2, STAGE_3, STAGE_4,
     STAGE_5, STAGE_6, STAGE_7, STAGE_8, STAGE_9, STAGE_10, STAGE_11, STAGE_13, STAGE_14, STAGE_15,
@@ -465,7 +460,6 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         self.tolerances.absolute + self.tolerances.relative * magnitude
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "no state has 2⁵³ components")]
     fn controlled() -> f64 {
         S::CONTROLLED as f64
     }

@@ -14,7 +14,6 @@ use crate::physics::math::hypot;
 use nalgebra::Vector3;
 use sha2::{Digest as _, Sha256};
 use std::f64::consts::PI;
-use std::fmt::Write as _;
 
 /// The stop conditions of a run; at least one is set.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -137,11 +136,10 @@ impl Scenario {
             let (next, name) = key.path.rsplit_once('.').unwrap_or(("", key.path));
             if next != section {
                 section = next;
-                // Writing to a String cannot fail.
-                let _ = writeln!(text, "\n[{section}]");
+                text.push_str(&format!("\n[{section}]\n"));
             }
             let unit = key.in_unit();
-            let _ = writeln!(text, "{name} = {value}  # {}{unit}", key.meaning);
+            text.push_str(&format!("{name} = {value}  # {}{unit}\n", key.meaning));
         }
         text
     }
@@ -180,7 +178,7 @@ impl Scenario {
                 hash.update(format!("{} = {value}\n", key.path));
             }
         }
-        hex(&hash.finalize())
+        format!("{:x}", hash.finalize())
     }
 
     /// Whether there is no friction and no other loss.
@@ -392,7 +390,7 @@ impl Scenario {
             });
         };
         let samples = duration * 1e9 / self.sample_period_ns as f64;
-        ensure(samples <= f64::from(u32::MAX), || {
+        ensure(samples < f64::from(u32::MAX), || {
             let reason = format!(
                 "must be larger: at most {} samples fit in stop.duration = {} s",
                 u32::MAX,
@@ -418,12 +416,4 @@ const PLACES: [([&str; 2], [&str; 2]); 2] = [
 /// The error unless a condition holds.
 fn ensure(holds: bool, error: impl FnOnce() -> ScenarioError) -> Result<(), ScenarioError> {
     if holds { Ok(()) } else { Err(error()) }
-}
-
-/// Bytes in lower-case hexadecimal.
-pub(crate) fn hex(bytes: &[u8]) -> String {
-    bytes.iter().fold(String::new(), |mut text, byte| {
-        let _ = write!(text, "{byte:02x}");
-        text
-    })
 }

@@ -5,6 +5,7 @@ use super::record::Record;
 use super::tally::Tally;
 use crate::physics::dynamics::Motion;
 use crate::physics::top::Top;
+use crate::run::time::nanoseconds;
 use std::collections::VecDeque;
 
 /// Pending records in time order, with counts of the emitted ones.
@@ -40,7 +41,7 @@ impl Queue {
 
     /// Discards records after a time, s.
     pub(super) fn discard_after(&mut self, time: f64) {
-        let limit = to_nanoseconds(time);
+        let limit = nanoseconds(time);
         self.pending.retain(|pending| pending.time_ns() <= limit);
     }
 
@@ -100,14 +101,9 @@ pub(super) fn event_at(kind: EventKind, time: f64, motion: Motion) -> Record {
     Record::Event(Box::new(Event {
         kind,
         time,
-        time_ns: to_nanoseconds(time),
+        time_ns: nanoseconds(time),
         index: 0,
         motion,
         description: String::new(),
     }))
-}
-
-/// The nearest whole number of nanoseconds to a time that is not negative.
-pub(super) fn to_nanoseconds(time: f64) -> u64 {
-    (time * 1e9).round() as u64
 }

@@ -4,7 +4,7 @@ use super::event::{EventKind, StopReason, UPRIGHT, consequences};
 use super::free::ImpactRecord;
 use super::nutation::NutationTracker;
 use super::progress::Progress;
-use super::queue::{Queue, event_at, to_nanoseconds};
+use super::queue::{Queue, event_at};
 use super::record::{Record, RunEnd, SimulationError};
 use super::sample::Sample;
 use super::tally::Tally;
@@ -13,6 +13,7 @@ use crate::physics::dynamics::{Entry, Formulation, Guard, Model, Motion, Phase, 
 use crate::physics::integrate::{Crossing, Dense, Dop853, KNOTS, Slope};
 use crate::physics::kinematics::Euler;
 use crate::run::scenario::{Scenario, Stop};
+use crate::run::time::{nanoseconds, seconds};
 
 /// A run in any formulation.
 pub(super) trait RecordStream {
@@ -232,7 +233,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
                 self.nutation.record_rates(time, &motion);
             }
             (ZeroKind::NutationRate, Slope::Falling) => {
-                let cycle = self.nutation.end_cycle(time, to_nanoseconds(time), motion);
+                let cycle = self.nutation.end_cycle(time, nanoseconds(time), motion);
                 self.queue
                     .extend(cycle.map(|cycle| Record::Nutation(Box::new(cycle))));
             }
@@ -316,7 +317,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             self.queue.push(event(EventKind::LiftOff));
         }
         if let Transition::Bounces(hit) | Transition::Lands(hit) = &entry.transition {
-            let impact = ImpactRecord::new(hit, &motion, time, to_nanoseconds(time));
+            let impact = ImpactRecord::new(hit, &motion, time, nanoseconds(time));
             self.queue.push(Record::Impact(Box::new(impact)));
         }
         if before == Phase::Flying && after != Phase::Flying {
@@ -364,15 +365,15 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     fn next_sample_time(&self) -> Option<u64> {
         let time_ns = u64::from(self.next_sample) * self.period_ns;
         let reached = match (self.end, &self.dense) {
-            (Some((end, _)), _) => time_ns <= to_nanoseconds(end),
-            (None, Some(dense)) => to_seconds(time_ns) <= dense.t0 + dense.h,
-            (None, None) => to_seconds(time_ns) <= self.integrator.t(),
+            (Some((end, _)), _) => time_ns <= nanoseconds(end),
+            (None, Some(dense)) => seconds(time_ns) <= dense.t0 + dense.h,
+            (None, None) => seconds(time_ns) <= self.integrator.t(),
         };
         reached.then_some(time_ns)
     }
 
-    fn sample(&mut self, time_ns: u64) -> Record {
-        let time = to_seconds(time_ns);
+    fn sample(&mut self, time_ns: u64) -> Result<Record, SimulationError> {
+        let time = seconds(time_ns);
         let state = match &self.dense {
             Some(dense) => dense.at((time - dense.t0) / dense.h),
             None => *self.integrator.y(),
@@ -386,9 +387,14 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             &motion,
             system.world_from_body(&state),
         );
-        self.next_sample += 1;
+        self.next_sample = self.next_sample.checked_add(1).ok_or_else(|| {
+            SimulationError(format!(
+                "more than {} samples: sampling.period must be larger",
+                u32::MAX
+            ))
+        })?;
         self.last = (time, motion);
-        Record::Sample(Box::new(sample))
+        Ok(Record::Sample(Box::new(sample)))
     }
 
     /// Starts another phase within the last step.
@@ -469,7 +475,7 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
             if let Some(time_ns) = sample
                 && event.is_none_or(|event| time_ns <= event)
             {
-                return Ok(Some(self.sample(time_ns)));
+                return self.sample(time_ns).map(Some);
             }
             let top = &self.integrator.system().model().top;
             if let Some(record) = self.queue.pop(top) {
@@ -510,9 +516,4 @@ fn after_impact<F, const N: usize>(entry: &Entry<F, N>) -> Option<Motion> {
         Transition::Bounces(_) | Transition::Lands(_)
     )
     .then_some(entry.motion)
-}
-
-/// Seconds of whole nanoseconds: correctly rounded.
-fn to_seconds(time_ns: u64) -> f64 {
-    time_ns as f64 / 1e9
 }

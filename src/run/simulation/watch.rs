@@ -1,6 +1,6 @@
 //! Functions whose zeros are events.
 
-use crate::physics::dynamics::{Formulation, Guard, Model, Motion, Phase};
+use crate::physics::dynamics::{Formulation, Guard, Model, Motion, NO_SLIP, Phase};
 use crate::physics::integrate::{KNOTS, SignTracker, Slope, zero};
 use crate::physics::kinematics::Euler;
 use crate::run::scenario::Stop;
@@ -125,9 +125,8 @@ pub(super) fn copy_signs(before: &[Watch], now: &mut [Watch]) {
     }
 }
 
-/// Noise floor of the slip guard of a free peg, m/s: half of `NO_SLIP`. A starting slip passes it in steps that add no
-/// more than their error.
-const SLIP_FLOOR: f64 = 5e-10;
+/// Noise floor of the slip guard of a free peg, m/s. A starting slip passes it in steps that add no more than their error.
+const SLIP_FLOOR: f64 = 0.5 * NO_SLIP;
 
 /// The tracker of a guard's sign. For a free peg, guards are positive when a phase begins, except slip, which may start
 /// anywhere. A bounce at the slowest speed is 5e-14 m high; the gap is rounded to 1e-17 m.
@@ -135,11 +134,17 @@ fn guard_tracker(guard: Guard, is_free: bool) -> SignTracker {
     match guard {
         Guard::Gap => SignTracker::with_sign(true, 1e-16),
         Guard::Slip if is_free => SignTracker::with_floor(SLIP_FLOOR),
-        Guard::Slip => SignTracker::default(),
-        _ if is_free => SignTracker::with_sign(true, 0.0),
-        Guard::Grip | Guard::NormalForce | Guard::Mobility | Guard::Rolling | Guard::Regular => {
-            SignTracker::default()
+        Guard::Grip | Guard::NormalForce | Guard::Mobility | Guard::Rolling | Guard::Regular
+            if is_free =>
+        {
+            SignTracker::with_sign(true, 0.0)
         }
+        Guard::Slip
+        | Guard::Grip
+        | Guard::NormalForce
+        | Guard::Mobility
+        | Guard::Rolling
+        | Guard::Regular => SignTracker::default(),
     }
 }
 

@@ -2,6 +2,8 @@
 //!
 //! Values are aligned to their size, counted from the end of the four bytes of the header.
 
+use crate::run::time::seconds_and_nanoseconds;
+
 /// Four bytes that name the encoding.
 const HEADER: [u8; 4] = [0, 1, 0, 0];
 
@@ -62,8 +64,7 @@ impl Cdr {
 
     /// A `builtin_interfaces/Time`.
     pub(super) fn time(&mut self, time_ns: u64) -> &mut Self {
-        let (seconds, nanoseconds) = crate::telemetry::json::seconds_and_nanoseconds(time_ns);
-        // A run can't reach 68 years: the sample index overflows first.
+        let (seconds, nanoseconds) = seconds_and_nanoseconds(time_ns);
         self.u32(seconds as u32).u32(nanoseconds as u32)
     }
 

@@ -7,7 +7,6 @@ use super::scales::Scales;
 use crate::physics::math;
 use crate::telemetry::proportions::Proportions;
 use std::f64::consts::FRAC_PI_3;
-use std::fmt::Write as _;
 
 /// Names and colours (linear red, green, blue) of the materials.
 const MATERIALS: [(&str, &str); 5] = [
@@ -28,11 +27,9 @@ pub(super) fn urdf(proportions: &Proportions, scales: &Scales, is_free: bool) ->
     let legend = legend(scales, is_free);
     let mut text = format!("<robot name=\"toprise\"><!--\n{legend}-->\n");
     for (name, color) in MATERIALS {
-        // Writing to a String cannot fail.
-        let _ = writeln!(
-            text,
-            "  <material name=\"{name}\"><color rgba=\"{color} 1\"/></material>"
-        );
+        text.push_str(&format!(
+            "  <material name=\"{name}\"><color rgba=\"{color} 1\"/></material>\n"
+        ));
     }
     let mut link = Link::default();
     link.top(proportions);
@@ -45,14 +42,16 @@ pub(super) fn urdf(proportions: &Proportions, scales: &Scales, is_free: bool) ->
 fn legend(scales: &Scales, is_free: bool) -> String {
     let mut text = "Heavy top with slipping friction\nArrows:\n".to_owned();
     if let Some(scale) = scales.slip {
-        let _ = writeln!(
-            text,
-            "- slip_velocity of the contact point, {:.0} cm for 1 m/s",
+        text.push_str(&format!(
+            "- slip_velocity of the contact point, {:.0} cm for 1 m/s\n",
             100.0 * scale
-        );
+        ));
     }
     if let Some(scale) = scales.torque {
-        let _ = writeln!(text, "- friction_torque, {:.0} cm for 1 mN m", 0.1 * scale);
+        text.push_str(&format!(
+            "- friction_torque, {:.0} cm for 1 mN m\n",
+            0.1 * scale
+        ));
     }
     text.push_str(
         "Plots, [1] and [2]: minimum and maximum in the last nutation\n\
@@ -76,11 +75,10 @@ struct Link {
 
 impl Link {
     fn visual(&mut self, material: &str, geometry: &str, [x, y, z]: [f64; 3]) {
-        let _ = writeln!(
-            self.visuals,
+        self.visuals.push_str(&format!(
             "    <visual><origin xyz=\"{x:.6} {y:.6} {z:.6}\" rpy=\"0 0 0\"/>\
-             <geometry>{geometry}</geometry><material name=\"{material}\"/></visual>"
-        );
+             <geometry>{geometry}</geometry><material name=\"{material}\"/></visual>\n"
+        ));
     }
 
     fn cylinder(&mut self, material: &str, radius: f64, length: f64, center: [f64; 3]) {

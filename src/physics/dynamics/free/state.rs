@@ -1,10 +1,5 @@
 //! State components of a top with a free peg.
 
-#![allow(
-    clippy::inline_always,
-    reason = "plain #[inline] does not inline this; runs would take 50 % longer"
-)]
-
 use crate::physics::dynamics::accelerations::accelerations_about;
 use crate::physics::dynamics::integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, TermIntegrals};
 use crate::physics::dynamics::lean::{Lean, quaternion};
@@ -49,7 +44,15 @@ pub(super) enum Departure {
     GivingWay,
 }
 
+/// Index of the first component of the scaled angular momentum.
+pub(super) const SCALED_MOMENTUM: usize = 4;
+/// Index of the first component of the position of the centre of mass.
+pub(super) const CENTER: usize = 7;
+/// Index of the first component of its velocity.
+pub(super) const VELOCITY: usize = 10;
+/// Number of components of the motion, whose error is controlled.
 pub(super) const CONTROLLED: usize = 13;
+/// Number of energies lost, which follow.
 pub(super) const DISSIPATED: usize = 3;
 
 /// Quantities derived from a state, in the lean frame.
@@ -88,18 +91,18 @@ impl FreeRotation {
     pub(super) fn parts<const N: usize>(&self, y: &[f64; N]) -> Parts {
         let top = &self.model.top;
         let lean = self.lean(y);
-        let turning = lean.world_to_lean(&vector(y, 4));
-        let axial = lean.sin * turning.x + lean.cos * turning.z;
+        let scaled = lean.world_to_lean(&vector(y, SCALED_MOMENTUM));
+        let axial = lean.sin * scaled.x + lean.cos * scaled.z;
         let excess = axial * (self.inertia.transverse * self.inertia.per_axial - 1.0);
-        let omega = turning + excess * Vector3::new(lean.sin, 0.0, lean.cos);
+        let omega = scaled + excess * Vector3::new(lean.sin, 0.0, lean.cos);
         let tilt = Tilt::from_omega(lean.sin, lean.cos, omega);
         let arm = ContactArm::of(top, lean.sin, lean.cos);
         let rolling = arm.cross(&tilt.omega_lean);
         let velocity = match self.phase {
-            Phase::Flying => lean.world_to_lean(&vector(y, 10)),
+            Phase::Flying => lean.world_to_lean(&vector(y, VELOCITY)),
             Phase::Sticking => rolling,
             Phase::Sliding => {
-                let own = lean.world_to_lean(&vector(y, 10));
+                let own = lean.world_to_lean(&vector(y, VELOCITY));
                 Vector3::new(own.x, own.y, rolling.z)
             }
         };
@@ -118,11 +121,12 @@ impl FreeRotation {
     pub(super) fn lean<const N: usize>(&self, y: &[f64; N]) -> Lean {
         let top = &self.model.top;
         Lean::of(&quaternion(y), |cos| {
-            let turning = vector(y, 4);
-            if turning.x != 0.0 || turning.y != 0.0 || self.phase == Phase::Sticking {
-                turning
+            let momentum = vector(y, SCALED_MOMENTUM);
+            if momentum.x != 0.0 || momentum.y != 0.0 || self.phase == Phase::Sticking {
+                momentum
             } else {
-                ContactArm::of(top, 0.0, cos).up * Vector3::new(y[11], -y[10], 0.0)
+                let velocity = vector(y, VELOCITY);
+                ContactArm::of(top, 0.0, cos).up * Vector3::new(velocity.y, -velocity.x, 0.0)
             }
         })
     }
@@ -203,9 +207,13 @@ impl FreeRotation {
     pub(super) fn completed<const N: usize>(&self, y: &[f64; N]) -> [f64; N] {
         let parts = self.parts(y);
         let mut state = *y;
-        put(&mut state, 10, &parts.lean.lean_to_world(&parts.velocity));
+        put(
+            &mut state,
+            VELOCITY,
+            &parts.lean.lean_to_world(&parts.velocity),
+        );
         if self.phase != Phase::Flying {
-            state[9] = -parts.arm.up;
+            state[CENTER + 2] = -parts.arm.up;
         }
         state
     }
@@ -213,7 +221,7 @@ impl FreeRotation {
 
 /// Rate of change of a quaternion, 1/s, while the body turns with `omega` (rad/s, world): half their product.
 #[inline]
-pub(super) fn turning(q: &Quaternion<f64>, omega: &Vector3<f64>) -> Quaternion<f64> {
+pub(super) fn quaternion_rate(q: &Quaternion<f64>, omega: &Vector3<f64>) -> Quaternion<f64> {
     let half = 0.5 * omega;
     Quaternion::new(
         -(half.x * q.i + half.y * q.j + half.z * q.k),

@@ -1,9 +1,9 @@
 //! Transitions of a free peg between rolling, sliding and flight.
 
-use super::state::{CONTROLLED, Departure, FreeRotation};
-use crate::physics::dynamics::fixed::NO_SLIP;
+use super::state::{CENTER, CONTROLLED, Departure, FreeRotation, SCALED_MOMENTUM, VELOCITY};
 use crate::physics::dynamics::formulation::Transition;
 use crate::physics::dynamics::impact::{Impact, impact};
+use crate::physics::dynamics::motion::DEPARTING;
 use crate::physics::dynamics::reaction::{FreeBody, Reaction};
 use crate::physics::dynamics::support::{Phase, Support};
 use crate::physics::integrate::{IntegrateError, System as _};
@@ -40,7 +40,7 @@ impl FreeRotation {
                 return holding;
             }
             let body = self.body(parts.tilt);
-            let accelerated = |direction: &_| body.slip_acceleration(&(NO_SLIP * direction));
+            let accelerated = |direction: &_| body.slip_acceleration(&(DEPARTING * direction));
             let Some(direction) = FreeBody::departure(accelerated) else {
                 // Friction is only too weak because of rounding.
                 return holding.after_release(y);
@@ -108,10 +108,10 @@ impl FreeRotation {
             .lean
             .lean_to_world(&(hit.impulse * self.inertia.per_mass));
         for i in 0..3 {
-            state[4 + i] += turned[i];
-            state[10 + i] += pushed[i];
+            state[SCALED_MOMENTUM + i] += turned[i];
+            state[VELOCITY + i] += pushed[i];
         }
-        state[9] = -parts.arm.up;
+        state[CENTER + 2] = -parts.arm.up;
         state[Self::VARIABLES] -= hit.normal_loss + hit.friction_loss;
         state[CONTROLLED] += hit.normal_loss;
         state[CONTROLLED + 1] += hit.friction_loss;
@@ -151,7 +151,7 @@ impl FreeRotation {
             Transition::Lands(Impact::without_approach(velocity))
         };
         let mut state = next.completed(y);
-        state[9] = -self.parts(y).arm.up;
+        state[CENTER + 2] = -self.parts(y).arm.up;
         (next, state, transition)
     }
 
