@@ -170,23 +170,20 @@ impl RunHistory {
     pub(crate) fn finish(&mut self, end: Option<Entries>) {
         self.end = end;
         self.inverted = self.end_number(INVERSION_TIME).or(self.inverted);
-        if self.peg.is_none() {
-            self.end_with_nutation();
-        }
     }
 
-    /// For a fixed peg, drops cycles after an interruption: the next cycle does not start at the end of the last one,
-    /// or is much longer.
-    fn end_with_nutation(&mut self) {
+    /// The cycles that follow each other, so that their averages form a curve. For a fixed peg they end where the next
+    /// cycle does not start at the end of the last one, or is much longer.
+    pub(crate) fn successive_cycles(&self) -> &[Cycle] {
         const LONGEST: f64 = 2.0;
         let is_broken = |pair: &[Cycle]| {
             let ratio = pair[1].period / pair[0].period;
             let gap = pair[1].start - pair[0].end();
             !(1.0 / LONGEST..=LONGEST).contains(&ratio) || gap.abs() > 0.5 * pair[0].period
         };
-        if let Some(last) = self.cycles.windows(2).position(is_broken) {
-            self.cycles.truncate(last + 1);
-        }
+        let broken = self.cycles.windows(2).position(is_broken);
+        let broken = broken.filter(|_| self.peg.is_none());
+        &self.cycles[..broken.map_or(self.cycles.len(), |last| last + 1)]
     }
 
     /// An entry of the end record.
@@ -225,11 +222,12 @@ impl RunHistory {
 
     /// The nutation phase (number of cycles) over time. Interruptions are not counted.
     pub(crate) fn phase(&self) -> Curve {
-        let cycles = self.cycles.iter().enumerate();
+        let successive = self.successive_cycles();
+        let cycles = successive.iter().enumerate();
         let broken_off = cycles.filter(|(index, _)| !self.goes_on_after(*index));
         let number = |cycle: &Cycle| cycle.of_field(nutation::CYCLE);
         let ends = broken_off.map(|(_, cycle)| (cycle.end(), number(cycle) + 1.0));
-        let starts = self.cycles.iter().map(|cycle| (cycle.start, number(cycle)));
+        let starts = successive.iter().map(|cycle| (cycle.start, number(cycle)));
         let mut points: Vec<_> = starts.chain(ends).collect();
         points.sort_by(|one, other| one.0.total_cmp(&other.0));
         Curve::new(points)
@@ -247,9 +245,9 @@ impl RunHistory {
         Some(self.cycles[last].end())
     }
 
-    /// A quantity of the cycles: a curve through their middles.
+    /// A quantity of the successive cycles: a curve through their middles.
     pub(crate) fn of_cycles(&self, quantity: impl Fn(&Cycle) -> f64) -> Curve {
-        let points = self.cycles.iter();
+        let points = self.successive_cycles().iter();
         let points = points.map(|cycle| (cycle.middle(), quantity(cycle)));
         Curve::new(points.filter(|(_, value)| !value.is_nan()))
     }

@@ -57,7 +57,8 @@ pub(super) fn compare(a: &RunHistory, b: &RunHistory) -> Option<Averaged> {
         return None;
     };
     let (from, to) = (of_a.0.max(of_b.0), of_a.1.min(of_b.1));
-    let all = a.cycles.iter().chain(&b.cycles).map(Cycle::middle);
+    let all = [a, b].into_iter().flat_map(RunHistory::successive_cycles);
+    let all = all.map(Cycle::middle);
     let mut times: Vec<f64> = all.filter(|time| (from..=to).contains(time)).collect();
     times.sort_by(f64::total_cmp);
     let deviation = |field: NumberField| {
@@ -80,7 +81,8 @@ pub(super) fn compare(a: &RunHistory, b: &RunHistory) -> Option<Averaged> {
 
 /// Lead of B over A, where both have counted their nutations without interruption.
 fn phase(a: &RunHistory, b: &RunHistory) -> Option<Phase> {
-    let at = a.cycles.last()?.start.min(b.cycles.last()?.start);
+    let last = |run: &RunHistory| Some(run.successive_cycles().last()?.start);
+    let at = last(a)?.min(last(b)?);
     let is_counted = |run: &RunHistory| run.unbroken_until().is_some_and(|end| at <= end);
     let ahead = b.phase().at(at)? - a.phase().at(at)?;
     (is_counted(a) && is_counted(b)).then_some(Phase { at, ahead })
@@ -115,7 +117,7 @@ pub(super) fn differences(a: &RunHistory, b: &RunHistory) -> Vec<Owned> {
     let fields: Vec<NumberField> = NUTATION.numbers().collect();
     let curve = |field: &NumberField| b.of_cycles(|cycle| cycle.of_field(*field));
     let curves: Vec<Curve> = fields.iter().map(curve).collect();
-    let cycles = a.cycles.iter().filter_map(|cycle| {
+    let cycles = a.successive_cycles().iter().filter_map(|cycle| {
         let time = cycle.middle();
         let numbers = fields.iter().zip(&curves);
         let numbers = numbers.map(|(field, of_b)| Some(of_b.at(time)? - cycle.of_field(*field)));

@@ -57,7 +57,12 @@ impl MeanCrossing {
     ) -> Option<Self> {
         let curves = histories.map(|history| history.of_cycles(|cycle| sign * cycle.means[0]));
         let ends = histories.map(|history| {
-            let means = || history.cycles.iter().map(|c| sign * c.means[0]);
+            let means = || {
+                history
+                    .successive_cycles()
+                    .iter()
+                    .map(|c| sign * c.means[0])
+            };
             Some((means().next()?, means().reduce(f64::min)?))
         });
         let [(start_a, lowest_a), (start_b, lowest_b)] = [ends[0]?, ends[1]?];
@@ -103,7 +108,8 @@ impl MeanCrossing {
 /// Truncates both runs to their common cycles if one is a prefix of the other; later averages would change the
 /// interpolation.
 fn common([a, b]: [&RunHistory; 2]) -> [&RunHistory; 2] {
-    let (short, long) = if a.cycles.len() <= b.cycles.len() {
+    let length = |history: &RunHistory| history.successive_cycles().len();
+    let (short, long) = if length(a) <= length(b) {
         (a, b)
     } else {
         (b, a)
@@ -111,7 +117,11 @@ fn common([a, b]: [&RunHistory; 2]) -> [&RunHistory; 2] {
     let is_same = |(x, y): (&Cycle, &Cycle)| {
         x.start == y.start && x.period == y.period && x.means[0] == y.means[0]
     };
-    if short.cycles.iter().zip(&long.cycles).all(is_same) {
+    let mut pairs = short
+        .successive_cycles()
+        .iter()
+        .zip(long.successive_cycles());
+    if pairs.all(is_same) {
         [short, short]
     } else {
         [a, b]
@@ -161,7 +171,7 @@ pub(super) fn ripple(history: &RunHistory, time: f64) -> Option<[f64; 2]> {
         Some(earlier(time)? * latest(ratio))
     };
     let since = crossing - earlier(crossing)?;
-    let middles = history.cycles.iter().map(Cycle::middle);
+    let middles = history.successive_cycles().iter().map(Cycle::middle);
     let times = middles.filter(|middle| (since..crossing).contains(middle));
     let mut range = [0.0_f64, f64::NEG_INFINITY];
     for time in times.chain([crossing]) {

@@ -267,7 +267,7 @@ fn averages(evidence: &Evidence<'_>) -> Vec<Finding> {
         .take(if is_tippe { 1 } else { 3 })
         .filter_map(|(field, name)| mean(field, name));
     let phase = averaged.phase.as_ref().map(|phase| {
-        let last = runs[0].history.cycles.last();
+        let last = runs[0].history.successive_cycles().last();
         let of_start = evidence.error_of(nutation::START).zip(last);
         let what = format!("nutation phase lead in cycles at {}", moment(phase.at));
         let error = of_start.map(|(error, last)| error / last.period);

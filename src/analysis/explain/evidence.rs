@@ -7,6 +7,9 @@ use crate::run::scenario::Scenario;
 /// Steps that the integrator takes per nutation, if the end record doesn't state them.
 const STEPS_PER_NUTATION: f64 = 30.0;
 
+/// Relative size beyond which a change is never taken for an integration error, however loose the tolerances.
+const LARGEST_FLOOR: f64 = 1e-6;
+
 /// The data of an explanation.
 pub(super) struct Evidence {
     pub(super) scenario: Scenario,
@@ -17,7 +20,7 @@ pub(super) struct Evidence {
 }
 
 impl Evidence {
-    /// Accumulated integration error at the end of the run in a quantity of this size.
+    /// Accumulated integration error at the end of the run in a quantity of this size; an upper estimate.
     pub(super) fn floor(&self, size: f64) -> f64 {
         let steps = self
             .history
@@ -27,6 +30,7 @@ impl Evidence {
         let steps: f64 = steps.unwrap_or(STEPS_PER_NUTATION * (nutations + 1.0));
         let tolerances = &self.scenario.tolerances;
         // Even a run of a few steps has rounding errors.
-        steps.max(10.0) * (tolerances.absolute + tolerances.relative * size.abs())
+        let errors = steps.max(10.0) * (tolerances.absolute + tolerances.relative * size.abs());
+        errors.min(LARGEST_FLOOR * size.abs())
     }
 }

@@ -164,15 +164,15 @@ pub enum Fact {
     VerticalMomentum {
         /// The largest deviation, relative.
         deviation: f64,
-        /// Whether that is no more than the integrator's error.
-        is_constant: bool,
+        /// Whether friction has a torque about the vertical.
+        has_torque: bool,
     },
     /// Jellett's integral.
     Jellett {
         /// The largest deviation, relative to its terms.
         deviation: f64,
-        /// Whether that is no more than the integrator's error.
-        is_constant: bool,
+        /// Whether there are torques other than those of the contact force.
+        has_couples: bool,
     },
 }
 
@@ -314,7 +314,7 @@ impl Fact {
             ),
             Self::VerticalMomentum {
                 deviation,
-                is_constant: true,
+                has_torque: false,
             } => format!(
                 "The vertical angular momentum is constant (± {}, relative); no torque acts about the vertical.",
                 significant(*deviation, 2)
@@ -325,7 +325,7 @@ impl Fact {
             ),
             Self::Jellett {
                 deviation,
-                is_constant: true,
+                has_couples: false,
             } => format!(
                 "Jellett's integral l L_n + R L_z′ is constant (± {}, relative), as expected for contact forces.",
                 significant(*deviation, 2)

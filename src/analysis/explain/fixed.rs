@@ -96,10 +96,10 @@ pub(super) fn energy(evidence: &Evidence) -> Vec<Fact> {
     let path = evidence.summary.slip_path.filter(|path| *path > 0.0);
     facts.extend(path.map(|length| Fact::SlipPath { length }));
     let deviation = evidence.summary.vertical_momentum_deviation;
+    let friction = &evidence.scenario.model.friction;
     facts.extend(deviation.map(|deviation| Fact::VerticalMomentum {
         deviation,
-        // A relative deviation has scale 1.
-        is_constant: deviation <= evidence.floor(1.0).max(4.0 * f64::EPSILON),
+        has_torque: friction.turns_about_vertical() && !evidence.scenario.is_frictionless(),
     }));
     facts
 }
@@ -115,7 +115,7 @@ pub(super) fn balance(evidence: &Evidence) -> Vec<Fact> {
     let impacts = peg.and_then(|peg| peg.impacts);
     let has_impacts = impacts.is_some_and(|count| count > 0);
     let conserves = evidence.scenario.is_frictionless() && !has_impacts;
-    if conserves || change <= evidence.floor(first) {
+    if conserves || energies.work.abs() <= within {
         return vec![Fact::EnergyConstant {
             energy: first,
             deviation: change.max(within),

@@ -46,9 +46,10 @@ pub(super) fn cause(evidence: &Evidence) -> Vec<Fact> {
     let peg = evidence.summary.peg.as_ref();
     let deviation = peg.and_then(|peg| peg.jellett_deviation);
     let jellett = deviation.filter(|deviation| deviation.is_finite());
+    let has_couples = evidence.scenario.model.friction.has_losses();
     let jellett = jellett.map(|deviation| Fact::Jellett {
         deviation,
-        is_constant: deviation <= evidence.floor(1.0).max(16.0 * f64::EPSILON),
+        has_couples,
     });
     jellett.into_iter().collect()
 }

@@ -33,7 +33,7 @@ pub struct Stage {
     pub theta_dot: f64,
     /// Mean precession rate, rad/s.
     pub phi_dot: f64,
-    /// Slow rate of regular precession, mean over the nutations, rad/s; absent where it is not real.
+    /// Mean slow rate of regular precession, rad/s; absent where it is not real.
     pub slow_root: Option<f64>,
     /// Mean spin rate, rad/s.
     pub psi_dot: f64,
@@ -53,7 +53,9 @@ fn stage(top: &Top, part: &[Cycle]) -> Stage {
         let weighted = part.iter().map(|cycle| cycle.period * cycle.means[at]);
         weighted.sum::<f64>() / duration
     };
-    let slow = part.iter().map(|cycle| Some(roots(top, cycle)?[0]));
+    let slow = part
+        .iter()
+        .map(|cycle| Some(cycle.period * roots(top, cycle)?[0]));
     let slow: Option<f64> = slow.sum();
     Stage {
         from: part[0].start,
@@ -62,7 +64,7 @@ fn stage(top: &Top, part: &[Cycle]) -> Stage {
         theta: mean(0),
         theta_dot: mean(1),
         phi_dot: mean(2),
-        slow_root: slow.map(|sum| sum / part.len() as f64),
+        slow_root: slow.map(|sum| sum / duration),
         psi_dot: mean(3),
     }
 }
