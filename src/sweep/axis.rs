@@ -51,6 +51,10 @@ pub fn column_name(key: &Key) -> String {
     key.path.replace('.', "_")
 }
 
+fn wrong(key: &Key, text: &str, reason: &str) -> SweepError {
+    SweepError::Spec(format!("{}={text}: {reason}", key.path))
+}
+
 impl Axis {
     /// Reads `a..b/N`, `a..b/Nlog`, `a..b` or `a..b/log` (for samples) or values separated by commas.
     ///
@@ -69,22 +73,17 @@ impl Axis {
                 word if key.kind.is_text() => Ok(Value::Text(word.to_owned())),
                 item => number(item).map(Value::Number),
             };
-            let values = text.split(',').map(value).collect();
-            Result::map(values, Points::List)
+            let values: Result<_, String> = text.split(',').map(value).collect();
+            values.map(Points::List)
         };
-        let mut axis = Self {
-            key,
-            text: text.to_owned(),
-            points: Points::List(Vec::new()),
-        };
-        axis.points = points.map_err(|reason| axis.wrong(&reason))?;
-        Ok(axis)
+        let points = points.map_err(|reason| wrong(key, text, &reason))?;
+        let text = text.to_owned();
+        Ok(Self { key, text, points })
     }
 
     /// The error for invalid values.
     pub(super) fn wrong(&self, reason: &str) -> SweepError {
-        let Self { key, text, .. } = self;
-        SweepError::Spec(format!("{}={text}: {reason}", key.path))
+        wrong(self.key, &self.text, reason)
     }
 
     /// Number of values that a grid has along this axis; `None` if only a sample can choose them.

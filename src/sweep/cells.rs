@@ -24,8 +24,9 @@ pub fn cells(column: &dyn Array) -> Result<Cells, String> {
         }
         kind if kind.is_numeric() => numbers(column),
         kind => {
-            let reason = "neither numbers nor words";
-            return Err(format!("values of type {kind} are {reason}"));
+            return Err(format!(
+                "values of type {kind} are neither numbers nor words"
+            ));
         }
     };
     cells.map_err(|error| error.to_string())

@@ -199,9 +199,8 @@ fn is_nameless_index(name: &str) -> bool {
     level.is_some_and(|level| level.parse::<u32>().is_ok())
 }
 
-/// Reads a comma-separated table; no cell contains a line break.
-fn from_csv(text: &str) -> Result<Table, String> {
-    let text = text.trim_start_matches('\u{feff}').replace("\r\n", "\n");
+/// The lines of a comma-separated table, with their numbers; no cell contains a line break.
+fn csv_lines(text: &str) -> Result<Vec<(&str, u64)>, String> {
     let is_blank = |(line, _): &(&str, u64)| line.trim().is_empty();
     let lines = text.split(['\n', '\r']).zip(1..).skip_while(is_blank);
     let mut lines: Vec<_> = lines.collect();
@@ -209,16 +208,23 @@ fn from_csv(text: &str) -> Result<Table, String> {
     lines.pop_if(|(line, _)| line.is_empty());
     let is_open = |(line, _): &&(&str, u64)| line.matches('"').count() % 2 == 1;
     if let Some((_, line)) = lines.iter().find(is_open) {
-        let reason = "unclosed quote";
-        return Err(format!("line {line}: {reason}"));
+        return Err(format!("line {line}: unclosed quote"));
     }
     // Readers skip empty lines, but in a table with one column an empty line is an empty cell.
     let has_one_column = lines.first().is_some_and(|first| !first.0.contains(','));
     lines.retain(|line| has_one_column || !is_blank(line));
-    let filled = lines
-        .iter()
-        .map(|line| if is_blank(line) { "\"\"" } else { line.0 });
-    let filled = filled.collect::<Vec<_>>().join("\n");
+    for (line, _) in lines.iter_mut().filter(|line| is_blank(line)) {
+        *line = "\"\"";
+    }
+    Ok(lines)
+}
+
+/// Reads a comma-separated table.
+fn from_csv(text: &str) -> Result<Table, String> {
+    let text = text.trim_start_matches('\u{feff}').replace("\r\n", "\n");
+    let lines = csv_lines(&text)?;
+    let filled: Vec<&str> = lines.iter().map(|(line, _)| *line).collect();
+    let filled = filled.join("\n");
     let mut reader = csv::ReaderBuilder::new();
     reader
         .has_headers(false)

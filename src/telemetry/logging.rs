@@ -82,9 +82,9 @@ impl Telemetry {
                 let at = (EVENTS.index(), event.index, event.time_ns);
                 self.message(&events::CHANNEL, at, event.as_ref(), &mut emit)
             }
-            Record::Impact(landing) => {
-                let at = (IMPACTS.index(), landing.index, landing.time_ns);
-                self.message(&impacts::CHANNEL, at, landing.as_ref(), &mut emit)
+            Record::Impact(impact) => {
+                let at = (IMPACTS.index(), impact.index, impact.time_ns);
+                self.message(&impacts::CHANNEL, at, impact.as_ref(), &mut emit)
             }
         }
     }

@@ -250,15 +250,10 @@ impl Scenario {
                 self.values.invalid("top.center_distance", reason)
             });
         }
-        let conflict = |key: &str, reason: &str| {
-            let value = self.values.get(key);
-            let value = value.map_or_else(String::new, ToString::to_string);
-            ScenarioError::of_value(key, &value, reason)
-        };
         ensure(
             distance != 0.0 && distance > -self.model.top.peg_radius,
             || {
-                conflict(
+                self.conflict(
                     "top.center_distance",
                     "must be > −top.peg_radius and not 0 (the centre of mass of a tippe top is inside its sphere)",
                 )
@@ -277,26 +272,40 @@ impl Scenario {
         .collect();
         ensure(needs.is_empty(), || {
             let reason = format!("requires {}", needs.join(", "));
-            conflict("support.kind", &reason)
+            self.conflict("support.kind", &reason)
         })?;
-        let set_key =
-            |keys: [&'static str; 2]| keys.into_iter().find(|key| self.values.get(key).is_some());
-        for (of_peg, of_center) in PLACES {
-            if let (Some(key), Some(other)) = (set_key(of_peg), set_key(of_center)) {
-                let reason = format!(
-                    "conflicts with {other}: set the position of either the peg or the centre of mass"
-                );
-                return Err(conflict(key, &reason));
-            }
-        }
-        let limit = set_key(["stop.theta_risen", "stop.theta_fallen"]);
-        match limit.filter(|_| distance < 0.0) {
-            Some(key) => Err(conflict(
+        self.check_places()?;
+        match self.set_key(["stop.theta_risen", "stop.theta_fallen"]) {
+            Some(key) if distance < 0.0 => Err(self.conflict(
                 key,
                 "not applicable to a tippe top (top.center_distance < 0); use stop.duration",
             )),
-            None => Ok(()),
+            _ => Ok(()),
         }
+    }
+
+    /// Checks that the peg and the centre of mass don't both have a position, or a velocity.
+    fn check_places(&self) -> Result<(), ScenarioError> {
+        for (of_peg, of_center) in PLACES {
+            if let (Some(key), Some(other)) = (self.set_key(of_peg), self.set_key(of_center)) {
+                let reason = format!(
+                    "conflicts with {other}: set the position of either the peg or the centre of mass"
+                );
+                return Err(self.conflict(key, &reason));
+            }
+        }
+        Ok(())
+    }
+
+    /// The first of these keys that is set.
+    fn set_key(&self, keys: [&'static str; 2]) -> Option<&'static str> {
+        keys.into_iter().find(|key| self.values.get(key).is_some())
+    }
+
+    fn conflict(&self, key: &str, reason: &str) -> ScenarioError {
+        let value = self.values.get(key);
+        let value = value.map_or_else(String::new, ToString::to_string);
+        ScenarioError::of_value(key, &value, reason)
     }
 
     fn check_body(&self) -> Result<(), ScenarioError> {

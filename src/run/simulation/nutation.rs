@@ -154,8 +154,8 @@ impl NutationTracker {
 
     /// Records an impact; the rates before it were recorded already.
     pub(super) fn record_impact(&mut self, time: f64, after: &Motion) {
-        if let Some((_, before)) = self.jump.replace((time, after.tilt.rates)) {
-            self.open.widen_rates(&before);
+        if let Some((_, pending)) = self.jump.replace((time, after.tilt.rates)) {
+            self.open.widen_rates(&pending);
         }
     }
 
