@@ -116,8 +116,8 @@ Manage recordings:
   toprise run a.mcap --encoding protobuf   repeat a run in another encoding
   toprise run a.mcap.partial               repeat an interrupted run from the start
 
-For scripts: every command accepts --format json, and `toprise schema --write DIR` writes
-the JSON Schemas of reports and of the messages in recordings.
+For scripts: --format json prints each report as JSON, and `toprise schema --write DIR`
+writes the JSON Schemas of reports and of the messages in recordings.
 
 Exit codes:
   0  success; recordings verified, runs equal

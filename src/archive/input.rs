@@ -120,7 +120,8 @@ fn is_preset(word: &Path) -> bool {
         .any(|preset| word.as_os_str() == &*preset.name)
 }
 
-fn has_extension(word: &Path, extension: &str) -> bool {
+/// Whether a file name has an extension.
+pub(crate) fn has_extension(word: &Path, extension: &str) -> bool {
     word.extension().is_some_and(|found| found == extension)
 }
 

@@ -179,7 +179,15 @@ fn rise(evidence: &Evidence<'_>) -> Option<Finding> {
     let runs = &evidence.paired.runs;
     let crossings = runs.each_ref().map(|run| run.history.rise.as_ref());
     let level = crossings[0]?.level;
-    let risen = crossings.map(|crossing| crossing?.time);
+    let is_known = |side: usize| {
+        let cycles = runs[side].history.cycles.iter();
+        let shortest = cycles.map(|cycle| cycle.period).reduce(f64::min);
+        crossings[side].is_some_and(|crossing| crossing.is_known(shortest))
+    };
+    if !is_known(0) || !is_known(1) {
+        return None;
+    }
+    let risen = crossings.map(|crossing| crossing?.time());
     let by_nutation = |side: usize| {
         let [earliest, latest] = ripple(&runs[side].history, risen[side]?)?;
         Some(earliest.abs().max(latest.abs()))

@@ -70,7 +70,7 @@ impl Verdict {
     pub fn title(self) -> &'static str {
         match self {
             Self::Identical => "Identical (bit for bit)",
-            Self::SameValues => "All values identical; the files differ",
+            Self::SameValues => "All values identical; other parts differ",
             Self::Equal => "Equal within the tolerances",
             Self::Agreeing => "Equal in the compared part",
             Self::Different => "Different",

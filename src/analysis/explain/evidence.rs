@@ -7,8 +7,9 @@ use crate::run::scenario::Scenario;
 /// Steps that the integrator takes per nutation, if the end record doesn't state them.
 const STEPS_PER_NUTATION: f64 = 30.0;
 
-/// Relative size beyond which a change is never taken for an integration error, however loose the tolerances.
-const LARGEST_FLOOR: f64 = 1e-6;
+/// Relative size beyond which a change is never taken for an integration error, however loose the tolerances. What the
+/// equations keep constant is called so only if it varies by less.
+pub(super) const ROUNDED: f64 = 1e-6;
 
 /// The data of an explanation.
 pub(super) struct Evidence {
@@ -31,6 +32,6 @@ impl Evidence {
         let tolerances = &self.scenario.tolerances;
         // Even a run of a few steps has rounding errors.
         let errors = steps.max(10.0) * (tolerances.absolute + tolerances.relative * size.abs());
-        errors.min(LARGEST_FLOOR * size.abs())
+        errors.min(ROUNDED * size.abs())
     }
 }

@@ -1,6 +1,6 @@
 //! Explanation for a fixed peg.
 
-use super::evidence::Evidence;
+use super::evidence::{Evidence, ROUNDED};
 use super::fact::Fact;
 use super::precession;
 use crate::physics::friction::Dissipation;
@@ -97,9 +97,11 @@ pub(super) fn energy(evidence: &Evidence) -> Vec<Fact> {
     facts.extend(path.map(|length| Fact::SlipPath { length }));
     let deviation = evidence.summary.vertical_momentum_deviation;
     let friction = &evidence.scenario.model.friction;
+    let has_torque = friction.turns_about_vertical() && !evidence.scenario.is_frictionless();
+    let deviation = deviation.filter(|deviation| has_torque || *deviation < ROUNDED);
     facts.extend(deviation.map(|deviation| Fact::VerticalMomentum {
         deviation,
-        has_torque: friction.turns_about_vertical() && !evidence.scenario.is_frictionless(),
+        has_torque,
     }));
     facts
 }

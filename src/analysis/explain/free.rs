@@ -1,6 +1,6 @@
 //! Explanation for a free peg.
 
-use super::evidence::Evidence;
+use super::evidence::{Evidence, ROUNDED};
 use super::fact::Fact;
 use super::fixed;
 use std::f64::consts::FRAC_PI_2;
@@ -14,9 +14,9 @@ pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
     if history.is_of_tippe_top() {
         let starts_inverted = evidence.scenario.angles.theta >= FRAC_PI_2;
         facts.extend(match history.inverted {
-            Some(time) => Some(Fact::Inverted { time }),
-            None if starts_inverted => None,
-            None => Some(Fact::NotInverted { time: end }),
+            Some(time) if history.has_exact_inversion() => Some(Fact::Inverted { time }),
+            None if !starts_inverted => Some(Fact::NotInverted { time: end }),
+            _ => None,
         });
     } else {
         facts.extend(fixed::loops(evidence));
@@ -44,10 +44,10 @@ pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
 /// The causes of the motion of the axis.
 pub(super) fn cause(evidence: &Evidence) -> Vec<Fact> {
     let peg = evidence.summary.peg.as_ref();
-    let deviation = peg.and_then(|peg| peg.jellett_deviation);
-    let jellett = deviation.filter(|deviation| deviation.is_finite());
     let has_couples = evidence.scenario.model.friction.has_losses();
-    let jellett = jellett.map(|deviation| Fact::Jellett {
+    let deviation = peg.and_then(|peg| peg.jellett_deviation);
+    let is_known = |deviation: &f64| deviation.is_finite() && (has_couples || *deviation < ROUNDED);
+    let jellett = deviation.filter(is_known).map(|deviation| Fact::Jellett {
         deviation,
         has_couples,
     });

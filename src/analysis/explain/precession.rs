@@ -2,9 +2,9 @@
 
 use super::evidence::Evidence;
 use super::fact::Fact;
-use crate::analysis::history::Cycle;
+use crate::analysis::history::{Cycle, PegPhase};
+use crate::physics::dynamics::Phase;
 use crate::physics::kinematics::{Euler, Tilt};
-use crate::physics::top::Top;
 use crate::run::simulation::UPRIGHT;
 use crate::telemetry::fields::nutation;
 use schemars::JsonSchema;
@@ -42,12 +42,12 @@ pub struct Stage {
 /// The averaged motion in stages of equally many nutations.
 pub(super) fn stages(evidence: &Evidence) -> Vec<Stage> {
     let cycles = &evidence.history.cycles;
-    let top = evidence.scenario.model.nutating_top();
     let size = cycles.len().div_ceil(STAGES).max(1);
-    cycles.chunks(size).map(|part| stage(&top, part)).collect()
+    let parts = cycles.chunks(size);
+    parts.map(|part| stage(evidence, part)).collect()
 }
 
-fn stage(top: &Top, part: &[Cycle]) -> Stage {
+fn stage(evidence: &Evidence, part: &[Cycle]) -> Stage {
     let duration: f64 = part.iter().map(|cycle| cycle.period).sum();
     let mean = |at: usize| {
         let weighted = part.iter().map(|cycle| cycle.period * cycle.means[at]);
@@ -55,7 +55,7 @@ fn stage(top: &Top, part: &[Cycle]) -> Stage {
     };
     let slow = part
         .iter()
-        .map(|cycle| Some(cycle.period * roots(top, cycle)?[0]));
+        .map(|cycle| Some(cycle.period * roots(evidence, cycle)?[0]));
     let slow: Option<f64> = slow.sum();
     Stage {
         from: part[0].start,
@@ -81,9 +81,24 @@ fn mean_motion(cycle: &Cycle) -> Option<Tilt> {
     (!is_vertical).then(|| Tilt::from_rates(theta, rates))
 }
 
+/// The phase of the peg in a cycle; `None` if it changes, or the peg is in the air.
+fn phase(evidence: &Evidence, cycle: &Cycle) -> Option<Phase> {
+    let Some(peg) = &evidence.history.peg else {
+        return Some(Phase::Sliding);
+    };
+    let (from, to) = (cycle.start, cycle.end());
+    let mut intervals = peg.intervals(evidence.history.stop_time()?).into_iter();
+    match intervals.find(|i| i.from <= from && to <= i.to)?.phase {
+        PegPhase::Sliding => Some(Phase::Sliding),
+        PegPhase::Rolling => Some(Phase::Sticking),
+        PegPhase::Flying => None,
+    }
+}
+
 /// The slow and the fast rate of regular precession at the mean motion of a cycle, rad/s.
-fn roots(top: &Top, cycle: &Cycle) -> Option<[f64; 2]> {
-    let roots = top.precession_roots(&mean_motion(cycle)?)?;
+fn roots(evidence: &Evidence, cycle: &Cycle) -> Option<[f64; 2]> {
+    let (tilt, phase) = (mean_motion(cycle)?, phase(evidence, cycle)?);
+    let roots = evidence.scenario.model.precession_roots(&tilt, phase)?;
     Some([roots.slow, roots.fast])
 }
 
@@ -92,7 +107,7 @@ pub(super) fn regular(evidence: &Evidence) -> Option<Fact> {
     let top = evidence.scenario.model.nutating_top();
     let start = Tilt::from_rates(evidence.scenario.angles.theta, evidence.scenario.rates);
     let cycles = &evidence.history.cycles;
-    let known = |cycle: &Cycle| Some((cycle.means[2], roots(&top, cycle)?));
+    let known = |cycle: &Cycle| Some((cycle.means[2], roots(evidence, cycle)?));
     let known: Vec<(f64, [f64; 2])> = cycles.iter().filter_map(known).collect();
     if !known.is_empty() && known.len() < cycles.len() {
         // Only report findings that hold for the whole run.
@@ -148,7 +163,6 @@ pub(super) fn cancelling(evidence: &Evidence) -> Option<Fact> {
     let top = evidence.scenario.model.nutating_top();
     let cycles = &evidence.history.cycles;
     let (first, last) = (cycles.first()?, cycles.last()?);
-    let duration = last.end() - first.start;
     let frictional = |cycle: &Cycle| cycle.of_field(nutation::PHI_DDOT_FRICTIONAL_MEAN);
     let demanded = |cycle: &Cycle| {
         let tilt = mean_motion(cycle)?;
@@ -165,6 +179,7 @@ pub(super) fn cancelling(evidence: &Evidence) -> Option<Fact> {
     let friction: f64 = cycles.iter().map(|c| c.period * frictional(c)).sum();
     let change = (last.means[2] - first.means[2]).abs();
     let is_steady = change < STEADY * friction.abs() && friction.abs() > evidence.floor(change);
-    let is_known = demanded.is_finite() && duration > 0.0 && demanded != 0.0;
-    (is_steady && is_known).then_some(Fact::TermsCancel { demanded, mean })
+    // In large nutations the terms of the mean motion are not the mean of the terms.
+    let do_cancel = (demanded - mean).abs() < STEADY * mean.abs();
+    (is_steady && do_cancel).then_some(Fact::TermsCancel { demanded, mean })
 }

@@ -1,7 +1,7 @@
-//! The time at which θ first falls to a level, found from the samples of a run.
+//! The time at which θ first falls to a level: that of the event, or found from the samples of a run.
 //!
 //! Of two runs with different `stop.theta_risen` one has no event at a level that both reach: there the crossing is found
-//! between the samples.
+//! between the samples. That needs samples that resolve the nutation.
 
 use super::curve::{extreme, hermite5};
 use crate::physics::integrate::zero;
@@ -14,13 +14,20 @@ use crate::telemetry::fields::{EVENTS, STATE, events, state};
 /// 1e-16 s, in which θ changes by far less than this.
 const SAME_LEVEL: f64 = 1e-9;
 
+/// Samples in a nutation that are enough to interpolate between: the error is 3e-4 of the amplitude.
+const SAMPLES_PER_NUTATION: f64 = 4.0;
+
 /// Finds the first crossing of a level.
 #[derive(Clone, Debug)]
 pub(crate) struct FirstCrossing {
     /// The level, rad.
     pub(crate) level: f64,
-    /// The time of the crossing, s.
-    pub(crate) time: Option<f64>,
+    /// The time of the event at the level, s.
+    event: Option<f64>,
+    /// The time of the first crossing between samples, s.
+    between: Option<f64>,
+    /// The largest time between two samples up to there, s.
+    gap: f64,
     /// The last sample: its time (s), θ, θ̇ and θ̈.
     last: Option<(f64, [f64; 3])>,
 }
@@ -28,20 +35,36 @@ pub(crate) struct FirstCrossing {
 impl FirstCrossing {
     /// Looks for the first time at which θ falls to a level, rad.
     pub(super) fn of(level: f64) -> Self {
-        let (time, last) = (None, None);
-        Self { level, time, last }
+        Self {
+            level,
+            event: None,
+            between: None,
+            gap: 0.0,
+            last: None,
+        }
+    }
+
+    /// The time of the crossing, s.
+    pub(crate) fn time(&self) -> Option<f64> {
+        self.event.or(self.between)
+    }
+
+    /// Whether the first crossing is known, if there is one: by an event, or because the samples resolve nutations of
+    /// this period (s).
+    pub(crate) fn is_known(&self, shortest_nutation: Option<f64>) -> bool {
+        let is_resolved = |period: f64| SAMPLES_PER_NUTATION * self.gap <= period;
+        self.event.is_some() || shortest_nutation.is_some_and(is_resolved)
     }
 
     /// Adds a message: a state, or the end of the run at the level, after the last sample.
     pub(super) fn take(&mut self, message: &Message<'_>) {
         match message.topic() {
-            _ if self.time.is_some() => {}
-            STATE => self.state(message),
+            STATE if self.between.is_none() => self.state(message),
             EVENTS => {
                 let is_rise = events::NAME.of(message) == EventKind::Risen.name();
                 let distance = (events::THETA.of(message) - self.level).abs();
                 if is_rise && distance <= SAME_LEVEL {
-                    self.time = Some(events::TIME.of(message));
+                    self.event = Some(events::TIME.of(message));
                 }
             }
             _ => {}
@@ -56,8 +79,9 @@ impl FirstCrossing {
         let time = seconds(message.time_ns);
         if let Some((before, last)) = self.last.replace((time, now)) {
             let [from, to] = [last, now].map(|[theta, rate, acc]| [theta - self.level, rate, acc]);
+            self.gap = self.gap.max(time - before);
             let part = first_zero(from, to, time - before);
-            self.time = part.map(|part| before + part * (time - before));
+            self.between = part.map(|part| before + part * (time - before));
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The arguments of `toprise run`.
 
-use crate::archive::input::{self, is_recording};
+use crate::archive::input::{self, has_extension, is_recording};
 use crate::archive::writer::Form;
 use crate::cli::arguments::{OUTPUT, Override, VIEWER, parse_number, parse_override};
 use crate::cli::input::checked;
@@ -79,14 +79,17 @@ pub(crate) struct RunArguments {
 impl RunArguments {
     /// The keys and values before overrides.
     pub(super) fn values(&self) -> Result<Values, Error> {
+        let is_table = has_extension(&self.scenario, "parquet");
+        let name = self.scenario.display();
         #[cfg(feature = "sweep")]
         if let Some(row) = self.row {
+            if !is_table {
+                bail!("{name} is not a sweep table: --row needs a .parquet file");
+            }
             return Ok(values_of_row(&self.scenario, row)?);
         }
-        let kind = self.scenario.extension();
-        if kind.is_some_and(|kind| kind == "parquet") {
-            let table = self.scenario.display();
-            bail!("{table} is a sweep table: choose a row, e.g. --row 42");
+        if is_table {
+            bail!("{name} is a sweep table: choose a row, e.g. --row 42");
         }
         Ok(input::values(&self.scenario)?)
     }

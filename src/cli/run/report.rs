@@ -1,5 +1,6 @@
 //! The report of a run.
 
+use crate::analysis::phrase::significant;
 use crate::cli::numbers::{count, counted, number};
 use crate::cli::page::{Section, Tone};
 use crate::cli::report::WrittenFile;
@@ -151,12 +152,16 @@ impl RunReport {
 
     fn energy_balance(&self) -> String {
         let end = &self.outcome.end;
+        let joule = |energy: f64| match end.energy_at_start.abs() {
+            0.0..1e-3 => significant(energy, 4),
+            _ => number(energy, 6),
+        };
         format!(
             "{} J → {} J (change {} J, work of friction {} J)",
-            number(end.energy_at_start, 6),
-            number(end.energy, 6),
-            number(end.energy - end.energy_at_start, 6),
-            number(end.motion.integrals.friction_work, 6)
+            joule(end.energy_at_start),
+            joule(end.energy),
+            joule(end.energy - end.energy_at_start),
+            joule(end.motion.integrals.friction_work)
         )
     }
 

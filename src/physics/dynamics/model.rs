@@ -118,7 +118,7 @@ impl Model {
     /// The period of nutation without friction in a motion with these least and greatest θ (rad), s: see
     /// [`Top::nutation_period`]. `None` if the motion is not periodic.
     pub fn nutation_period(&self, motion: &Motion, extremes: [f64; 2]) -> Option<f64> {
-        let top = if self.rolls(motion) {
+        let top = if self.rolls(motion.phase) {
             self.rolling_top(motion.tilt.cos)
         } else {
             self.nutating_top()
@@ -132,9 +132,9 @@ impl Model {
     /// For a rolling peg, with the height `h = R + l cos θ` of the centre of mass, they are the roots of
     /// `((A − I_z) cos θ + M l h) φ̇² − (I_z + M R h) ψ̇ φ̇ + M g l = 0`: the centre of mass moves in a circle, and
     /// friction provides the centripetal force.
-    pub fn precession_roots(&self, motion: &Motion) -> Option<PrecessionRoots> {
-        let (top, tilt) = (&self.top, &motion.tilt);
-        if !self.rolls(motion) {
+    pub fn precession_roots(&self, tilt: &Tilt, phase: Phase) -> Option<PrecessionRoots> {
+        let top = &self.top;
+        if !self.rolls(phase) {
             return self.nutating_top().precession_roots(tilt);
         }
         let moment = top.mass * (top.peg_radius + top.center_distance * tilt.cos);
@@ -144,9 +144,9 @@ impl Model {
         PrecessionRoots::of(quadratic, spin, top.gravity_moment())
     }
 
-    /// Whether a free peg rolls in a motion.
-    fn rolls(&self, motion: &Motion) -> bool {
-        self.support.is_free() && motion.phase == Phase::Sticking
+    /// Whether the peg rolls in a phase.
+    fn rolls(&self, phase: Phase) -> bool {
+        self.support.is_free() && phase == Phase::Sticking
     }
 
     /// Jellett's integral `l L_n + R L_z′` about the centre of mass, kg m³/s: not changed by any force at the contact

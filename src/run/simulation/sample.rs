@@ -192,7 +192,7 @@ impl Sample {
                 world: world(&momentum_lean),
             },
             precession: Precession {
-                roots: model.precession_roots(motion),
+                roots: model.precession_roots(&tilt, motion.phase),
                 strength_ratio: model.nutating_top().strength_ratio(&tilt),
             },
             free,
