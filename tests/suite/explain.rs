@@ -406,3 +406,49 @@ fn the_page_has_stages_if_everything_is_wanted() {
     assert_contains(&all, "Nutations");
     assert_contains(&all, "slow rate");
 }
+
+/// A rolling peg precesses at another rate than one that slides; in a stage with both, or in the air, none is told.
+#[test]
+fn val_the_slow_rate_is_that_of_the_phase() {
+    let scenario = scenario("drop", &[]);
+    let run = Run::of(&scenario);
+    let rolls = run.events_of(EventKind::RollBegins).last().unwrap().time;
+    let explanation = explain(&scenario).unwrap();
+    let (rolling, others): (Vec<_>, Vec<_>) = explanation
+        .stages
+        .iter()
+        .partition(|stage| stage.from >= rolls);
+    assert!(rolling.len() > 1 && !others.is_empty());
+    for stage in rolling {
+        // Rolling without losses is regular precession, up to the square of its small nutation.
+        assert_near("slow rate", stage.slow_root.unwrap(), stage.phi_dot, 1e-4);
+    }
+    assert!(others[0].slow_root.is_none(), "{others:#?}");
+}
+
+/// The integral of a top at rest is rounding, and the two rates of a large nutation don't cancel.
+#[test]
+fn what_is_not_known_is_not_said() {
+    let at_rest = [
+        ("initial.psi_dot", "0"),
+        ("initial.phi_dot", "0"),
+        ("initial.theta", "0.3"),
+        ("stop.duration", "3"),
+        ("sampling.period", "0.002"),
+    ];
+    let large = [
+        ("friction.law", "coulomb-sqrt"),
+        ("friction.k", "0.01784"),
+        ("friction.smoothing_speed", "0.00139"),
+        ("initial.theta", "0.03"),
+        ("initial.phi_dot", "-200"),
+        ("initial.psi_dot", "226.9"),
+        ("stop.duration", "8"),
+    ];
+    let is_false = |fact: &Fact| matches!(fact, Fact::Jellett { .. } | Fact::TermsCancel { .. });
+    for (name, keys) in [("free-paper", &at_rest[..]), ("full-coulomb", &large)] {
+        let explanation = explain(&scenario(name, keys)).unwrap();
+        let found = facts(&explanation).find(|fact| is_false(fact));
+        assert_eq!(found, None, "{name}");
+    }
+}

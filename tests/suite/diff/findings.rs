@@ -266,3 +266,22 @@ fn val_what_rounding_makes_is_no_finding() {
         assert!(is_found, "{what}: {slowed:?}");
     }
 }
+
+/// Samples that are farther apart than a nutation don't show where θ first reaches a level; a run's own event does.
+#[test]
+fn val_a_first_crossing_is_resolved_or_not_told() {
+    let coarse = |key, value| scenario("full-coulomb", &[("sampling.period", "0.5"), (key, value)]);
+    let (nods, b) = (
+        coarse("initial.phi_dot", "20"),
+        coarse("stop.theta_risen", "0.2"),
+    );
+    let report = compare(&nods, &b, &quick()).unwrap();
+    assert!(finding(&report, "θ first reaches").is_none());
+    let own = ["0.02", "0.1"].map(|period| {
+        let scenario = scenario("paper-precession-term-only", &[("sampling.period", period)]);
+        (Run::of(&scenario).end.time, scenario)
+    });
+    let report = compare(&own[0].1, &own[1].1, &quick()).unwrap();
+    let times = own.map(|(time, _)| Some(time));
+    assert_eq!(values(&report, "θ first reaches"), times);
+}
