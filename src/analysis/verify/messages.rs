@@ -63,7 +63,7 @@ impl<'r> Comparison<'r> {
 
     /// Compares until the first difference. Also returns the opening and the end record of the run.
     pub(super) fn run(mut self, progress: &dyn Fn(u64)) -> (Compared, Opening, Entries) {
-        let mut reader = self.recording.reader(Selection::default()).bounded();
+        let mut reader = self.recording.reader(Selection::default());
         while let Some(recorded) = reader.next_undecoded() {
             self.take(&recorded);
             if self.compared.difference.is_some() {

@@ -9,6 +9,7 @@ use crate::archive::error::MessageError;
 use crate::telemetry::encoding::{DecodeError, Decoder, Row};
 use crate::telemetry::{Message, Topic, Topics};
 use mcap::records::op;
+use std::vec;
 
 /// Selection of messages.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -60,9 +61,8 @@ const LARGEST_GROWTH: u64 = 1000;
 pub struct Reader<'r> {
     recording: &'r Recording,
     selection: Selection,
-    /// The sections that are to be read, in batches, and how many batches have been read.
-    batches: Vec<Vec<usize>>,
-    read: usize,
+    /// The sections that are still to be read, in batches.
+    batches: vec::IntoIter<Vec<usize>>,
     buffers: Buffers,
     /// The records of the batch that is being read.
     records: Vec<u8>,
@@ -74,8 +74,8 @@ pub struct Reader<'r> {
     row: Row,
     losses: Vec<Loss>,
     order: Option<Order>,
-    /// Remaining content limit, bytes; `None` for no limit.
-    left: Option<u64>,
+    /// Bytes of decompressed content that may still be read; what is beyond is reported as a loss (decompression bombs).
+    left: u64,
     /// Number of bytes that have been read, and of those that have been reported.
     seen: u64,
     reported: u64,
@@ -114,11 +114,10 @@ impl<'r> Reader<'r> {
                 _ => Plan::Raw,
             }
         };
+        let batches = (0..recording.layout.sections.len()).map(|section| vec![section]);
+        let growth = recording.size().saturating_mul(LARGEST_GROWTH);
         Self {
-            batches: (0..recording.layout.sections.len())
-                .map(|section| vec![section])
-                .collect(),
-            read: 0,
+            batches: batches.collect::<Vec<_>>().into_iter(),
             plans: recording.channels().iter().map(plan).collect(),
             recording,
             selection,
@@ -129,7 +128,7 @@ impl<'r> Reader<'r> {
             row: Row::default(),
             losses: Vec::new(),
             order: None,
-            left: None,
+            left: LARGEST_CONTENT.saturating_add(growth),
             seen: 0,
             reported: 0,
         }
@@ -140,19 +139,10 @@ impl<'r> Reader<'r> {
     /// Chunks are sorted, and messages within them. Late or repeated messages are skipped and counted by
     /// [`Reader::left_out`].
     pub(crate) fn in_order_of_time(mut self) -> Self {
-        self = self.bounded();
         if !self.are_sections_in_order() {
-            self.batches = self.batches_by_time();
+            self.batches = self.batches_by_time().into_iter();
         }
         self.order = Some(Order::new(self.recording));
-        self
-    }
-
-    /// Limits the decompressed content to a thousand times the file size; the rest is reported as a loss (decompression
-    /// bombs).
-    pub(crate) fn bounded(mut self) -> Self {
-        let size = self.recording.size();
-        self.left = Some(LARGEST_CONTENT.saturating_add(size.saturating_mul(LARGEST_GROWTH)));
         self
     }
 
@@ -180,7 +170,7 @@ impl<'r> Reader<'r> {
         let mut buffers = Buffers::default();
         let mut found = Vec::new();
         let mut last = 0;
-        let mut left = self.left.unwrap_or(u64::MAX);
+        let mut left = self.left;
         for (index, section) in self.recording.layout.sections.iter().enumerate() {
             let is_read = left > 0 && section.load(&self.recording.source, &mut buffers).is_ok();
             let span = is_read.then(|| times(&buffers.records)).flatten();
@@ -318,7 +308,7 @@ impl<'r> Reader<'r> {
 
     /// Loads the next batch that may have selected messages.
     fn load_next(&mut self) -> Option<()> {
-        let batch = std::mem::take(self.batches.get_mut(self.read)?);
+        let batch = self.batches.next()?;
         self.records.clear();
         self.starts.clear();
         self.given = 0;
@@ -327,13 +317,11 @@ impl<'r> Reader<'r> {
         for section in batch.iter().map(|index| &sections[*index]) {
             // Not if chunks are out of order.
             self.seen = self.seen.max(section.offset + section.length);
-            if !section
-                .span
-                .is_none_or(|span| self.selection.wants_span(span))
-            {
+            let is_unwanted = |span| !self.selection.wants_span(span);
+            if section.span.is_some_and(is_unwanted) {
                 continue;
             }
-            if self.left == Some(0) {
+            if self.left == 0 {
                 self.losses.push(Loss {
                     offset: section.offset,
                     length: recording.size() - section.offset,
@@ -343,13 +331,13 @@ impl<'r> Reader<'r> {
                     ),
                     ..Loss::default()
                 });
-                self.read = self.batches.len();
+                self.batches = Vec::new().into_iter();
                 return None;
             }
             match section.load(&recording.source, &mut self.buffers) {
                 Ok(()) => {
                     let length = self.buffers.records.len() as u64;
-                    self.left = self.left.map(|left| left.saturating_sub(length));
+                    self.left = self.left.saturating_sub(length);
                     self.take_section(section);
                 }
                 Err(error) => self.lose(section, error.to_string()),
@@ -365,8 +353,6 @@ impl<'r> Reader<'r> {
             }
         }
         self.starts = starts;
-        self.batches[self.read] = batch;
-        self.read += 1;
         Some(())
     }
 
