@@ -234,13 +234,7 @@ fn replay(
         tables.columns[message.channel].push(message);
         !interrupt.is_asked()
     });
-    let mut losses = Vec::new();
-    if recording.condition() != Condition::Whole {
-        losses.push(format!("it is {}", recording.condition().name()));
-    }
-    losses.extend(recording.losses().iter().map(ToString::to_string));
-    losses.extend(ended.losses);
-    (tables, ended.end, losses)
+    (tables, ended.end, ended.losses)
 }
 
 impl Run {
@@ -274,7 +268,8 @@ impl Run {
             0 => String::new(),
             more => format!(" (and {more} more, see run.losses)"),
         };
-        let text = CString::new(format!("{}: {first}{more}", self.name()).replace('\0', "�"))?;
+        let text =
+            CString::new(format!("{}: missing {first}{more}", self.name()).replace('\0', "�"))?;
         PyErr::warn(py, &py.get_type::<RecordingWarning>(), &text, 1)
     }
 

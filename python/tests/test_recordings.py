@@ -25,9 +25,9 @@ def test_what_is_left_of_a_recording_is_given_with_a_warning(reference, tmp_path
     whole = (reference / "paper.mcap").read_bytes()
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(whole[: len(whole) // 2])
-    with pytest.warns(toprise.RecordingWarning, match="cut: it is interrupted"):
+    with pytest.warns(toprise.RecordingWarning, match="cut: missing end of the run"):
         run = toprise.read(cut)
-    assert run.losses[0] == "it is interrupted"
+    assert run.losses[-1] == "end of the run (interrupted)"
     assert run.content_digest is None
     part, all_of_it = run["/top/state"], toprise.read(reference / "paper.mcap")["/top/state"]
     theta = part.numpy("theta")
@@ -43,7 +43,7 @@ def test_damage_is_told(reference, tmp_path):
     file.write_bytes(damaged)
     with pytest.warns(toprise.RecordingWarning, match="and 1 more"):
         run = toprise.read(file)
-    assert run.losses[0] == "it is damaged" and len(run.losses) == 2
+    assert len(run.losses) == 1
     assert toprise.verify(file).verdict == "incomplete"
 
 

@@ -149,10 +149,7 @@ fn gather(subject: Subject<'_>, carry_on: &dyn Fn() -> bool) -> Result<Evidence,
         return refused("interrupted".to_owned());
     }
     history.finish(ended.end);
-    let mut losses = ended.losses;
-    if let Subject::Recording(recording) = subject {
-        losses.splice(0..0, recording.losses().iter().map(ToString::to_string));
-    }
+    let losses = ended.losses;
     let has_samples = history
         .states
         .is_some_and(|[first, last]| first.time < last.time);

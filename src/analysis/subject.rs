@@ -136,7 +136,7 @@ fn read(
             None => break,
         }
     }
-    let mut losses = losses(&reader);
+    let mut losses = losses(recording, &reader);
     losses.extend(undecodable.map(|(first, count)| match count {
         1 => first,
         _ => format!("{first} (the first of {count} messages that can't be decoded)"),
@@ -147,11 +147,14 @@ fn read(
     }
 }
 
-/// Parts that a reader could not read, in sentences.
-pub(super) fn losses(reader: &Reader<'_>) -> Vec<String> {
-    let losses = reader.losses().iter().map(ToString::to_string);
+/// Parts that a recording lacks and a reader could not read, in sentences.
+pub(super) fn losses(recording: &Recording, reader: &Reader<'_>) -> Vec<String> {
+    let losses = recording.losses().iter().chain(reader.losses());
+    let losses = losses.map(ToString::to_string);
     let left_out = reader.left_out().map(ToString::to_string);
-    losses.chain(left_out).collect()
+    let is_interrupted = recording.condition() == Condition::Interrupted;
+    let end = is_interrupted.then(|| "end of the run (interrupted)".to_owned());
+    losses.chain(left_out).chain(end).collect()
 }
 
 fn simulate(

@@ -1,10 +1,10 @@
 //! Command-line arguments that identify a run: presets, scenario files and recordings.
 
+pub use crate::archive::container::source::open_file;
 use crate::archive::format::Form;
 use crate::archive::recording::{Recording, RecordingError};
 use crate::run::scenario::{PRESETS, Preset, ScenarioError, Values};
 use crate::telemetry::Topics;
-use std::fs::{self, File};
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -100,18 +100,6 @@ pub fn read_file(path: &Path) -> io::Result<String> {
         io::ErrorKind::InvalidData => io::Error::new(error.kind(), "it is not UTF-8 text"),
         _ => error,
     })
-}
-
-/// Opens a file for reading. Pipes and devices are rejected, because opening a pipe could block.
-///
-/// # Errors
-/// The system error, or an error if the path is not a regular file.
-pub fn open_file(path: &Path) -> io::Result<File> {
-    let metadata = fs::metadata(path)?;
-    if !metadata.is_file() && !metadata.is_dir() {
-        return Err(io::Error::other("it is a pipe or a device, not a file"));
-    }
-    File::open(path)
 }
 
 fn is_preset(word: &Path) -> bool {

@@ -70,7 +70,12 @@ fn events(explanation: &Explanation, all: bool) -> Section {
     };
     let most = if all { usize::MAX } else { MOST_EVENTS };
     let rows = explanation.events.iter().take(most).map(row);
-    Section::of(Table::of_texts(rows)).titled("Events", "")
+    let mut section = Section::of(Table::of_texts(rows)).titled("Events", "");
+    let hidden = explanation.events.len().saturating_sub(most);
+    if hidden > 0 {
+        section.line(format!("{hidden} more with --all"));
+    }
+    section
 }
 
 /// Table of the averaged motion.

@@ -5,7 +5,9 @@ use super::page::Section;
 use super::report;
 use super::status::Status;
 use super::table::{Column, Table};
-use crate::archive::format::{STOP_REASON, STOP_TIME};
+use crate::archive::format::{
+    CONTENT_DIGEST, SCENARIO_DIGEST, STEPS, STOP_REASON, STOP_TIME, VERSION,
+};
 use crate::archive::recording::{ChannelOverview, Condition, EventOverview, Overview};
 use crate::run::simulation::EventKind;
 use crate::run::time::seconds;
@@ -84,7 +86,7 @@ impl InfoReport {
         }
         if let Some(end) = &overview.end {
             facts.push(("end", end_line(end)));
-            let digest = entry(end, "content_digest");
+            let digest = entry(end, CONTENT_DIGEST);
             facts.push(("content", format!("sha-256 {digest}")));
         }
         facts.push(("span", format!("{} s", seconds(self.last_ns))));
@@ -151,8 +153,8 @@ fn run_line(run: &BTreeMap<String, String>) -> String {
         entry(run, "scenario"),
         entry(run, "formulation"),
         entry(run, "friction_law"),
-        entry(run, "version"),
-        entry(run, "scenario_digest")
+        entry(run, VERSION),
+        entry(run, SCENARIO_DIGEST)
     )
 }
 
@@ -164,7 +166,7 @@ fn end_line(end: &BTreeMap<String, String>) -> String {
         number(time, 6),
         entry(end, "samples"),
         entry(end, "nutations"),
-        entry(end, "steps_accepted")
+        entry(end, STEPS)
     )
 }
 

@@ -13,7 +13,8 @@ static IS_GRACEFUL: AtomicBool = AtomicBool::new(false);
 /// Set by the first signal of a graceful shutdown.
 static IS_REQUESTED: AtomicBool = AtomicBool::new(false);
 
-/// From now on the first Ctrl-C or SIGTERM requests a graceful shutdown; the second exits immediately.
+/// From now on the first Ctrl-C, SIGTERM or SIGHUP requests a graceful shutdown, also where these signals were ignored;
+/// the second exits immediately.
 pub(super) fn watch() -> Result<(), Error> {
     IS_GRACEFUL.store(true, SeqCst);
     // The handler may already be installed.
@@ -38,7 +39,7 @@ pub(super) fn flow() -> ControlFlow<()> {
 }
 
 /// Installs the signal handler. By default a signal exits immediately and removes draft files; commands can opt into a
-/// graceful shutdown. Ignored signals (`nohup`) stay ignored.
+/// graceful shutdown. If a signal is ignored (`nohup`), none is handled here.
 pub(super) fn handle() {
     let _ = ctrlc::try_set_handler(on_signal);
 }

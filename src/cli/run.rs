@@ -22,7 +22,7 @@ use crate::archive::pipeline::McapSink;
 use crate::archive::sink::{Sink, record_to_end};
 use crate::run::outcome::Outcome;
 use crate::run::scenario::{Preset, Scenario};
-use crate::run::simulation::{Record, Simulation, StopReason, Tally};
+use crate::run::simulation::{Record, Simulation, Tally};
 use crate::telemetry::Telemetry;
 use anyhow::Error;
 use std::path::PathBuf;
@@ -67,11 +67,10 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Status, Error> {
     print(&report, || report.page(&name, top, arguments.note_on_rrd()))?;
     #[cfg(feature = "rerun")]
     target.serve_until_interrupted()?;
-    Ok(match report.outcome.end.stop {
-        StopReason::Interrupted | StopReason::Failed => Status::Partial,
-        _ if report.recorded.is_rrd_lost => Status::Partial,
-        _ => Status::Success,
-    })
+    let is_complete = report.outcome.end.stop.is_complete();
+    Ok(Status::of_whole(
+        is_complete && !report.recorded.is_rrd_lost,
+    ))
 }
 
 /// Simulates, records and finishes the files, even if the simulation fails.
@@ -117,7 +116,7 @@ fn record(
     };
     #[cfg(feature = "rerun")]
     let rrd = viewer.map_or(Ok(None), |mut viewer| {
-        if !matches!(end.stop, StopReason::Interrupted | StopReason::Failed) {
+        if end.stop.is_complete() {
             viewer.sink.set_outcome(&outcome);
         }
         viewer.finish(arguments.adjacent_rrd(there.as_ref()))

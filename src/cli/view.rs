@@ -87,7 +87,10 @@ impl ViewReport {
 
     /// Whether everything was shown.
     fn is_complete(&self) -> bool {
-        let is_whole = |shown: &ShownRecording| shown.losses.is_empty() && shown.undecodable == 0;
+        let is_whole = |shown: &ShownRecording| {
+            let is_known = matches!(shown.state, Condition::Whole | Condition::Foreign);
+            is_known && shown.losses.is_empty() && shown.undecodable == 0
+        };
         !self.is_interrupted && self.recordings.iter().all(is_whole)
     }
 }

@@ -127,15 +127,6 @@ impl Grip {
 }
 
 impl Friction {
-    /// Friction with a sliding law and no losses.
-    pub fn sliding(law: FrictionLaw, dissipation: Dissipation) -> Self {
-        Self {
-            law,
-            dissipation,
-            losses: None,
-        }
-    }
-
     /// The contact of `top` in the state `tilt` under the normal force `normal_force` (N).
     #[inline(always)]
     pub fn contact(&self, top: &Top, normal_force: f64, tilt: &Tilt) -> Contact {

@@ -206,15 +206,10 @@ pub fn inclination(quaternion: &Quaternion<f64>) -> f64 {
     2.0 * atan2(hypot(x, y), hypot(w, z))
 }
 
-/// Rotates a vector about the z axis by `angle` rad.
-pub fn turn_about_z(v: &Vector3<f64>, angle: f64) -> Vector3<f64> {
-    let (sin, cos) = sin_cos(angle);
-    Vector3::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y, v.z)
-}
-
 /// Transforms node to body components, for the spin ψ in rad.
 pub fn node_to_body(v: &Vector3<f64>, psi: f64) -> Vector3<f64> {
-    turn_about_z(v, -psi)
+    let (sin, cos) = sin_cos(-psi);
+    Vector3::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y, v.z)
 }
 
 /// Transforms world to lean components, for the precession φ in rad.

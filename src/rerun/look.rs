@@ -94,7 +94,7 @@ impl Look {
         match self {
             Self::Compared(Side::A, _) => 0.11,
             Self::Compared(Side::B, _) => -0.11,
-            _ => 0.0,
+            Self::Alone | Self::Difference | Self::Magnitude => 0.0,
         }
     }
 

@@ -170,18 +170,8 @@ impl Views {
         let proportions = Proportions::new(&top);
         let scales = Scales::new(scenario, &proportions);
         let source = |view: &ViewChannel| {
-            let has_scale = match view.kind {
-                Kind::SlipVelocity => scales.slip.is_some(),
-                Kind::FrictionTorque => scales.torque.is_some(),
-                Kind::Description
-                | Kind::Transforms
-                | Kind::Inclination
-                | Kind::PrecessionRate
-                | Kind::SpinRate
-                | Kind::SlipSpeed
-                | Kind::NormalForce
-                | Kind::Log => true,
-            };
+            let has_scale = (view.kind != Kind::SlipVelocity || scales.slip.is_some())
+                && (view.kind != Kind::FrictionTorque || scales.torque.is_some());
             let has_channel = is_free || !view.is_free_peg_only;
             let mut sources = view.sources.iter().copied();
             let is_wanted = has_scale && has_channel && sources.clone().all(&is_enabled);

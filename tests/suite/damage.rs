@@ -399,5 +399,5 @@ fn a_pipe_is_refused_and_not_waited_for() {
     let minute = std::time::Duration::from_mins(1);
     let opened = opened.recv_timeout(minute);
     let error = opened.expect("opening a pipe takes no time").unwrap_err();
-    assert_eq!(error, "it is a pipe or device, not an MCAP file");
+    assert_eq!(error, "it is a pipe or a device, not a file");
 }

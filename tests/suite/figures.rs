@@ -595,7 +595,7 @@ fn an_interrupted_run_is_drawn_as_far_as_it_goes() {
     folder.write("cut.mcap", &whole[..whole.len() / 2]);
     let line = "figures cut.mcap --only figure-2 --kinds svg";
     let error = folder.toprise(line, 3).stderr;
-    assert_contains(&error, "cut: the run is incomplete");
+    assert_contains(&error, "cut: missing end of the run");
     assert!(folder.at("figures/figure-2.svg").is_file());
 }
 

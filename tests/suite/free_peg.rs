@@ -1,6 +1,6 @@
 //! Tops whose peg is free: `val_*` compare with motions and impacts computed by others (`tests/data/free_peg.json`).
 
-use crate::support::{Run, assert_near, scenario};
+use crate::support::{Run, assert_near, scenario, sliding_friction};
 use nalgebra::Vector3;
 use serde_json::Value;
 use toprise::physics::dynamics::{
@@ -48,7 +48,7 @@ fn hit(command: &str) -> (Model, Motion, Impact) {
     let model = Model {
         friction: Friction {
             losses,
-            ..Friction::sliding(law, Dissipation::Full)
+            ..sliding_friction(law, Dissipation::Full)
         },
         support: Support::FreePeg {
             restitution: number(command, "e").unwrap(),

@@ -1,10 +1,10 @@
 //! Laws that hold in every state.
 
-use crate::support::Run;
+use crate::support::{Run, sliding_friction};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use toprise::physics::dynamics::{BodyRotation, EulerAngles, Formulation, Model, Support};
-use toprise::physics::friction::{Dissipation, Friction, FrictionLaw};
+use toprise::physics::friction::{Dissipation, FrictionLaw};
 use toprise::physics::integrate::System;
 use toprise::physics::kinematics::{
     Euler, Tilt, euler_angles, lean_to_world, node_to_body, world_from_body,
@@ -42,7 +42,7 @@ fn model(dissipation: Dissipation, k: f64) -> Model {
             peg_radius: 0.007,
             gravity: 9.81,
         },
-        friction: Friction::sliding(FrictionLaw::Coulomb { k }, dissipation),
+        friction: sliding_friction(FrictionLaw::Coulomb { k }, dissipation),
         support: Support::FixedPeg,
     }
 }

@@ -15,6 +15,7 @@ use toprise::archive::publish::Existing;
 use toprise::archive::recording::Recording;
 use toprise::archive::sink::{Sink, SinkError, record};
 use toprise::archive::writer::Form;
+use toprise::physics::friction::{Dissipation, Friction, FrictionLaw};
 use toprise::run::scenario::{Preset, Scenario};
 use toprise::run::simulation::{
     Event, EventKind, ImpactRecord, NutationCycle, Record, RunEnd, Sample, Simulation,
@@ -305,4 +306,13 @@ pub fn is_noticed(file: &Path) -> bool {
     };
     let verdict = verify(&recording, &|_| {}).verdict;
     !matches!(verdict, Verdict::Verified | Verdict::PackedOtherwise)
+}
+
+/// Friction with a sliding law and no losses.
+pub fn sliding_friction(law: FrictionLaw, dissipation: Dissipation) -> Friction {
+    Friction {
+        law,
+        dissipation,
+        losses: None,
+    }
 }

@@ -7,6 +7,7 @@
 use crate::analysis::history::curve::Curve;
 use crate::analysis::history::{Cycle, RunHistory};
 use crate::archive::memory::Owned;
+use crate::run::time::nanoseconds;
 use crate::telemetry::fields::{NUTATION, NumberField, nutation};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -124,7 +125,7 @@ pub(super) fn differences(a: &RunHistory, b: &RunHistory) -> Vec<Owned> {
         Some(Owned {
             channel: NUTATION.index(),
             sequence: cycle.of_field(nutation::CYCLE) as u32,
-            time_ns: (1e9 * time) as u64,
+            time_ns: nanoseconds(time),
             numbers: numbers.collect::<Option<_>>()?,
             texts: Vec::new(),
         })

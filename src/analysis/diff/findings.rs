@@ -135,7 +135,7 @@ pub(super) fn findings(evidence: &Evidence<'_>) -> Vec<Finding> {
     let mut found = vec![end(evidence, &summaries)];
     found.extend(crossing(evidence));
     found.extend(rise(evidence));
-    found.extend(event_summaries(evidence));
+    found.extend(events(evidence));
     found.extend(peg(evidence, &summaries));
     found.extend(averages(evidence));
     found.extend(energy_lost(evidence));
@@ -202,8 +202,8 @@ fn rise(evidence: &Evidence<'_>) -> Option<Finding> {
     })
 }
 
-/// Events of only one run, and those of both at different times.
-fn event_summaries(evidence: &Evidence<'_>) -> Vec<Finding> {
+/// First times of events, and the number of loops.
+fn events(evidence: &Evidence<'_>) -> Vec<Finding> {
     let histories = evidence.paired.runs.each_ref().map(|run| &run.history);
     let errors = evidence.error_of_time();
     let time = |kind: EventKind| histories.map(|run| run.first(kind).map(|event| event.time));

@@ -106,7 +106,7 @@ fn messages<'r>(
             let topic = topics.binary_search(&raw.channel.topic).ok()?;
             return Some((raw.log_time, topic, raw.data.into()));
         }
-        losses.extend(subject::losses(&reader));
+        losses.extend(subject::losses(recording, &reader));
         None
     })
 }

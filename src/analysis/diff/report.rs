@@ -175,11 +175,14 @@ impl Report {
         let is_equal = others.iter().all(TopicBytes::is_equal);
         let has_same_topics = setup.topics_only_in.iter().all(Vec::is_empty);
         let is_complete = a.losses.is_empty() && b.losses.is_empty();
-        let verdict = match is_equal && has_same_topics {
-            false => Verdict::Different,
-            true if !is_complete => Verdict::Agreeing,
-            true if setup.files.is_empty() => Verdict::Identical,
-            true => Verdict::SameValues,
+        let verdict = if !is_equal || !has_same_topics {
+            Verdict::Different
+        } else if !is_complete {
+            Verdict::Agreeing
+        } else if setup.files.is_empty() {
+            Verdict::Identical
+        } else {
+            Verdict::SameValues
         };
         Self {
             a,
@@ -203,11 +206,6 @@ impl ComparedRun {
         if let Subject::Recording(recording) = subject {
             run.file = Some(recording.path().display().to_string());
             run.state = Some(recording.condition());
-            let losses = recording.losses().iter().map(ToString::to_string);
-            run.losses.splice(0..0, losses);
-            if recording.condition() == Condition::Interrupted {
-                run.losses.push("end of the run (interrupted)".to_owned());
-            }
         }
         run
     }
@@ -241,11 +239,12 @@ fn verdict(
     if is_cut != [false; 2] || is_thinned || !is_whole {
         return Verdict::Agreeing;
     }
-    let is_identical = paired.compared().all(TopicTally::is_identical);
-    match is_identical {
-        false => Verdict::Equal,
-        true if setup.files.is_empty() && setup.scenario.is_empty() => Verdict::Identical,
-        true => Verdict::SameValues,
+    if !paired.compared().all(TopicTally::is_identical) {
+        Verdict::Equal
+    } else if setup.files.is_empty() && setup.scenario.is_empty() {
+        Verdict::Identical
+    } else {
+        Verdict::SameValues
     }
 }
 

@@ -134,7 +134,14 @@ fn facts(recording: &Recording, has_schemas: bool) -> Flat {
     for attachment in &recording.layout.attachments {
         let text = recording.attachment(&attachment.place).map_or_else(
             |reason| reason,
-            |(head, data)| format!("{} {:x}", head.media_type, Sha256::digest(&data)),
+            |(head, data)| {
+                let digest = Sha256::digest(&data);
+                let (logged, created) = (head.log_time, head.create_time);
+                format!(
+                    "{} {digest:x}, logged at {logged} ns, created at {created} ns",
+                    head.media_type
+                )
+            },
         );
         add(format!("attachment {}", attachment.name), text);
     }
@@ -149,6 +156,9 @@ fn facts(recording: &Recording, has_schemas: bool) -> Flat {
             channel.metadata
         );
         add(format!("channel {}", channel.topic), text);
+    }
+    for schema in recording.layout.channels.unused_schemas() {
+        add(format!("unused schema {}", schema.name), String::new());
     }
     facts
 }

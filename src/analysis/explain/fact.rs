@@ -196,7 +196,10 @@ impl Fact {
                 format!("The top falls to θ = {} at {}.", angle(theta), at(time))
             }
             Self::Inverted { time } => {
-                format!("The top inverts (its axis passes the horizontal) at {time:.3} s.")
+                format!(
+                    "The top inverts (its axis passes the horizontal) at {}.",
+                    at(time)
+                )
             }
             Self::NotInverted { time } => {
                 format!("The top does not invert before the end at {}.", at(time))

@@ -114,8 +114,8 @@ pub(super) fn balance(evidence: &Evidence) -> Vec<Fact> {
     let (first, last, within) = (energies.first, energies.last, energies.imbalance);
     let change = (last - first).abs();
     let peg = evidence.summary.peg.as_ref();
-    let impacts = peg.and_then(|peg| peg.impacts);
-    let has_impacts = impacts.is_some_and(|count| count > 0);
+    // Impacts that were not recorded may have happened.
+    let has_impacts = peg.is_some_and(|peg| peg.impacts != Some(0));
     let conserves = evidence.scenario.is_frictionless() && !has_impacts;
     if conserves || energies.work.abs() <= within {
         return vec![Fact::EnergyConstant {

@@ -4,7 +4,6 @@ use super::channel::Channel;
 use super::sampling;
 use crate::analysis::plot::shape::Point;
 use crate::analysis::subject::Subject;
-use crate::archive::recording::Condition;
 use crate::telemetry::fields::{NUTATING, NUTATION, NumberField, nutation};
 use crate::telemetry::{Topic, Topics};
 
@@ -49,21 +48,8 @@ impl Run {
                     .for_each(|channel| channel.take(message));
                 true
             });
-            run.losses.extend(ended.losses);
+            run.losses = ended.losses;
             run.channels.iter_mut().for_each(Channel::finish);
-        }
-        if let Subject::Recording(recording) = subject {
-            match recording.condition() {
-                Condition::Interrupted => {
-                    let loss = "the run is incomplete (interrupted)";
-                    run.losses.push(loss.to_owned());
-                }
-                Condition::Damaged => {
-                    let losses = recording.losses().iter();
-                    run.losses.extend(losses.map(ToString::to_string));
-                }
-                Condition::Whole | Condition::Foreign => {}
-            }
         }
         run
     }

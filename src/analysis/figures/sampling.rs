@@ -23,7 +23,6 @@ const NEVER: u64 = i64::MAX.unsigned_abs();
 pub(super) fn finely_sampled(scenario: &Scenario) -> Scenario {
     let period = scenario.sample_period_ns;
     let wanted = period_ns(scenario).unwrap_or(period as f64);
-    // With a divisor, the original samples are among the new ones.
     let parts = (period as f64 / wanted).ceil().max(1.0) as u64;
     sampled(scenario, (period / parts).max(1))
 }

@@ -142,7 +142,7 @@ impl PegHistory {
         self.lost = Some(lost.map(|field| field.of(message)));
     }
 
-    /// The intervals of the phases, to the end of the run (s); `None` if there are no events.
+    /// The intervals of the phases, to the end of the run (s); empty if there are no events.
     pub(crate) fn intervals(&self, end: f64) -> Vec<Interval> {
         if !self.has_events {
             return Vec::new();
@@ -179,13 +179,16 @@ impl PegHistory {
         let of = |phase: PegPhase| intervals.iter().filter(move |i| i.phase == phase);
         let time_in = |phase: PegPhase| of(phase).map(Interval::duration).fold(0.0, |a, b| a + b);
         let is_known = self.has_events;
+        // A recording without their channel may have lost energy in impacts.
+        let is_free_of_impacts = self.lost.is_some_and(|lost| lost[2..] == [0.0; 2]);
+        let knows_impacts = self.impacts > 0 || is_free_of_impacts;
         let last = intervals
             .last()
             .filter(|last| last.phase == PegPhase::Rolling);
         PegSummary {
             hops: is_known.then(|| of(PegPhase::Flying).count() as u64),
-            impacts: is_known.then_some(self.impacts),
-            impact_loss: is_known
+            impacts: knows_impacts.then_some(self.impacts),
+            impact_loss: knows_impacts
                 .then_some(self.impact_loss)
                 .filter(|lost| lost.is_finite()),
             first_flight: of(PegPhase::Flying).next().map(|i| i.from),
@@ -210,7 +213,7 @@ impl PegHistory {
 pub struct PegSummary {
     /// Number of flights, from lift-off to landing; bounces in between don't count.
     pub hops: Option<u64>,
-    /// Number of impacts.
+    /// Number of impacts; absent if they were not recorded.
     pub impacts: Option<u64>,
     /// The energy that these took, J.
     pub impact_loss: Option<f64>,

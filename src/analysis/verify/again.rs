@@ -37,9 +37,10 @@ impl Again {
         form: Form,
     ) -> Result<Self, String> {
         let opening = || Opening::new(scenario, &telemetry, form);
-        let ids: Vec<u16> = (0..opening().channels.len() as u16).collect();
+        let recorded = opening();
+        let ids: Vec<u16> = (0..recorded.channels.len() as u16).collect();
         Ok(Self {
-            encoder: RunEncoder::new(opening(), &ids),
+            encoder: RunEncoder::new(recorded, &ids),
             opening: opening(),
             simulation: Simulation::new(scenario).map_err(|error| error.to_string())?,
             telemetry,

@@ -225,8 +225,8 @@ fn first_field(
         return Ok(Some((path.clone(), values)));
     }
     let times = [row.time_ns, expected.time_ns];
-    let is_late = times[0] != times[1];
-    Ok(is_late.then(|| {
+    let differs = times[0] != times[1];
+    Ok(differs.then(|| {
         (
             "timestamp (s)".to_owned(),
             times.map(|time| seconds(time).to_string()),

@@ -7,6 +7,18 @@ use std::fs::File;
 use std::io;
 use std::path::Path;
 
+/// Opens a file for reading. Pipes and devices are rejected, because opening a pipe could block.
+///
+/// # Errors
+/// The system error, or an error if the path is not a regular file.
+pub fn open_file(path: &Path) -> io::Result<File> {
+    let metadata = path.metadata()?;
+    if !metadata.is_file() && !metadata.is_dir() {
+        return Err(io::Error::other("it is a pipe or a device, not a file"));
+    }
+    File::open(path)
+}
+
 /// An open file.
 #[derive(Debug)]
 pub(crate) struct Source {
@@ -16,20 +28,13 @@ pub(crate) struct Source {
 
 impl Source {
     pub(crate) fn open(path: &Path) -> Result<Self, RecordingError> {
-        let metadata = path.metadata()?;
+        let file = open_file(path)?;
+        let metadata = file.metadata()?;
+        let length = metadata.len();
         if metadata.is_dir() {
-            return Err(RecordingError::because(
-                "it is a directory, not an MCAP file",
-            ));
+            let reason = "it is a directory, not an MCAP file";
+            return Err(RecordingError::because(reason));
         }
-        // Opening a pipe without a writer would block.
-        if !metadata.is_file() {
-            return Err(RecordingError::because(
-                "it is a pipe or device, not an MCAP file",
-            ));
-        }
-        let file = File::open(path)?;
-        let length = file.metadata()?.len();
         if length == 0 {
             return Err(RecordingError::because("the file is empty"));
         }

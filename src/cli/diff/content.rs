@@ -75,8 +75,12 @@ fn setup(report: &Report, all: bool) -> Section {
         ("A", |key| key_value(key, key.a.as_deref())),
         ("B", |key| key_value(key, key.b.as_deref())),
     ];
+    let hidden = shown.len().saturating_sub(most_rows(all));
     let shown = shown.into_iter().take(most_rows(all));
     section.table(Table::of(shown, 3, &columns));
+    if hidden > 0 {
+        section.line(format!("{hidden} more with --all"));
+    }
     for (what, [a, b]) in [
         ("only in", &setup.topics_only_in),
         ("fields only in", &setup.fields_only_in),

@@ -8,7 +8,7 @@ use crate::cli::table::Table;
 use crate::physics::top::Top;
 use crate::run::outcome::Outcome;
 use crate::run::scenario::{Scenario, Value, Values};
-use crate::run::simulation::{EventCount, StopReason};
+use crate::run::simulation::EventCount;
 use crate::run::time::seconds;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -121,9 +121,10 @@ impl RunReport {
             facts.push(("view", format!("rerun {}", rrd.path)));
             facts.push(("", install.to_owned()));
         }
-        let tone = match self.outcome.end.stop {
-            StopReason::Interrupted | StopReason::Failed => Tone::Weak,
-            _ => Tone::Good,
+        let tone = if self.outcome.end.stop.is_complete() {
+            Tone::Good
+        } else {
+            Tone::Weak
         };
         let title = format!("{name}: {}", self.outcome.sentence());
         vec![
@@ -215,8 +216,7 @@ fn under(label: &'static str, lines: Vec<String>) -> impl Iterator<Item = (&'sta
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::run::simulation::EventKind;
+    use crate::run::simulation::{EventKind, StopReason};
 
     /// Programs read the names that recordings have.
     #[test]

@@ -101,9 +101,14 @@ impl BodyRotation {
         let first = [q.i, q.j, q.k, q.w, momentum.x, momentum.y, momentum.z];
         with_integrals(first, &Integrals::default())
     }
+}
 
-    /// The state after the contact point comes to rest, with the vertical angular momentum conserved.
-    pub fn state_at_rest<const N: usize>(&self, y: &[f64; N]) -> [f64; N] {
+impl<const N: usize> FixedPeg<N> for BodyRotation {
+    fn with_phase(self, phase: Phase) -> Self {
+        Self { phase, ..self }
+    }
+
+    fn at_rest(&self, y: &[f64; N]) -> [f64; N] {
         let lean = Lean::of(&quaternion(y), |_| momentum(y));
         let held = Self {
             phase: Phase::Sticking,
@@ -115,16 +120,6 @@ impl BodyRotation {
         let mut rested = *y;
         (rested[4], rested[5]) = (momentum.x, momentum.y);
         rested
-    }
-}
-
-impl<const N: usize> FixedPeg<N> for BodyRotation {
-    fn with_phase(self, phase: Phase) -> Self {
-        Self { phase, ..self }
-    }
-
-    fn at_rest(&self, y: &[f64; N]) -> [f64; N] {
-        self.state_at_rest(y)
     }
 }
 

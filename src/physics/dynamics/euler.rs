@@ -127,17 +127,6 @@ impl EulerAngles {
         ];
         with_integrals(first, &Integrals::default())
     }
-
-    /// The state after the contact point comes to rest, with the vertical angular momentum conserved.
-    pub fn state_at_rest<const N: usize>(&self, y: &[f64; N]) -> [f64; N] {
-        let top = &self.model.top;
-        let tilt = Tilt::from_rates(y[1], rates(y));
-        let vertical = tilt.node_to_lean(&top.angular_momentum_node(&tilt)).z;
-        let mut rested = *y;
-        rested[3] = vertical / top.vertical_moment(tilt.sin, tilt.cos);
-        (rested[4], rested[5]) = (0.0, 0.0);
-        rested
-    }
 }
 
 impl<const N: usize> FixedPeg<N> for EulerAngles {
@@ -146,7 +135,13 @@ impl<const N: usize> FixedPeg<N> for EulerAngles {
     }
 
     fn at_rest(&self, y: &[f64; N]) -> [f64; N] {
-        self.state_at_rest(y)
+        let top = &self.model.top;
+        let tilt = Tilt::from_rates(y[1], rates(y));
+        let vertical = tilt.node_to_lean(&top.angular_momentum_node(&tilt)).z;
+        let mut rested = *y;
+        rested[3] = vertical / top.vertical_moment(tilt.sin, tilt.cos);
+        (rested[4], rested[5]) = (0.0, 0.0);
+        rested
     }
 }
 

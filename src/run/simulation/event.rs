@@ -213,6 +213,11 @@ pub(super) fn consequences(transition: &Transition) -> (Option<EventKind>, Optio
 }
 
 impl StopReason {
+    /// Whether the run came to an end of its own.
+    pub fn is_complete(self) -> bool {
+        !matches!(self, Self::Interrupted | Self::Failed)
+    }
+
     /// The reason for the run's end, as a sentence.
     pub fn sentence(self) -> &'static str {
         match self {

@@ -134,17 +134,14 @@ fn guard_tracker(guard: Guard, is_free: bool) -> SignTracker {
     match guard {
         Guard::Gap => SignTracker::with_sign(true, 1e-16),
         Guard::Slip if is_free => SignTracker::with_floor(SLIP_FLOOR),
-        Guard::Grip | Guard::NormalForce | Guard::Mobility | Guard::Rolling | Guard::Regular
-            if is_free =>
-        {
-            SignTracker::with_sign(true, 0.0)
+        Guard::Slip => SignTracker::default(),
+        Guard::Grip | Guard::NormalForce | Guard::Mobility | Guard::Rolling | Guard::Regular => {
+            if is_free {
+                SignTracker::with_sign(true, 0.0)
+            } else {
+                SignTracker::default()
+            }
         }
-        Guard::Slip
-        | Guard::Grip
-        | Guard::NormalForce
-        | Guard::Mobility
-        | Guard::Rolling
-        | Guard::Regular => SignTracker::default(),
     }
 }
 
