@@ -81,8 +81,9 @@ impl Run {
         })
     }
 
+    /// A column; empty if there is none with this index.
     pub fn column(&self, index: usize) -> &[f64] {
-        &self.columns[index]
+        self.columns.get(index).map_or(&[], Vec::as_slice)
     }
 
     /// Simulates some more records.

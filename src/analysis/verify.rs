@@ -89,29 +89,33 @@ pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Report {
         report.verdict = Verdict::Verified;
         return report;
     }
-    let again = match Again::start(&scenario, telemetry(), form) {
-        Ok(again) => again,
+    match Again::start(&scenario, telemetry(), form) {
+        Ok(again) => compare(recording, again, &mut report, progress),
         Err(reason) => {
             report.difference = Some(Difference::of("the run", "", [None, Some(reason)]));
-            return report;
         }
-    };
+    }
+    report
+}
+
+/// Compares the messages and the rest of the content with a new run.
+fn compare(recording: &Recording, again: Again, report: &mut Report, progress: &dyn Fn(u64)) {
     let is_by_value = report.recorded_by.is_some();
     let (compared, opening, end) = Comparison::new(recording, again, is_by_value).run(progress);
-    let is_interrupted = recording.is_interrupted();
     let is_whole = report.state == Condition::Whole && compared.losses == 0;
-    let is_part = !is_whole || is_interrupted || compared.missing > 0;
+    let is_part = !is_whole || recording.is_interrupted() || compared.missing > 0;
     let of_container = || container::difference(recording, &opening, &end, is_part, is_by_value);
     let is_exact = !is_by_value && !is_part;
-    // Data and index must agree, unless the file is damaged.
-    let has_index =
-        report.state != Condition::Damaged && compared.losses == 0 && recording.is_closed();
-    let index = || index::index_difference(recording);
     report.difference = compared
         .difference
         .or_else(of_container)
-        .or(compared.out_of_order.filter(|_| is_exact))
-        .or_else(|| has_index.then(index)?);
+        .or(compared.out_of_order.filter(|_| is_exact));
+    // Data and index must agree, unless the file is damaged.
+    let has_index =
+        report.state != Condition::Damaged && compared.losses == 0 && recording.is_closed();
+    if report.difference.is_none() && has_index {
+        report.difference = index::index_difference(recording);
+    }
     report.verdict = match (&report.difference, &report.recorded_by) {
         (Some(_), _) => Verdict::Different,
         (None, _) if is_part => Verdict::Incomplete,
@@ -123,7 +127,6 @@ pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Report {
     }
     report.equal = Some(compared.equal);
     report.missing = compared.missing;
-    report
 }
 
 /// The scenario of a recording and how it was recorded, or what is missing.

@@ -160,6 +160,28 @@ impl FiguresArguments {
             runs
         }
     }
+
+    /// Whether a figure shows a run; otherwise the report says why not.
+    fn can_draw(&self, figure: &Figure, run: &Run, report: &mut FiguresReport) -> bool {
+        let (name, run_name) = (figure.name, run.name.clone());
+        if let Some(because) = figure.does_not_apply(run) {
+            let is_expected = figure.is_expected_of(run) || !self.only.is_empty();
+            report.left_out.extend(is_expected.then_some(LeftOut {
+                figure: name,
+                run: run_name,
+                because,
+            }));
+            return false;
+        }
+        let missing = figure.missing(run);
+        let is_whole = missing.is_none();
+        report.lacking.extend(missing.map(|missing| Lacking {
+            figure: name,
+            run: run_name,
+            missing,
+        }));
+        is_whole
+    }
 }
 
 /// Draws figures of runs.
@@ -182,26 +204,9 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Status, Error> {
     let mut drawn = Vec::new();
     for figure in figures {
         let count = arguments.count(figure, runs.len());
-        let mut able = Vec::new();
-        for run in &runs[..count] {
-            let (name, run_name) = (figure.name, run.name.clone());
-            if let Some(because) = figure.does_not_apply(run) {
-                let is_expected = figure.is_expected_of(run) || !arguments.only.is_empty();
-                report.left_out.extend(is_expected.then_some(LeftOut {
-                    figure: name,
-                    run: run_name,
-                    because,
-                }));
-            } else if let Some(missing) = figure.missing(run) {
-                report.lacking.push(Lacking {
-                    figure: name,
-                    run: run_name,
-                    missing,
-                });
-            } else {
-                able.push(run);
-            }
-        }
+        let able = runs[..count].iter();
+        let able = able.filter(|run| arguments.can_draw(figure, run, &mut report));
+        let able: Vec<_> = able.collect();
         // Skip comparisons with a missing run.
         let is_able = figure.least_runs == 1 || able.len() == count;
         if is_able && !able.is_empty() {

@@ -144,7 +144,7 @@ impl InfoReport {
 }
 
 fn entry<'a>(entries: &'a BTreeMap<String, String>, key: &str) -> &'a str {
-    entries.get(key).map_or("", String::as_str)
+    entries.get(key).map_or("?", String::as_str)
 }
 
 fn run_line(run: &BTreeMap<String, String>) -> String {
@@ -159,11 +159,12 @@ fn run_line(run: &BTreeMap<String, String>) -> String {
 }
 
 fn end_line(end: &BTreeMap<String, String>) -> String {
-    let time = entry(end, STOP_TIME).parse().unwrap_or(f64::NAN);
+    let time = entry(end, STOP_TIME);
+    let time = time.parse().map_or("?".to_owned(), |time| number(time, 6));
     format!(
         "{} at {} s, {} samples, {} nutations, {} steps",
         entry(end, STOP_REASON),
-        number(time, 6),
+        time,
         entry(end, "samples"),
         entry(end, "nutations"),
         entry(end, STEPS)
@@ -179,9 +180,9 @@ mod tests {
     fn the_end_is_rounded_not_truncated() {
         let end = |time: &str| BTreeMap::from([(STOP_TIME.to_owned(), time.to_owned())]);
         for (time, shown) in [
-            ("1.2299986164036739e-5", " at 0.000012 s"),
-            ("24.730941", " at 24.730941 s"),
-            ("78.4096899", " at 78.409690 s"),
+            ("1.2299986164036739e-5", "? at 0.000012 s"),
+            ("24.730941", "? at 24.730941 s"),
+            ("78.4096899", "? at 78.409690 s"),
         ] {
             let line = end_line(&end(time));
             assert!(line.starts_with(shown), "{line}");

@@ -116,7 +116,7 @@ pub(super) fn legend(per_metre: f64, unit: &str) -> String {
     // Use a unit that takes SI prefixes.
     let unit = if unit == "kg m²/s" { "N m s" } else { unit };
     let per_centimetre = 0.01 * per_metre;
-    // Half a unit of the last digit: 1e-3 is one thousandth, whatever its rounding.
+    // Rounding must not push a round number below its prefix.
     let fits = |(factor, _): &&(f64, &str)| per_centimetre >= 0.999 * factor;
     match PREFIXES.iter().find(fits) {
         Some((factor, prefix)) if per_centimetre < 1e4 => {

@@ -4,6 +4,7 @@ use crate::fuzz_corpus::steps::analyses;
 use crate::support::{
     Folder, assert_contains, is_noticed, recorded, run_again, scenario, verified,
 };
+use assert_cmd::Command;
 use mcap::records::op;
 use std::fs;
 use std::io::Read as _;
@@ -144,6 +145,26 @@ fn chunks_that_were_swapped_or_repeated_are_noticed() {
         endures(path);
         analyses(&Recording::open(path).unwrap());
     });
+}
+
+/// A file that ends between two records has nothing that can't be read, and lacks the end of its run.
+#[test]
+fn a_run_that_was_cut_between_records_is_told_as_interrupted() {
+    let folder = Folder::new();
+    let whole = short("0.5");
+    let end = chunks(&whole)[3].end;
+    let path = folder.write("cut.mcap", &whole[..end]);
+    let recording = Recording::open(&path).unwrap();
+    assert_eq!(recording.losses(), []);
+    let story = explain(&recording).unwrap();
+    assert_eq!(story.losses, ["end of the run (interrupted)"]);
+    for command in [&["explain"][..], &["view", "--rrd", "x.rrd"]] {
+        if cfg!(feature = "rerun") || command.len() == 1 {
+            let mut program = Command::cargo_bin("toprise").unwrap();
+            let program = program.args(command).arg(&path).current_dir(folder.path());
+            program.assert().code(3);
+        }
+    }
 }
 
 #[test]
