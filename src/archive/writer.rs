@@ -12,7 +12,7 @@ use crate::archive::format::{
 use crate::run::scenario::Scenario;
 use crate::telemetry::digest::{ContentDigest, append_content};
 use crate::telemetry::encoding::{Encoder, Encoding};
-use crate::telemetry::views::{Views, view_channels};
+use crate::telemetry::views::{VIEW_CHANNELS, Views};
 use crate::telemetry::{Message, Telemetry, Topic};
 use ::mcap::records::{MessageHeader, Metadata};
 use ::mcap::write::NoSeek;
@@ -107,7 +107,7 @@ impl Declared {
     }
 
     fn views(views: &Views) -> impl Iterator<Item = Self> {
-        let wanted = view_channels().iter().enumerate();
+        let wanted = VIEW_CHANNELS.iter().enumerate();
         let wanted = wanted.filter(|(index, _)| views.is_enabled(*index));
         wanted.map(|(_, view)| Self {
             topic: view.topic,
@@ -143,7 +143,7 @@ impl RunEncoder {
         Self {
             encoder: Encoder::new(opening.encoding),
             table_ids: Topic::all().map(|topic| id(topic.name())).collect(),
-            view_ids: view_channels().iter().map(|view| id(view.topic)).collect(),
+            view_ids: VIEW_CHANNELS.iter().map(|view| id(view.topic)).collect(),
             views: opening.views,
             batch: Batch::default(),
         }

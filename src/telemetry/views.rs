@@ -117,7 +117,7 @@ impl ViewChannel {
 
 /// All channels for viewers.
 #[rustfmt::skip]
-const VIEWS: &[ViewChannel] = &[
+pub const VIEW_CHANNELS: &[ViewChannel] = &[
     view(Kind::Description, "/robot_description", STRING, &[POSE],
         "shape of the top as URDF, and a legend of these channels; sent once"),
     view(Kind::Transforms, "/tf", TRANSFORMS, &[POSE],
@@ -138,11 +138,6 @@ const VIEWS: &[ViewChannel] = &[
         "normal force of a free peg, N; 0 in the air").free_peg_only(),
     view(Kind::Log, "/log", LOG, &[EVENTS], "events (without nutation extremes) as log lines"),
 ];
-
-/// All channels for viewers.
-pub fn view_channels() -> &'static [ViewChannel] {
-    VIEWS
-}
 
 /// Generates the view messages from table messages.
 #[derive(Debug)]
@@ -179,7 +174,7 @@ impl Views {
         };
         let period = scenario.sample_period_ns.max(1);
         Self {
-            sources: VIEWS.iter().map(source).collect(),
+            sources: VIEW_CHANNELS.iter().map(source).collect(),
             description: Some(urdf::urdf(&proportions, &scales, is_free)),
             stride: u32::try_from(PERIOD_NS.div_ceil(period)).unwrap_or(u32::MAX),
             state: [f64::NAN; 2],
@@ -195,7 +190,7 @@ impl Views {
         self.sources[view].is_some()
     }
 
-    /// Calls `emit` for each view triggered by a message, with its index in [`view_channels`], sequence number and
+    /// Calls `emit` for each view triggered by a message, with its index in [`VIEW_CHANNELS`], sequence number and
     /// bytes. The time is that of the message.
     pub fn process(&mut self, message: &Message<'_>, mut emit: impl FnMut(usize, u32, &[u8])) {
         self.envelope.update(message);
@@ -206,7 +201,7 @@ impl Views {
         if message.topic() == STATE {
             self.state = [state::THETA, state::THETA_DOT].map(|field| field.of(message));
         }
-        for (index, view) in VIEWS.iter().enumerate() {
+        for (index, view) in VIEW_CHANNELS.iter().enumerate() {
             if self.sources[index] == Some(message.topic()) && self.write(view.kind, message) {
                 emit(index, message.sequence, self.cdr.bytes());
             }

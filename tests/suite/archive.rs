@@ -13,7 +13,7 @@ use toprise::archive::writer::Form;
 use toprise::physics::dynamics::Support;
 use toprise::run::scenario::Scenario;
 use toprise::run::simulation::Simulation;
-use toprise::telemetry::views::view_channels;
+use toprise::telemetry::views::VIEW_CHANNELS;
 use toprise::telemetry::{Telemetry, Topic};
 
 fn short() -> Scenario {
@@ -92,7 +92,7 @@ fn another_reader_finds_everything() {
     }
     assert_eq!(counts["/top/state"], 501);
     assert_eq!(counts["/tf"], 51);
-    let views = view_channels().iter().filter(|view| !view.is_free_peg_only);
+    let views = VIEW_CHANNELS.iter().filter(|view| !view.is_free_peg_only);
     assert_eq!(counts.len(), topics_of_fixed_peg() + views.count());
 }
 

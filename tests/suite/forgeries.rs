@@ -15,7 +15,7 @@ use toprise::archive::recording::Recording;
 use toprise::archive::writer::Form;
 use toprise::run::scenario::Scenario;
 use toprise::telemetry::encoding::Encoding;
-use toprise::telemetry::views::{ViewChannel, view_channels};
+use toprise::telemetry::views::{VIEW_CHANNELS, ViewChannel};
 
 /// The verdict on a forgery.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -134,7 +134,7 @@ fn other_number(_: &mut MessageHeader, data: &mut Vec<u8>) {
 }
 
 fn views_of_fixed_peg() -> impl Iterator<Item = &'static ViewChannel> {
-    view_channels().iter().filter(|view| !view.is_free_peg_only)
+    VIEW_CHANNELS.iter().filter(|view| !view.is_free_peg_only)
 }
 
 fn leave_out_views(forgery: &mut Forgery) {

@@ -14,7 +14,7 @@ use toprise::telemetry::encoding::{Encoder, Encoding};
 use toprise::telemetry::fields::{EVENTS, NUTATION, STATE, nutation};
 use toprise::telemetry::protobuf::{proto_file, proto_file_name};
 use toprise::telemetry::schema::{file_name, json_schema};
-use toprise::telemetry::views::{Views, view_channels};
+use toprise::telemetry::views::{VIEW_CHANNELS, Views};
 use toprise::telemetry::{Telemetry, Topics, channels};
 
 fn root() -> &'static Path {
@@ -41,7 +41,7 @@ fn precession_views() -> Vec<(Option<[f64; 2]>, Vec<f64>)> {
             range = Some(fields.map(|field| field.of(&message)));
         }
         views.process(&message, |view, _, bytes| {
-            if view_channels()[view].topic == "/view/precession_rate" {
+            if VIEW_CHANNELS[view].topic == "/view/precession_rate" {
                 // A header of four bytes, an empty layout, the number of values and four bytes of room.
                 assert_eq!(bytes.len(), 4 + 16 + 8 * 3);
                 let number = |bytes: &[u8]| f64::from_le_bytes(bytes.try_into().unwrap());
@@ -90,7 +90,7 @@ fn the_documents_list_every_channel() {
     let page = fs::read_to_string(root().join("docs/recordings.md")).unwrap();
     let rows = channels().iter();
     let rows = rows.map(|channel| format!("| `{}` | {} |", channel.topic, channel.meaning));
-    let views = view_channels().iter();
+    let views = VIEW_CHANNELS.iter();
     let views = views.map(|v| format!("| `{}` | `{}` | {} |", v.topic, v.schema, v.meaning));
     for row in rows.chain(views) {
         assert!(

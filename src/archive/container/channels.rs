@@ -1,7 +1,7 @@
 //! Channels of a file, matched with the table.
 
 use crate::telemetry::encoding::{DecodeError, Decoder};
-use crate::telemetry::views::view_channels;
+use crate::telemetry::views::VIEW_CHANNELS;
 use crate::telemetry::{ChannelInfo, Topic};
 use mcap::records::Record;
 use std::collections::BTreeMap;
@@ -49,7 +49,7 @@ impl FileChannel {
 
     /// Whether it is a view channel.
     pub fn is_view(&self) -> bool {
-        view_channels().iter().any(|view| view.topic == self.topic)
+        VIEW_CHANNELS.iter().any(|view| view.topic == self.topic)
     }
 
     /// Decoder of its messages, if it is a channel of the table.
