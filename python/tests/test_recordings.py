@@ -25,7 +25,7 @@ def test_what_is_left_of_a_recording_is_given_with_a_warning(reference, tmp_path
     whole = (reference / "paper.mcap").read_bytes()
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(whole[: len(whole) // 2])
-    with pytest.warns(toprise.RecordingWarning, match="cut: missing end of the run"):
+    with pytest.warns(toprise.RecordingWarning, match="cut: missing .*and 1 more"):
         run = toprise.read(cut)
     assert run.losses[-1] == "end of the run (interrupted)"
     assert run.content_digest is None
@@ -41,7 +41,7 @@ def test_damage_is_told(reference, tmp_path):
     damaged[middle : middle + 1000] = bytes(1000)
     file = tmp_path / "damaged.mcap"
     file.write_bytes(damaged)
-    with pytest.warns(toprise.RecordingWarning, match="and 1 more"):
+    with pytest.warns(toprise.RecordingWarning, match="damaged: missing 1?[0-9]+ bytes"):
         run = toprise.read(file)
     assert len(run.losses) == 1
     assert toprise.verify(file).verdict == "incomplete"
