@@ -18,20 +18,26 @@ pub enum Question {
     /// The tables of keys and presets, and the names of the columns.
     Tables {},
     /// Starts a run; an error if the scenario is wrong.
-    Start(Given),
+    Start(ScenarioRequest),
     /// Simulates some more records of the run.
     Advance { records: usize },
     /// The sentences of `toprise explain` on a scenario.
-    Explain(Given),
+    Explain(ScenarioRequest),
     /// The findings of `toprise diff` for two scenarios.
-    Compare { a: Given, b: Given },
+    Compare {
+        a: ScenarioRequest,
+        b: ScenarioRequest,
+    },
     /// Records a scenario into memory.
-    Record { scenario: Given, encoding: String },
+    Record {
+        scenario: ScenarioRequest,
+        encoding: String,
+    },
 }
 
 /// A scenario: a preset and the keys that are set in it, as on the command line.
 #[derive(Deserialize)]
-pub struct Given {
+pub struct ScenarioRequest {
     preset: String,
     set: BTreeMap<String, String>,
 }
@@ -107,7 +113,7 @@ impl Page {
     }
 }
 
-impl Given {
+impl ScenarioRequest {
     fn scenario(&self) -> Result<Scenario, ScenarioError> {
         let mut values = Preset::find(&self.preset).and_then(Preset::values)?;
         for (key, value) in &self.set {

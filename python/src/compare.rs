@@ -18,12 +18,12 @@ use toprise::archive::recording::Recording;
 use toprise::run::scenario::{PRESETS, Scenario as Checked};
 
 /// A run argument: a `Run`, or anything that identifies one.
-pub enum Given<'py> {
+pub enum RunArgument<'py> {
     Run(Bound<'py, Run>),
     Base(Base<'py>),
 }
 
-impl<'py> FromPyObject<'_, 'py> for Given<'py> {
+impl<'py> FromPyObject<'_, 'py> for RunArgument<'py> {
     type Error = PyErr;
 
     fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
@@ -35,27 +35,27 @@ impl<'py> FromPyObject<'_, 'py> for Given<'py> {
 }
 
 /// The run behind an argument, without its Python object.
-enum Meant {
+enum OpenRun {
     Recording(Arc<Recording>),
     Scenario(Box<Checked>),
 }
 
-impl Given<'_> {
-    fn open(self, py: Python<'_>) -> PyResult<Meant> {
+impl RunArgument<'_> {
+    fn open(self, py: Python<'_>) -> PyResult<OpenRun> {
         Ok(match self {
             Self::Run(run) => match &run.get().origin {
-                Origin::Scenario(scenario, _) => Meant::Scenario(scenario.clone()),
-                Origin::Recording(recording) => Meant::Recording(recording.clone()),
+                Origin::Scenario(scenario, _) => OpenRun::Scenario(scenario.clone()),
+                Origin::Recording(recording) => OpenRun::Recording(recording.clone()),
             },
             Self::Base(Base::Word(word)) if is_recording(&word) => {
-                Meant::Recording(open(py, word)?)
+                OpenRun::Recording(open(py, word)?)
             }
-            Self::Base(base) => Meant::Scenario(Box::new(base.scenario(None)?)),
+            Self::Base(base) => OpenRun::Scenario(Box::new(base.scenario(None)?)),
         })
     }
 }
 
-impl Meant {
+impl OpenRun {
     fn subject(&self) -> Subject<'_> {
         match self {
             Self::Recording(recording) => Subject::Recording(recording),
@@ -81,8 +81,8 @@ impl Observer for Watching {
 #[allow(clippy::too_many_arguments)]
 pub fn diff(
     py: Python<'_>,
-    a: Given<'_>,
-    b: Given<'_>,
+    a: RunArgument<'_>,
+    b: RunArgument<'_>,
     abs: f64,
     rel: f64,
     tolerances: Vec<String>,
@@ -116,7 +116,7 @@ pub fn diff(
 
 /// Explains a run; see `toprise.explain`.
 #[pyfunction]
-pub fn explain(py: Python<'_>, run: Given<'_>) -> PyResult<(String, Vec<String>)> {
+pub fn explain(py: Python<'_>, run: RunArgument<'_>) -> PyResult<(String, Vec<String>)> {
     let run = run.open(py)?;
     let explanation = compute(py, move |interrupt| {
         explain_while(run.subject(), &|| !interrupt.is_asked())

@@ -13,12 +13,12 @@ use std::ffi::{CStr, c_int};
 use std::sync::Arc;
 
 /// A table of Arrow: its schema and its rows.
-pub struct Given {
+pub struct ArrowTable {
     pub schema: SchemaRef,
     pub batches: Vec<RecordBatch>,
 }
 
-impl<'py> FromPyObject<'_, 'py> for Given {
+impl<'py> FromPyObject<'_, 'py> for ArrowTable {
     type Error = PyErr;
 
     /// Accepts objects with `__arrow_c_stream__` (tables) or `__arrow_c_array__` (single batches).
@@ -41,7 +41,7 @@ impl<'py> FromPyObject<'_, 'py> for Given {
 }
 
 #[allow(unsafe_code)]
-fn read_stream(capsule: &Bound<'_, PyCapsule>) -> PyResult<Given> {
+fn read_stream(capsule: &Bound<'_, PyCapsule>) -> PyResult<ArrowTable> {
     let pointer = capsule.pointer_checked(Some(c"arrow_array_stream"))?;
     // SAFETY: a capsule of this name points to a stream, by the PyCapsule interface. It is moved out, and what is left behind is
     // marked as released, so that the capsule does not release it again.
@@ -64,7 +64,7 @@ fn read_stream(capsule: &Bound<'_, PyCapsule>) -> PyResult<Given> {
         let code = unsafe { get_next(&raw mut stream, &raw mut array) };
         check(code, &mut stream)?;
         if array.is_released() {
-            return Ok(Given { schema, batches });
+            return Ok(ArrowTable { schema, batches });
         }
         batches.push(batch(array, &schema)?);
     }
@@ -91,7 +91,7 @@ fn check(code: c_int, stream: &mut FFI_ArrowArrayStream) -> PyResult<()> {
 }
 
 #[allow(unsafe_code)]
-fn read_batch(schema: &Bound<'_, PyCapsule>, array: &Bound<'_, PyCapsule>) -> PyResult<Given> {
+fn read_batch(schema: &Bound<'_, PyCapsule>, array: &Bound<'_, PyCapsule>) -> PyResult<ArrowTable> {
     let schema = schema.pointer_checked(Some(c"arrow_schema"))?;
     let array = array.pointer_checked(Some(c"arrow_array"))?;
     // SAFETY: capsules of these names point to a schema and an array, by the PyCapsule interface; both are moved out, and what
@@ -104,7 +104,7 @@ fn read_batch(schema: &Bound<'_, PyCapsule>, array: &Bound<'_, PyCapsule>) -> Py
     };
     let schema = nullable(&Schema::try_from(&schema).map_err(refused)?);
     let batches = vec![batch(array, &schema)?];
-    Ok(Given { schema, batches })
+    Ok(ArrowTable { schema, batches })
 }
 
 /// A batch of rows, wherever its numbers begin in memory.

@@ -3,7 +3,7 @@
 use crate::errors::{self, SweepError};
 use crate::guard::{Interrupt, compute, compute_watched};
 use crate::scenario::Base;
-use crate::stream::Given;
+use crate::stream::ArrowTable;
 use crate::table::Table;
 use arrow_array::{ArrayRef, RecordBatch, new_null_array};
 use arrow_schema::{ArrowError, DataType, Field, FieldRef, Schema};
@@ -32,7 +32,7 @@ const OUTCOMES: (&str, &str) = ("outcomes", "the outcome of each run, or why the
 #[pyo3(signature = (table, base, *, keep, threads, max_steps))]
 pub fn outcomes(
     py: Python<'_>,
-    table: Given,
+    table: ArrowTable,
     base: Base<'_>,
     keep: Vec<String>,
     threads: usize,

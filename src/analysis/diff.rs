@@ -97,22 +97,22 @@ pub fn compare_observed<'a>(
 
 /// Compares two runs of toprise.
 fn compare_runs(
-    given: [Subject<'_>; 2],
+    inputs: [Subject<'_>; 2],
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Result<Report, DiffError> {
-    let again = resampled(given);
-    let [a, b] = given;
+    let again = resampled(inputs);
+    let [a, b] = inputs;
     let runs = [a, again.as_ref().map_or(b, Subject::Scenario)];
     let topics = runs.map(Subject::topics);
     let fields = topics.iter().flatten().flat_map(|topic| topic.numbers());
     let fields = fields.map(|field| field.to_string());
-    let others = runs.into_iter().flat_map(|run| strangers(run, true));
+    let others = runs.into_iter().flat_map(|run| foreign_topics(run, true));
     let known: Vec<_> = fields.chain(others).collect();
     options.tolerances.match_any_of(&known)?;
     let names = topics.map(|of_run| of_run.iter().map(ToString::to_string).collect());
     let (common, only_in) = common_topics(&names, options)?;
-    let setup = setup::compare(given, only_in);
+    let setup = setup::compare(inputs, only_in);
     let carry_on = observer.carry_on();
     let paired = read_both(runs, &common, options, observer, &carry_on)?;
     for (run, side) in paired.runs.iter().zip(["A", "B"]) {
@@ -133,7 +133,7 @@ fn compare_runs(
         [Subject::Recording(a), Subject::Recording(b)] if options.topics.is_empty() => {
             // View channels are derived; compare them only if everything else is equal.
             let with_views = a.encoding() == b.encoding() && paired.is_identical();
-            let [mut common, of_b] = runs.map(|run| strangers(run, with_views));
+            let [mut common, of_b] = runs.map(|run| foreign_topics(run, with_views));
             common.retain(|topic| of_b.contains(topic) && !options.tolerances.ignores(topic));
             others::compare([a, b], &Vec::from_iter(common), &mut |_| {}).0
         }
@@ -191,13 +191,13 @@ fn common_topics(
 }
 
 /// Foreign topics of a toprise recording, optionally with view topics.
-fn strangers(run: Subject<'_>, with_views: bool) -> BTreeSet<String> {
+fn foreign_topics(run: Subject<'_>, with_views: bool) -> BTreeSet<String> {
     let Subject::Recording(recording) = run else {
         return BTreeSet::new();
     };
-    let is_strange =
+    let is_foreign =
         |channel: &&FileChannel| channel.table.is_none() && (with_views || !channel.is_view());
-    let channels = recording.channels().iter().filter(is_strange);
+    let channels = recording.channels().iter().filter(is_foreign);
     channels.map(|channel| channel.topic.clone()).collect()
 }
 

@@ -181,10 +181,10 @@ fn title(evidence: &Evidence) -> String {
 /// Event kinds, without nutation extremes.
 fn event_summaries(history: &RunHistory) -> Vec<EventSummary> {
     let mut event_summaries: Vec<EventSummary> = Vec::new();
-    let is_told = |kind: EventKind| kind != EventKind::Start && !kind.is_of_nutation();
+    let is_listed = |kind: EventKind| kind != EventKind::Start && !kind.is_of_nutation();
     let events = history.events.iter();
     let events = events.filter_map(|event| Some((event.kind?, event)));
-    for (kind, event) in events.filter(|(kind, _)| is_told(*kind)) {
+    for (kind, event) in events.filter(|(kind, _)| is_listed(*kind)) {
         let mut known = event_summaries.iter_mut();
         match known.find(|known| known.name == kind.name()) {
             Some(known) => (known.count, known.last) = (known.count + 1, event.time),

@@ -253,8 +253,8 @@ impl<'o> Pairing<'o> {
             let b = b.pop_front_if(|_| order != Ordering::Less);
             match (a, b) {
                 (Some(a), Some(b)) => self.compare(topic, &a.as_message(), &b.as_message())?,
-                (Some(a), None) => self.count_alone(topic, Side::A, a.time_ns),
-                (None, Some(b)) => self.count_alone(topic, Side::B, b.time_ns),
+                (Some(a), None) => self.count_unmatched(topic, Side::A, a.time_ns),
+                (None, Some(b)) => self.count_unmatched(topic, Side::B, b.time_ns),
                 (None, None) => {}
             }
         }
@@ -307,15 +307,15 @@ impl<'o> Pairing<'o> {
         Ok(())
     }
 
-    /// Counts a message without a partner. Samples between those of the other run, and after its end, are told apart.
-    fn count_alone(&mut self, topic: Topic, side: Side, time_ns: u64) {
+    /// Counts a message without a partner. Samples between those of the other run, and after its end, are counted separately.
+    fn count_unmatched(&mut self, topic: Topic, side: Side, time_ns: u64) {
         let other = side.other().index();
         let period = self.periods[other].filter(|_| topic.info().is_sampled);
         let is_between = period.is_some_and(|period| !time_ns.is_multiple_of(period));
         let end = self.paired.runs[other].history.last_ns;
         let is_beyond = end.is_none_or(|end| time_ns > end);
         if let Some(tally) = &mut self.paired.topics[topic.index()] {
-            tally.leave_alone(side, time_ns, is_between, is_beyond);
+            tally.count_unmatched(side, time_ns, is_between, is_beyond);
         }
     }
 

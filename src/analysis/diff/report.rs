@@ -221,10 +221,7 @@ fn verdict(
     let lacks = |side: Side| {
         let names = [&setup.topics_only_in, &setup.fields_only_in];
         let has_names = names.iter().any(|only| !only[side.index()].is_empty());
-        has_names
-            || paired
-                .compared()
-                .any(|topic| topic.without_partner(side) > 0)
+        has_names || paired.compared().any(|topic| topic.unmatched(side) > 0)
     };
     // Unmatched messages are a difference, unless the other run is truncated.
     let has_more = [Side::A, Side::B]

@@ -56,7 +56,7 @@ pub(super) struct TopicTally {
     /// The fields that both have and that are not ignored.
     fields: Vec<(NumberField, FieldTally)>,
     /// Fields that only A and only B has.
-    alone: [Vec<String>; 2],
+    fields_only_in: [Vec<String>; 2],
     derived: Vec<Derived>,
     /// Whether paired messages must have equal sequence numbers.
     has_sequences: bool,
@@ -75,7 +75,7 @@ impl TopicTally {
         has_sequences: bool,
     ) -> Self {
         let mut fields = Vec::new();
-        let mut alone = [Vec::new(), Vec::new()];
+        let mut fields_only_in = [Vec::new(), Vec::new()];
         for number in topic.numbers() {
             let name = number.to_string();
             match [0, 1].map(|side| missing[side].contains(&name)) {
@@ -85,10 +85,10 @@ impl TopicTally {
                     fields.push((number, FieldTally::new(tolerance)));
                 }
                 [true, true] => {}
-                [is_in_b_only, _] => alone[usize::from(is_in_b_only)].push(name),
+                [is_in_b_only, _] => fields_only_in[usize::from(is_in_b_only)].push(name),
             }
         }
-        let derived = if alone.iter().all(Vec::is_empty) {
+        let derived = if fields_only_in.iter().all(Vec::is_empty) {
             Derived::of(topic)
         } else {
             Vec::new()
@@ -97,7 +97,7 @@ impl TopicTally {
             derived,
             topic,
             fields,
-            alone,
+            fields_only_in,
             has_sequences,
             found: ChannelDifference {
                 topic: topic.to_string(),
@@ -109,7 +109,7 @@ impl TopicTally {
 
     /// The fields that only one of the runs has.
     pub(super) fn only_in(&self, side: Side) -> &[String] {
-        &self.alone[side.index()]
+        &self.fields_only_in[side.index()]
     }
 
     /// Counts a message.
@@ -118,7 +118,7 @@ impl TopicTally {
     }
 
     /// Counts an unmatched message.
-    pub(super) fn leave_alone(
+    pub(super) fn count_unmatched(
         &mut self,
         side: Side,
         time_ns: u64,
@@ -200,7 +200,7 @@ impl TopicTally {
     }
 
     /// The number of unmatched messages of a run.
-    pub(super) fn without_partner(&self, side: Side) -> u64 {
+    pub(super) fn unmatched(&self, side: Side) -> u64 {
         self.found.unmatched[side.index()] + self.found.beyond[side.index()]
     }
 
