@@ -173,13 +173,13 @@ impl RunHistory {
     }
 
     /// The cycles that follow each other, so that their averages form a curve. For a fixed peg they end where the next
-    /// cycle does not start at the end of the last one, or is much longer.
+    /// cycle does not start near the end of the last one, or lasts more than twice or less than half as long.
     pub(crate) fn successive_cycles(&self) -> &[Cycle] {
-        const LONGEST: f64 = 2.0;
+        const RATIO: f64 = 2.0;
         let is_broken = |pair: &[Cycle]| {
             let ratio = pair[1].period / pair[0].period;
             let gap = pair[1].start - pair[0].end();
-            !(1.0 / LONGEST..=LONGEST).contains(&ratio) || gap.abs() > 0.5 * pair[0].period
+            !(1.0 / RATIO..=RATIO).contains(&ratio) || gap.abs() > 0.5 * pair[0].period
         };
         let broken = self.cycles.windows(2).position(is_broken);
         let broken = broken.filter(|_| self.peg.is_none());
