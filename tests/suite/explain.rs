@@ -239,8 +239,9 @@ fn what_is_constant_is_constant() {
         let explanation = explain(&scenario(name, &[])).unwrap();
         facts(&explanation)
             .filter_map(|fact| match fact {
-                Fact::VerticalMomentum { has_torque, .. } => Some(!has_torque),
-                Fact::Jellett { has_couples, .. } => Some(!has_couples),
+                Fact::VerticalMomentum { is_constant, .. } | Fact::Jellett { is_constant, .. } => {
+                    Some(*is_constant)
+                }
                 Fact::EnergyConstant { .. } | Fact::ThetaConstant { .. } => Some(true),
                 _ => None,
             })

@@ -164,15 +164,15 @@ pub enum Fact {
     VerticalMomentum {
         /// The largest deviation, relative.
         deviation: f64,
-        /// Whether friction has a torque about the vertical.
-        has_torque: bool,
+        /// Whether friction has no torque about the vertical.
+        is_constant: bool,
     },
     /// Jellett's integral.
     Jellett {
         /// The largest deviation, relative to its terms.
         deviation: f64,
-        /// Whether there are torques other than those of the contact force.
-        has_couples: bool,
+        /// Whether there are no torques other than those of the contact force.
+        is_constant: bool,
     },
 }
 
@@ -317,7 +317,7 @@ impl Fact {
             ),
             Self::VerticalMomentum {
                 deviation,
-                has_torque: false,
+                is_constant: true,
             } => format!(
                 "The vertical angular momentum is constant (± {}, relative); no torque acts about the vertical.",
                 significant(*deviation, 2)
@@ -328,7 +328,7 @@ impl Fact {
             ),
             Self::Jellett {
                 deviation,
-                has_couples: false,
+                is_constant: true,
             } => format!(
                 "Jellett's integral l L_n + R L_z′ is constant (± {}, relative), as expected for contact forces.",
                 significant(*deviation, 2)

@@ -97,11 +97,11 @@ pub(super) fn energy(evidence: &Evidence) -> Vec<Fact> {
     facts.extend(path.map(|length| Fact::SlipPath { length }));
     let deviation = evidence.summary.vertical_momentum_deviation;
     let friction = &evidence.scenario.model.friction;
-    let has_torque = friction.turns_about_vertical() && !evidence.scenario.is_frictionless();
-    let deviation = deviation.filter(|deviation| has_torque || *deviation < ROUNDED);
+    let is_constant = !friction.turns_about_vertical() || evidence.scenario.is_frictionless();
+    let deviation = deviation.filter(|deviation| !is_constant || *deviation < ROUNDED);
     facts.extend(deviation.map(|deviation| Fact::VerticalMomentum {
         deviation,
-        has_torque,
+        is_constant,
     }));
     facts
 }

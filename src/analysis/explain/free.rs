@@ -44,12 +44,13 @@ pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
 /// The causes of the motion of the axis.
 pub(super) fn cause(evidence: &Evidence) -> Vec<Fact> {
     let peg = evidence.summary.peg.as_ref();
-    let has_couples = evidence.scenario.model.friction.has_losses();
+    let is_constant = !evidence.scenario.model.friction.has_losses();
     let deviation = peg.and_then(|peg| peg.jellett_deviation);
-    let is_known = |deviation: &f64| deviation.is_finite() && (has_couples || *deviation < ROUNDED);
+    let is_known =
+        |deviation: &f64| deviation.is_finite() && (!is_constant || *deviation < ROUNDED);
     let jellett = deviation.filter(is_known).map(|deviation| Fact::Jellett {
         deviation,
-        has_couples,
+        is_constant,
     });
     jellett.into_iter().collect()
 }
