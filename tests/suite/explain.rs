@@ -453,3 +453,31 @@ fn what_is_not_known_is_not_said() {
         assert_eq!(found, None, "{name}");
     }
 }
+
+/// Impacts of a recording without their channel are not known; there may have been some.
+#[test]
+fn impacts_that_were_not_recorded_are_not_denied() {
+    let folder = Folder::new();
+    let drop = scenario("drop", &[]);
+    let topics = [
+        "/top/state",
+        "/top/acceleration",
+        "/top/energy",
+        "/events",
+        "/top/free_peg",
+    ];
+    archive(&folder.at("drop.mcap"), &drop, &topics, Form::default()).unwrap();
+    let explanation = explain(&Recording::open(&folder.at("drop.mcap")).unwrap()).unwrap();
+    let peg = explanation.summary.peg.as_ref().unwrap();
+    assert_eq!((peg.impacts, peg.impact_loss), (None, None));
+    let has_impacts = |fact: &Fact| {
+        matches!(
+            fact,
+            Fact::Balance {
+                has_impacts: true,
+                ..
+            }
+        )
+    };
+    assert!(facts(&explanation).any(has_impacts));
+}

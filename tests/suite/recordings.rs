@@ -433,3 +433,32 @@ fn topics_that_are_not_recorded_are_named() {
         assert_eq!(report.without, others.collect::<Vec<_>>());
     }
 }
+
+/// A member that stands twice does not make up for one that is missing.
+#[test]
+fn a_member_that_is_repeated_is_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("a.mcap");
+    archive(&path, &short(), &["/top/energy"], Form::default()).unwrap();
+    let recording = Recording::open(&path).unwrap();
+    let mut reader = recording.reader(Selection::default());
+    let is_energy = |topic: &str| topic == "/top/energy";
+    let text = loop {
+        let message = reader.next_undecoded().unwrap();
+        if is_energy(&message.channel.topic) {
+            break String::from_utf8(message.data.to_vec()).unwrap();
+        }
+    };
+    let info = ENERGY.info();
+    let schema = Encoding::Json.schema(info);
+    let decoder = Decoder::new(info, "json", info.schema, &schema).unwrap();
+    let mut row = Row::default();
+    decoder.decode(text.as_bytes(), &mut row).unwrap();
+    let twice = text.replacen("\"potential\"", "\"kinetic\"", 1);
+    assert_ne!(twice, text);
+    let error = decoder.decode(twice.as_bytes(), &mut row).unwrap_err();
+    assert!(
+        error.to_string().contains("a member is repeated"),
+        "{error}"
+    );
+}
