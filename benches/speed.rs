@@ -15,7 +15,7 @@ use toprise::archive::publish::Existing;
 use toprise::archive::recording::{Recording, Selection};
 use toprise::archive::sink::{Sink, record};
 use toprise::archive::writer::Form;
-use toprise::physics::dynamics::EulerAngles;
+use toprise::physics::dynamics::{EulerAngles, Phase};
 use toprise::physics::integrate::{Dop853, System, Tolerances};
 use toprise::run::outcome;
 use toprise::run::scenario::{Preset, Scenario};
@@ -229,7 +229,8 @@ fn integrated(densely: bool) -> f64 {
     let paper = changed("paper", &[]);
     let state: [f64; EulerAngles::STATE_LENGTH] =
         EulerAngles::state(paper.angles, paper.rates, &paper.model);
-    let system = EulerAngles::new(paper.model);
+    let (model, phase) = (paper.model, Phase::Sliding);
+    let system = EulerAngles { model, phase };
     let mut integrator =
         Dop853::new(system, 0.0, state, paper.tolerances).expect("the start is regular");
     while integrator.t() < 24.719 {

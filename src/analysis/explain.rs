@@ -107,10 +107,16 @@ pub fn explain_while<'a>(
     } else {
         [fixed::motion, fixed::cause, fixed::energy]
     };
+    // Counts and averages of a recording with gaps are not those of the run.
+    let (motion, cause) = if evidence.history.has_gaps {
+        (vec![fixed::start(&evidence)], Vec::new())
+    } else {
+        (motion(&evidence), cause(&evidence))
+    };
     let chapter = |heading, facts| Chapter { heading, facts };
     let mut chapters = vec![
-        chapter("What happened", motion(&evidence)),
-        chapter("Why the axis moves", cause(&evidence)),
+        chapter("What happened", motion),
+        chapter("Why the axis moves", cause),
         chapter("Where the energy goes", energy(&evidence)),
     ];
     chapters.retain(|chapter| !chapter.facts.is_empty());

@@ -54,6 +54,10 @@ pub(crate) struct RunHistory {
     pub(crate) events: Vec<Event>,
     /// Nutation cycles, in the order of time.
     pub(crate) cycles: Vec<Cycle>,
+    /// Whether samples are missing between the start and the last one.
+    pub(crate) has_gaps: bool,
+    /// Number of the next sample, if none is missing.
+    next_sample: u32,
     /// The first and the last sample.
     pub(crate) states: Option<[State; 2]>,
     pub(crate) energies: Option<Energies>,
@@ -114,6 +118,8 @@ impl RunHistory {
     }
 
     fn state(&mut self, message: &Message<'_>) {
+        self.has_gaps |= message.sequence != self.next_sample;
+        self.next_sample = message.sequence.wrapping_add(1);
         let rates = Euler {
             phi: state::PHI_DOT.of(message),
             theta: state::THETA_DOT.of(message),

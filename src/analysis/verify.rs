@@ -112,7 +112,7 @@ fn compare(recording: &Recording, again: Again, report: &mut Report, progress: &
         .or(compared.out_of_order.filter(|_| is_exact));
     // Data and index must agree, unless the file is damaged.
     let has_index =
-        report.state != Condition::Damaged && compared.losses == 0 && recording.is_closed();
+        report.state != Condition::Damaged && compared.losses == 0 && recording.layout.is_ended;
     if report.difference.is_none() && has_index {
         report.difference = index::index_difference(recording);
     }

@@ -30,9 +30,6 @@ pub(super) struct ExplainArguments {
     all: bool,
 }
 
-/// Maximum number of event kinds without --all.
-const MOST_EVENTS: usize = 10;
-
 /// Explains a run.
 pub(super) fn explain(arguments: &ExplainArguments) -> Result<Status, Error> {
     let input = open(&arguments.run, &[], &arguments.overrides)?;
@@ -47,7 +44,7 @@ fn page(explanation: &Explanation, all: bool) -> Vec<Section> {
         Section::of_lines(chapter.heading, chapter.facts.iter().map(Fact::sentence))
     };
     let mut sections: Vec<Section> = explanation.chapters.iter().map(chapter).collect();
-    sections.push(events(explanation, all));
+    sections.push(events(explanation));
     if all {
         sections.push(stages(&explanation.stages));
     }
@@ -59,7 +56,7 @@ fn page(explanation: &Explanation, all: bool) -> Vec<Section> {
 }
 
 /// One line for each kind of event.
-fn events(explanation: &Explanation, all: bool) -> Section {
+fn events(explanation: &Explanation) -> Section {
     let row = |event: &EventSummary| {
         let again = match event.count {
             1 => String::new(),
@@ -68,14 +65,8 @@ fn events(explanation: &Explanation, all: bool) -> Section {
         let name = event.name.replace('_', " ");
         vec![format!("{:.4} s", event.first), name, again]
     };
-    let most = if all { usize::MAX } else { MOST_EVENTS };
-    let rows = explanation.events.iter().take(most).map(row);
-    let mut section = Section::of(Table::of_texts(rows)).titled("Events", "");
-    let hidden = explanation.events.len().saturating_sub(most);
-    if hidden > 0 {
-        section.line(format!("{hidden} more with --all"));
-    }
-    section
+    let rows = explanation.events.iter().map(row);
+    Section::of(Table::of_texts(rows)).titled("Events", "")
 }
 
 /// Table of the averaged motion.

@@ -2,7 +2,7 @@
 
 use crate::fuzz_corpus::steps::analyses;
 use crate::support::{
-    Folder, assert_contains, is_noticed, recorded, run_again, scenario, verified,
+    Folder, archive, assert_contains, is_noticed, recorded, run_again, scenario, verified,
 };
 use assert_cmd::Command;
 use mcap::records::op;
@@ -11,7 +11,8 @@ use std::io::Read as _;
 use std::ops::Range;
 use std::path::Path;
 use std::thread;
-use toprise::analysis::explain::explain;
+use toprise::analysis::diff::{Options, compare};
+use toprise::analysis::explain::{Fact, explain};
 use toprise::analysis::figures::{Figure, Run};
 use toprise::analysis::verify::Verdict;
 use toprise::archive::recording::{Condition, Overview, Recording, Selection};
@@ -421,4 +422,40 @@ fn a_pipe_is_refused_and_not_waited_for() {
     let opened = opened.recv_timeout(minute);
     let error = opened.expect("opening a pipe takes no time").unwrap_err();
     assert_eq!(error, "it is a pipe or a device, not a file");
+}
+
+/// What is missing of a run is no difference to it, and counts of the rest are not those of the run.
+#[test]
+fn a_hole_makes_no_findings() {
+    let folder = Folder::new();
+    let drop = scenario("drop", &[("sampling.period", "0.0005")]);
+    archive(&folder.at("whole.mcap"), &drop, &[], Form::default()).unwrap();
+    let whole = folder.read("whole.mcap");
+    let original = Recording::open(&folder.at("whole.mcap")).unwrap();
+    let chunks = chunks(&whole);
+    assert!(chunks.len() > 9);
+    let last = chunks.last().unwrap();
+    for hit in [&chunks[0], &chunks[2], &chunks[5], last] {
+        let mut bytes = whole.clone();
+        bytes[hit.clone()].fill(0);
+        let hole = Recording::open(&folder.write("hole.mcap", bytes)).unwrap();
+        let story = explain(&hole).unwrap();
+        assert!(!story.losses.is_empty());
+        let facts = story.chapters.iter().flat_map(|chapter| &chapter.facts);
+        for fact in facts {
+            let counts = matches!(fact, Fact::Hops { .. } | Fact::Impacts { .. });
+            // Behind the last sample that is there nothing is told.
+            assert!(!counts || hit == last, "{hit:?}: {fact:?}");
+        }
+        let options = Options {
+            floor: false,
+            ..Options::default()
+        };
+        for pair in [[&hole, &original], [&original, &hole]] {
+            let report = compare(pair[0], pair[1], &options).unwrap();
+            for finding in report.findings {
+                assert!(!finding.differs(), "{hit:?}: {finding:?}");
+            }
+        }
+    }
 }

@@ -11,7 +11,7 @@ use crate::support::{FAST_PRECESSION, scenario};
 use proptest::prelude::*;
 use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
-use toprise::physics::dynamics::{BodyRotation, EulerAngles};
+use toprise::physics::dynamics::{BodyRotation, EulerAngles, Phase};
 use toprise::physics::integrate::{
     Crossing, Dense, Dop853, IntegrateError, KNOTS, SignTracker, Slope, System, Tolerances,
 };
@@ -604,7 +604,8 @@ fn dense_errors<S: System<N> + Copy, const N: usize>(
 fn fast_precession() -> (BodyRotation, [f64; BodyRotation::STATE_LENGTH]) {
     let scenario = scenario("rise-by-loss-of-spin", &FAST_PRECESSION);
     let state = BodyRotation::state(scenario.angles, scenario.rates, &scenario.model);
-    (BodyRotation::new(scenario.model), state)
+    let (model, phase) = (scenario.model, Phase::Sliding);
+    (BodyRotation { model, phase }, state)
 }
 
 /// The paper's top, with a friction that sets in over `speed` m/s of slip: soft or stiff.
@@ -619,7 +620,8 @@ fn sliding_top(speed: &str) -> (EulerAngles, [f64; EulerAngles::STATE_LENGTH]) {
 
 fn in_euler_angles(scenario: &Scenario) -> (EulerAngles, [f64; EulerAngles::STATE_LENGTH]) {
     let state = EulerAngles::state(scenario.angles, scenario.rates, &scenario.model);
-    (EulerAngles::new(scenario.model), state)
+    let (model, phase) = (scenario.model, Phase::Sliding);
+    (EulerAngles { model, phase }, state)
 }
 
 /// The documented bound is ten tolerances; in these cases, the estimate is at most 2.64 times smaller than the error.

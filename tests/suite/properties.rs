@@ -3,7 +3,7 @@
 use crate::support::{Run, sliding_friction};
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use toprise::physics::dynamics::{BodyRotation, EulerAngles, Formulation, Model, Support};
+use toprise::physics::dynamics::{BodyRotation, EulerAngles, Formulation, Model, Phase, Support};
 use toprise::physics::friction::{Dissipation, FrictionLaw};
 use toprise::physics::integrate::System;
 use toprise::physics::kinematics::{
@@ -145,7 +145,8 @@ proptest! {
     fn both_formulations_have_the_same_derivative(a in angles(), r in rates(), part in dissipation()) {
         // Take a tiny Euler step with each formulation's derivative and compare the motions.
         let model = model(part, 0.03);
-        let (euler, body) = (EulerAngles::new(model), BodyRotation::new(model));
+        let phase = Phase::Sliding;
+        let (euler, body) = (EulerAngles { model, phase }, BodyRotation { model, phase });
         let h = 1e-7;
         let y: [f64; EulerAngles::STATE_LENGTH] = EulerAngles::state(a, r, &model);
         let dy = euler.derivative(0.0, &y);

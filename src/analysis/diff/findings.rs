@@ -132,12 +132,20 @@ impl Evidence<'_> {
 /// All findings, the most important first.
 pub(super) fn findings(evidence: &Evidence<'_>) -> Vec<Finding> {
     let summaries = [0, 1].map(|side| evidence.paired.runs[side].history.summary());
-    let mut found = vec![end(evidence, &summaries)];
-    found.extend(crossing(evidence));
-    found.extend(rise(evidence));
-    found.extend(events(evidence));
-    found.extend(peg(evidence, &summaries));
-    found.extend(averages(evidence));
+    let mut runs = evidence.paired.runs.iter();
+    // Ends and counts of a part are not those of the run.
+    let are_whole = runs.clone().all(|run| run.losses.is_empty());
+    // A free peg may interrupt its nutation anywhere.
+    let has_cycles = runs.all(|run| !run.history.has_gaps || run.history.peg.is_none());
+    let mut found = Vec::new();
+    found.extend(are_whole.then(|| end(evidence, &summaries)));
+    found.extend(crossing(evidence).filter(|_| has_cycles));
+    if are_whole {
+        found.extend(rise(evidence));
+        found.extend(events(evidence));
+        found.extend(peg(evidence, &summaries));
+    }
+    found.extend(averages(evidence).into_iter().filter(|_| has_cycles));
     found.extend(energy_lost(evidence));
     found.extend(torque(evidence));
     found.retain(Finding::is_known);

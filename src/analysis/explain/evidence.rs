@@ -3,6 +3,7 @@
 use crate::analysis::history::{RunHistory, RunSummary};
 use crate::archive::format::STEPS;
 use crate::run::scenario::Scenario;
+use std::ops::Range;
 
 /// Steps that the integrator takes per nutation, if the end record doesn't state them.
 const STEPS_PER_NUTATION: f64 = 30.0;
@@ -10,6 +11,15 @@ const STEPS_PER_NUTATION: f64 = 30.0;
 /// Relative size beyond which a change is never taken for an integration error, however loose the tolerances. What the
 /// equations keep constant is called so only if it varies by less.
 pub(super) const ROUNDED: f64 = 1e-6;
+
+/// The deviations of a quantity, relative, that show whether it is constant as the equations say.
+pub(super) fn known_deviations(is_constant: bool) -> Range<f64> {
+    if is_constant {
+        0.0..ROUNDED
+    } else {
+        16.0 * f64::EPSILON..f64::INFINITY
+    }
+}
 
 /// The data of an explanation.
 pub(super) struct Evidence {

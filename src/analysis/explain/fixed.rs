@@ -1,6 +1,6 @@
 //! Explanation for a fixed peg.
 
-use super::evidence::{Evidence, ROUNDED};
+use super::evidence::{Evidence, ROUNDED, known_deviations};
 use super::fact::Fact;
 use super::precession;
 use crate::physics::friction::Dissipation;
@@ -79,7 +79,9 @@ pub(super) fn cause(evidence: &Evidence) -> Vec<Fact> {
     let friction = &evidence.scenario.model.friction;
     let mut facts: Vec<Fact> = precession::regular(evidence).into_iter().collect();
     facts.extend(precession::friction(evidence));
-    facts.extend(precession::cancelling(evidence));
+    if let Some(Fact::FrictionOnPrecession { .. }) = facts.last() {
+        facts.extend(precession::cancelling(evidence));
+    }
     let is_part = friction.dissipation != Dissipation::Full && !evidence.scenario.is_frictionless();
     if is_part {
         facts.push(Fact::ModelPart {
@@ -98,7 +100,7 @@ pub(super) fn energy(evidence: &Evidence) -> Vec<Fact> {
     let deviation = evidence.summary.vertical_momentum_deviation;
     let friction = &evidence.scenario.model.friction;
     let is_constant = !friction.turns_about_vertical() || evidence.scenario.is_frictionless();
-    let deviation = deviation.filter(|deviation| !is_constant || *deviation < ROUNDED);
+    let deviation = deviation.filter(|deviation| known_deviations(is_constant).contains(deviation));
     facts.extend(deviation.map(|deviation| Fact::VerticalMomentum {
         deviation,
         is_constant,
@@ -114,14 +116,15 @@ pub(super) fn balance(evidence: &Evidence) -> Vec<Fact> {
     let (first, last, within) = (energies.first, energies.last, energies.imbalance);
     let change = (last - first).abs();
     let peg = evidence.summary.peg.as_ref();
-    // Impacts that were not recorded may have happened.
-    let has_impacts = peg.is_some_and(|peg| peg.impacts != Some(0));
+    // Impacts that were not recorded may have happened, if the peg flew.
+    let has_impacts = peg.is_some_and(|peg| peg.impacts != Some(0) && peg.hops != Some(0));
     let conserves = evidence.scenario.is_frictionless() && !has_impacts;
     if conserves || energies.work.abs() <= within {
-        return vec![Fact::EnergyConstant {
-            energy: first,
-            deviation: change.max(within),
-        }];
+        let (energy, deviation) = (first, change.max(within));
+        // A larger deviation without friction is an error of the integration.
+        let is_told = !conserves || deviation <= ROUNDED * first.abs();
+        let constant = is_told.then_some(Fact::EnergyConstant { energy, deviation });
+        return constant.into_iter().collect();
     }
     let balance = Fact::Balance {
         within,

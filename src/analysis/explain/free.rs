@@ -1,6 +1,6 @@
 //! Explanation for a free peg.
 
-use super::evidence::{Evidence, ROUNDED};
+use super::evidence::{Evidence, known_deviations};
 use super::fact::Fact;
 use super::fixed;
 use std::f64::consts::FRAC_PI_2;
@@ -46,9 +46,8 @@ pub(super) fn cause(evidence: &Evidence) -> Vec<Fact> {
     let peg = evidence.summary.peg.as_ref();
     let is_constant = !evidence.scenario.model.friction.has_losses();
     let deviation = peg.and_then(|peg| peg.jellett_deviation);
-    let is_known =
-        |deviation: &f64| deviation.is_finite() && (!is_constant || *deviation < ROUNDED);
-    let jellett = deviation.filter(is_known).map(|deviation| Fact::Jellett {
+    let deviation = deviation.filter(|deviation| known_deviations(is_constant).contains(deviation));
+    let jellett = deviation.map(|deviation| Fact::Jellett {
         deviation,
         is_constant,
     });
@@ -64,7 +63,9 @@ pub(super) fn energy(evidence: &Evidence) -> Vec<Fact> {
     {
         facts.push(Fact::Sliding { sliding, losses });
     }
-    if let Some((count @ 1.., lost)) = peg.and_then(|peg| peg.impacts.zip(peg.impact_loss)) {
+    if let Some((count @ 1.., lost)) = peg.and_then(|peg| peg.impacts.zip(peg.impact_loss))
+        && !evidence.history.has_gaps
+    {
         facts.push(Fact::Impacts { count, lost });
     }
     let path = evidence.summary.slip_path.filter(|path| *path > 0.0);

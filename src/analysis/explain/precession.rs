@@ -86,8 +86,10 @@ fn phase(evidence: &Evidence, cycle: &Cycle) -> Option<Phase> {
     let Some(peg) = &evidence.history.peg else {
         return Some(Phase::Sliding);
     };
+    let history = &evidence.history;
+    let end = history.stop_time().filter(|_| !history.has_gaps)?;
     let (from, to) = (cycle.start, cycle.end());
-    let mut intervals = peg.intervals(evidence.history.stop_time()?).into_iter();
+    let mut intervals = peg.intervals(end).into_iter();
     match intervals.find(|i| i.from <= from && to <= i.to)?.phase {
         PegPhase::Sliding => Some(Phase::Sliding),
         PegPhase::Rolling => Some(Phase::Sticking),

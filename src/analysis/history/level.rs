@@ -18,7 +18,7 @@ const SAME_LEVEL: f64 = 1e-9;
 const SAMPLES_PER_NUTATION: f64 = 4.0;
 
 /// Finds the first crossing of a level.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct FirstCrossing {
     /// The level, rad.
     pub(crate) level: f64,
@@ -37,10 +37,7 @@ impl FirstCrossing {
     pub(super) fn of(level: f64) -> Self {
         Self {
             level,
-            event: None,
-            between: None,
-            gap: 0.0,
-            last: None,
+            ..Self::default()
         }
     }
 

@@ -213,11 +213,6 @@ impl Recording {
         })
     }
 
-    /// Whether it ends with the magic bytes of a closed file.
-    pub fn is_closed(&self) -> bool {
-        self.layout.is_ended
-    }
-
     /// An attachment's head and data, if its checksum is right.
     pub(crate) fn attachment(
         &self,

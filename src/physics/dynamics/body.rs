@@ -39,14 +39,6 @@ impl BodyRotation {
     /// State length with only the integrals that an outcome needs.
     pub const SHORT_STATE_LENGTH: usize = Self::VARIABLES + FEW_INTEGRALS;
 
-    /// Creates the formulation in the sliding phase.
-    pub fn new(model: Model) -> Self {
-        Self {
-            model,
-            phase: Phase::Sliding,
-        }
-    }
-
     /// Angular velocity in the lean frame, rad/s: `ω = L/I_x + (1/I_z − 1/I_x)(L·n) n`.
     #[inline]
     fn tilt(&self, lean: &Lean, momentum: &Vector3<f64>) -> Tilt {
@@ -126,7 +118,8 @@ impl<const N: usize> FixedPeg<N> for BodyRotation {
 impl<const N: usize> Formulation<N> for BodyRotation {
     fn start(model: &Model, start: &Start, may_stick: bool) -> Started<Self, N> {
         let state = Self::state(start.angles, start.rates, model);
-        fixed::start(Self::new(*model), state, start, may_stick)
+        let (model, phase) = (*model, Phase::Sliding);
+        fixed::start(Self { model, phase }, state, start, may_stick)
     }
 
     fn angles(&self, y: &[f64; N], reference: Euler) -> Euler {

@@ -28,14 +28,6 @@ impl EulerAngles {
     pub const STATE_LENGTH: usize = Self::VARIABLES + INTEGRALS;
     /// State length with only the integrals that an outcome needs.
     pub const SHORT_STATE_LENGTH: usize = Self::VARIABLES + FEW_INTEGRALS;
-
-    /// Creates the formulation in the sliding phase.
-    pub fn new(model: Model) -> Self {
-        Self {
-            model,
-            phase: Phase::Sliding,
-        }
-    }
 }
 
 impl<const N: usize> System<N> for EulerAngles {
@@ -148,7 +140,8 @@ impl<const N: usize> FixedPeg<N> for EulerAngles {
 impl<const N: usize> Formulation<N> for EulerAngles {
     fn start(model: &Model, start: &Start, may_stick: bool) -> Started<Self, N> {
         let state = Self::state(start.angles, start.rates, model);
-        fixed::start(Self::new(*model), state, start, may_stick)
+        let (model, phase) = (*model, Phase::Sliding);
+        fixed::start(Self { model, phase }, state, start, may_stick)
     }
 
     #[inline]
