@@ -1,6 +1,6 @@
 //! Errors of a Rerun recording.
 
-use rerun::external::re_log_encoding::rrd::{CodecError, EncodeError};
+use rerun::external::re_log_encoding::rrd::EncodeError;
 use rerun::external::re_sdk_types::SerializationError;
 use rerun::log::ChunkError;
 
@@ -13,9 +13,6 @@ pub enum RerunError {
     /// The encoder failed.
     #[error("cannot write the Rerun recording: {0}")]
     Encode(#[from] EncodeError),
-    /// The footer can't be encoded.
-    #[error("cannot write the Rerun recording: {0}")]
-    Codec(#[from] CodecError),
     /// Rows do not form a chunk.
     #[error("cannot form a chunk of the Rerun recording: {0}")]
     Chunk(#[from] ChunkError),
