@@ -136,7 +136,7 @@ enum Command {
     Run(run::RunArguments),
     /// Show recordings in the Rerun viewer, with the layout of `toprise run`.
     ///
-    /// Starts a viewer unless --connect, --serve or --rrd is given.
+    /// Starts a viewer unless --connect or --rrd is given.
     #[cfg(feature = "rerun")]
     #[command(
         after_help = "Exit codes: 0 shown, 2 unreadable or no viewer, 3 shown in part (interrupted, or the file is partly unreadable)."

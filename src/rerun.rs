@@ -25,8 +25,6 @@ mod properties;
 mod rrd;
 mod scale;
 mod scene;
-#[cfg(feature = "web-viewer")]
-mod serve;
 mod sink;
 mod style;
 mod track;
@@ -38,7 +36,5 @@ pub use self::error::RerunError;
 pub use self::identity::{Geometry, Identity, Playback};
 pub use self::outlet::Destinations;
 pub use self::pair::PairIdentity;
-#[cfg(feature = "web-viewer")]
-pub use self::serve::WebViewer;
 pub use self::sink::Stream;
 pub use self::viewer::{Live, MISSING_VIEWER};

@@ -1,4 +1,4 @@
-// Checks that the page has today's program: the content digests of all presets, as its WebAssembly computes them, are those of
+// Checks that a page, by default docs/toprise.html, has today's program: the content digests of all presets, as its WebAssembly computes them, are those of
 // tests/suite/golden.rs. usage: node page/test/golden.mjs [FILE]
 import { readFile } from "node:fs/promises";
 import { gunzipSync } from "node:zlib";
@@ -17,7 +17,7 @@ const stale = golden.filter(([, preset, expected]) => {
   return digest !== expected;
 });
 if (stale.length > 0 || missing.length > 0) {
-  console.log("docs/toprise.html is stale: page/build makes it anew");
+  console.log("the page is stale: page/build makes it anew");
   process.exit(1);
 }
 console.log(`the page has the golden digests of ${golden.length} presets`);

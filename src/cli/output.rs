@@ -113,12 +113,6 @@ pub(super) fn note(what: &str) {
     }
 }
 
-/// Prints a message even with --quiet (e.g. a URL).
-#[cfg(feature = "web-viewer")]
-pub(super) fn announce(what: &str) {
-    print_line("", what);
-}
-
 fn print_line(prefix: &str, what: &str) {
     // A failing standard error is ignored.
     let _ = writeln!(anstream::stderr().lock(), "{prefix}{}", text::message(what));

@@ -36,8 +36,6 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Status, Error> {
     let (form, topics) = arguments.form()?;
     let mut telemetry = Telemetry::with_topics(&topics);
     interrupt::watch()?;
-    #[cfg(feature = "rerun")]
-    let target = arguments.viewer.target()?;
     let began = Instant::now();
     let mut simulation = Simulation::new(&scenario)?.continue_while(|| !interrupt::is_requested());
     let preface = McapSink::preface(&scenario, &telemetry, form)?;
@@ -46,7 +44,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Status, Error> {
     #[cfg(feature = "rerun")]
     let viewer = {
         let identity = viewer::identity(arguments, mcap.path(), &scenario, &telemetry);
-        RunViewer::open(arguments, mcap.path(), &identity, target.live.clone())?
+        RunViewer::open(arguments, mcap.path(), &identity)?
     };
     let archive = McapSink::create_in(mcap, &scenario, &telemetry, form)?;
     let (outcome, recorded) = record(
@@ -65,8 +63,6 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Status, Error> {
     let name = scenario.title_from(&base);
     let top = &scenario.model.top;
     print(&report, || report.page(&name, top, arguments.note_on_rrd()))?;
-    #[cfg(feature = "rerun")]
-    target.serve_until_interrupted()?;
     let is_complete = report.outcome.end.stop.is_complete();
     Ok(Status::of_whole(
         is_complete && !report.recorded.is_rrd_lost,

@@ -8,7 +8,7 @@ use super::progress::Progress;
 use super::report::{self, WrittenFile};
 use super::status::Status;
 use super::table::Table;
-use super::viewer::{self, Target, ViewerArguments};
+use super::viewer::{self, ViewerArguments};
 use crate::archive::format::is_end_of;
 use crate::archive::publish::{Draft, Existing, refuse_inputs};
 use crate::archive::recording::{Condition, Recording, Selection};
@@ -148,12 +148,17 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<Status, Error> {
         refuse_inputs(&rrd, arguments.files.iter().map(PathBuf::as_path))?;
     }
     interrupt::watch()?;
-    let target = target(arguments)?;
+    let live = viewer_or_new(arguments);
     let progress = Progress::of_bytes("replaying", recordings.iter().map(Recording::size).sum());
     let mut shown = Vec::new();
     for (recording, name) in recordings.iter().zip(names) {
         shown.push(show(
-            recording, &name, arguments, &selection, &target, &progress,
+            recording,
+            &name,
+            arguments,
+            &selection,
+            live.as_ref(),
+            &progress,
         )?);
         if interrupt::is_requested() {
             break;
@@ -165,7 +170,6 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<Status, Error> {
         is_interrupted: interrupt::is_requested(),
     };
     report::print(&report, || report.page())?;
-    target.serve_until_interrupted()?;
     Ok(Status::of_whole(report.is_complete()))
 }
 
@@ -181,13 +185,13 @@ fn open(file: &Path) -> Result<Recording, Error> {
     Ok(recording)
 }
 
-/// The requested viewer, or a new one.
-fn target(arguments: &ViewArguments) -> Result<Target, Error> {
-    let target = arguments.viewer.target()?;
-    if arguments.rrd.is_some() || target.live.is_some() {
-        return Ok(target);
+/// The requested viewer, or a new one if nothing else was requested.
+fn viewer_or_new(arguments: &ViewArguments) -> Option<Live> {
+    let requested = arguments.viewer.live();
+    if requested.is_none() && arguments.rrd.is_none() {
+        return Some(Live::Spawn);
     }
-    Ok(Target::of(Some(Live::Spawn)))
+    requested
 }
 
 /// Replays one recording.
@@ -196,7 +200,7 @@ fn show(
     name: &str,
     arguments: &ViewArguments,
     selection: &Selection,
-    target: &Target,
+    live: Option<&Live>,
     progress: &Progress,
 ) -> Result<ShownRecording, Error> {
     let path = recording.path();
@@ -215,7 +219,7 @@ fn show(
     let mut draft = draft.transpose()?;
     let destinations = Destinations {
         file: draft.as_ref().map(Draft::file).transpose()?,
-        live: target.live.clone(),
+        live: live.cloned(),
     };
     let mut sink = RerunSink::new(&identity, destinations);
     let warnings = sink.take_warnings();
@@ -296,12 +300,7 @@ mod tests {
                 ..base
             }
         );
-        for line in [
-            "",
-            "a.mcap --from -1",
-            "a.mcap --spawn --serve",
-            "a.mcap --serve=9090",
-        ] {
+        for line in ["", "a.mcap --from -1", "a.mcap --spawn --connect"] {
             assert!(parse::<ViewArguments>(line).is_err(), "{line}");
         }
     }

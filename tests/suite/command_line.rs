@@ -495,7 +495,7 @@ fn recordings_are_shown_again() {
         ("view a.mcap --rrd e.rrd --from -1", "seconds"),
         ("view missing.mcap", "missing.mcap"),
         ("view a.mcap --connect=127.0.0.1:9", "no Rerun viewer"),
-        ("view a.mcap --spawn --serve", "--serve"),
+        ("view a.mcap --spawn --connect", "--connect"),
     ] {
         folder.refuses(line, part);
     }

@@ -99,7 +99,7 @@ fn commands_are_understood() {
 }
 
 fn needs_rerun(line: &str) -> bool {
-    ["view", "--rrd", "--spawn", "--connect", "--serve"]
+    ["view", "--rrd", "--spawn", "--connect"]
         .iter()
         .any(|word| line.split_whitespace().any(|other| other == *word))
 }

@@ -32,8 +32,6 @@ mod laws_of_motion;
 mod outcome;
 mod package;
 mod physics;
-#[cfg(feature = "sweep")]
-mod pictures;
 mod properties;
 mod publish;
 mod random_scenarios;
@@ -45,8 +43,6 @@ mod rerun;
 #[cfg(feature = "rerun")]
 mod rerun_pair;
 mod scenarios;
-#[cfg(all(feature = "web-viewer", unix))]
-mod serve;
 mod support;
 #[cfg(feature = "sweep")]
 mod sweep;

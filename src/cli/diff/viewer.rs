@@ -4,7 +4,7 @@ use super::content;
 use crate::analysis::diff::{Report, Subject};
 use crate::archive::publish::{Draft, Existing, refuse_inputs};
 use crate::cli::arguments::OUTPUT;
-use crate::cli::viewer::{self, Target, ViewerArguments};
+use crate::cli::viewer::{self, ViewerArguments};
 use crate::cli::{output, page};
 use crate::rerun::{Destinations, Identity, PairIdentity, PairSink, Playback};
 use anyhow::{Context as _, Error, bail};
@@ -30,7 +30,6 @@ pub(super) struct ShowArguments {
 pub(super) struct Viewer {
     pub(super) sink: PairSink,
     draft: Option<Draft>,
-    target: Target,
 }
 
 impl ShowArguments {
@@ -43,8 +42,8 @@ impl ShowArguments {
         if let Some(rrd) = &self.rrd {
             refuse_inputs(rrd, runs.iter().map(PathBuf::as_path))?;
         }
-        let target = self.viewer.target()?;
-        if self.rrd.is_none() && target.live.is_none() {
+        let live = self.viewer.live();
+        if self.rrd.is_none() && live.is_none() {
             return Ok(None);
         }
         if !subjects.iter().all(|subject| subject.is_ours()) {
@@ -56,15 +55,11 @@ impl ShowArguments {
         let draft = draft.transpose()?;
         let destinations = Destinations {
             file: draft.as_ref().map(Draft::file).transpose()?,
-            live: target.live.clone(),
+            live,
         };
         let mut sink = PairSink::new(&identity, destinations);
         output::warn_all(sink.take_warnings());
-        Ok(Some(Viewer {
-            sink,
-            draft,
-            target,
-        }))
+        Ok(Some(Viewer { sink, draft }))
     }
 }
 
@@ -96,13 +91,13 @@ fn identity([a, b]: [Subject<'_>; 2]) -> Result<PairIdentity, Error> {
 }
 
 impl Viewer {
-    /// Adds the report to the recording, completes the file, and keeps serving the web viewer, if requested.
+    /// Adds the report to the recording and completes the file.
     pub(super) fn finish(mut self, report: &Report) -> Result<(), Error> {
         let markdown = page::markdown(&content::page(report, false));
         self.sink.summarize(&markdown);
         if let Some(file) = viewer::complete(self.sink.finish(), self.draft)? {
             output::note(&format!("wrote {}", file.line()));
         }
-        self.target.serve_until_interrupted()
+        Ok(())
     }
 }

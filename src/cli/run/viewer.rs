@@ -6,7 +6,7 @@ use crate::archive::publish::{Draft, refuse_inputs};
 use crate::cli::output;
 use crate::cli::report::WrittenFile;
 use crate::cli::viewer;
-use crate::rerun::{Destinations, Identity, Live, Playback, RerunSink};
+use crate::rerun::{Destinations, Identity, Playback, RerunSink};
 use crate::run::scenario::Scenario;
 use crate::telemetry::{Telemetry, Topic};
 use anyhow::Error;
@@ -25,7 +25,6 @@ impl RunViewer {
         arguments: &RunArguments,
         mcap: &Path,
         identity: &Identity,
-        live: Option<Live>,
     ) -> Result<Option<Self>, Error> {
         let adjacent = arguments
             .output
@@ -37,6 +36,7 @@ impl RunViewer {
             refuse_inputs(&rrd, [mcap])?;
             draft = Some(create(arguments, &rrd, &[])?);
         }
+        let live = arguments.viewer.live();
         let file = draft.as_ref().map(Draft::file).transpose()?;
         if file.is_none() && live.is_none() {
             return Ok(None);
