@@ -57,9 +57,4 @@ spec = {
 print(toprise.sweep(spec, "map.parquet", progress=True))
 
 # %%
-import pyarrow.parquet
-
-from toprise import plot
-
-axes = plot.map(pyarrow.parquet.read_table("map.parquet"), "friction_k", "initial_psi_dot")
-axes.figure.savefig("map.png")
+toprise.map("map.parquet", "friction_k", "initial_psi_dot", width=130).save("map.png")

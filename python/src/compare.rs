@@ -35,13 +35,14 @@ impl<'py> FromPyObject<'_, 'py> for RunArgument<'py> {
 }
 
 /// The run behind an argument, without its Python object.
-enum OpenRun {
+pub enum OpenRun {
     Recording(Arc<Recording>),
     Scenario(Box<Checked>),
 }
 
 impl RunArgument<'_> {
-    fn open(self, py: Python<'_>) -> PyResult<OpenRun> {
+    /// Opens the run.
+    pub fn open(self, py: Python<'_>) -> PyResult<OpenRun> {
         Ok(match self {
             Self::Run(run) => match &run.get().origin {
                 Origin::Scenario(scenario, _) => OpenRun::Scenario(scenario.clone()),
@@ -56,7 +57,8 @@ impl RunArgument<'_> {
 }
 
 impl OpenRun {
-    fn subject(&self) -> Subject<'_> {
+    /// The run as reports read it.
+    pub fn subject(&self) -> Subject<'_> {
         match self {
             Self::Recording(recording) => Subject::Recording(recording),
             Self::Scenario(scenario) => Subject::Scenario(scenario),

@@ -7,6 +7,7 @@
 
 mod compare;
 mod errors;
+mod figures;
 mod guard;
 mod outcome;
 mod run;
@@ -21,6 +22,8 @@ mod view;
 mod _toprise {
     #[pymodule_export]
     use crate::compare::{diff, explain, presets, verify};
+    #[pymodule_export]
+    use crate::figures::{Figure, figures, map};
     #[pymodule_export]
     use crate::outcome::outcome;
     #[pymodule_export]

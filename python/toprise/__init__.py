@@ -19,6 +19,7 @@ from ._errors import (
     SimulationError,
     SweepError,
 )
+from ._figures import figures, map
 from ._reports import (
     AnyRun,
     DiffReport,
@@ -32,7 +33,7 @@ from ._reports import (
 )
 from ._sweeps import Outcomes, design, outcomes, sweep
 from ._toprise import VERSION as __version__
-from ._toprise import Run, Scenario, Table, outcome, read, run
+from ._toprise import Figure, Run, Scenario, Table, outcome, read, run
 
 __all__ = [
     "AnyRun",
@@ -55,6 +56,8 @@ __all__ = [
     "design",
     "diff",
     "explain",
+    "figures",
+    "map",
     "outcome",
     "outcomes",
     "presets",

@@ -7,12 +7,15 @@ from typing import Any, Final, SupportsFloat, final
 
 __all__ = [
     "VERSION",
+    "Figure",
     "Run",
     "Scenario",
     "Table",
     "design",
     "diff",
     "explain",
+    "figures",
+    "map",
     "outcome",
     "outcome_columns",
     "outcomes",
@@ -130,6 +133,21 @@ def diff(
 ) -> tuple[str, list[str]]: ...
 def explain(run: Run | Scenario | str | os.PathLike[str]) -> tuple[str, list[str]]: ...
 def verify(path: str | os.PathLike[str]) -> str: ...
+@final
+class Figure:
+    @property
+    def svg(self) -> str: ...
+    def png(self) -> bytes: ...
+    def save(self, path: str | os.PathLike[str]) -> None: ...
+    def _repr_svg_(self) -> str: ...
+
+def figures(
+    runs: Sequence[Run | Scenario | str | os.PathLike[str]],
+    *,
+    only: Sequence[str],
+    width: float,
+) -> list[tuple[str, Figure]]: ...
+def map(table: object, x: str, y: str | None, show: str, width: float) -> Figure: ...
 def presets() -> list[tuple[str, str]]: ...
 def outcomes(
     table: object,

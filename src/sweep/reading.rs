@@ -50,6 +50,32 @@ impl Columns {
         })
     }
 
+    /// The columns of a table in memory; `name` stands for it in errors.
+    ///
+    /// # Errors
+    /// [`SweepError::File`] if a column is missing.
+    pub fn from_batches(
+        name: &str,
+        names: &[&str],
+        schema: SchemaRef,
+        batches: Vec<RecordBatch>,
+    ) -> Result<Self, SweepError> {
+        let columns = Self {
+            path: name.into(),
+            schema,
+            batches,
+        };
+        match names.iter().find(|name| columns.position(name).is_none()) {
+            None => Ok(columns),
+            Some(missing) => {
+                let fields = columns.schema.fields().iter();
+                let all: Vec<&str> = fields.map(|field| field.name().as_str()).collect();
+                let reason = format!("no column {missing}; columns: {}", all.join(", "));
+                Err(SweepError::table(&columns.path)(reason))
+            }
+        }
+    }
+
     /// The unit of a column; empty if it has none.
     pub fn unit(&self, name: &str) -> &str {
         let field = self.position(name).map(|at| self.schema.field(at));
