@@ -32,9 +32,9 @@ mod viewer;
 
 pub use self::comparison::PairSink;
 pub use self::entities::RerunSink;
-pub use self::error::RerunError;
+pub use self::error::{RerunError, ViewerError};
 pub use self::identity::{Geometry, Identity, Playback};
 pub use self::outlet::Destinations;
 pub use self::pair::PairIdentity;
 pub use self::sink::Stream;
-pub use self::viewer::{Live, MISSING_VIEWER};
+pub use self::viewer::Live;

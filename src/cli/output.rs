@@ -97,11 +97,11 @@ pub(super) fn warn(what: &str) {
     }
 }
 
-/// Prints several warnings.
+/// Prints what went wrong with a viewer.
 #[cfg(feature = "rerun")]
-pub(super) fn warn_all(warnings: Vec<String>) {
+pub(super) fn warn_all(warnings: &[crate::rerun::ViewerError]) {
     for warning in warnings {
-        warn(&warning);
+        warn(&warning.to_string());
     }
 }
 

@@ -224,9 +224,10 @@ fn show(
     let mut sink = RerunSink::new(&identity, destinations);
     let warnings = sink.take_warnings();
     if draft.is_none() && !sink.is_live() {
-        bail!("{}", warnings.join("; "));
+        let reasons: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+        bail!("{}", reasons.join("; "));
     }
-    output::warn_all(warnings);
+    output::warn_all(&warnings);
     let replayed = replay(recording, selection.clone(), &mut sink, |read| {
         progress.add(read);
         interrupt::flow()

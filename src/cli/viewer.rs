@@ -5,7 +5,7 @@ use super::output;
 use super::report::WrittenFile;
 use crate::archive::publish::Draft;
 use crate::archive::sink::SinkError;
-use crate::rerun::{Live, RerunError};
+use crate::rerun::{Live, RerunError, ViewerError};
 use anyhow::{Context as _, Error};
 use clap::Args;
 
@@ -35,18 +35,18 @@ impl ViewerArguments {
 
 /// Finishes a Rerun stream: prints viewer warnings and publishes the file, if there is one.
 pub(super) fn complete(
-    ended: Result<Vec<String>, RerunError>,
+    ended: Result<Vec<ViewerError>, RerunError>,
     draft: Option<Draft>,
 ) -> Result<Option<WrittenFile>, Error> {
     let ended = ended.map_err(|error| SinkError::Viewer(Box::new(error)));
     let Some(draft) = draft else {
-        output::warn_all(ended?);
+        output::warn_all(&ended?);
         return Ok(None);
     };
     let path = draft.path().to_owned();
     let context = || format!("{} is not written", path.display());
     match ended {
-        Ok(warnings) => output::warn_all(warnings),
+        Ok(warnings) => output::warn_all(&warnings),
         Err(error) => {
             draft.discard();
             return Err(error).with_context(context);

@@ -115,6 +115,7 @@ impl Content for Entities {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rerun::error::ViewerError;
     use crate::rerun::viewer::Live;
     use crate::run::scenario::Preset;
     use crate::telemetry::{Topic, channels};
@@ -146,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn a_viewer_that_is_not_there_is_a_warning() {
+    fn a_missing_viewer_is_a_warning() {
         // Port 9 (discard) of this machine: no server listens there.
         let destinations = Destinations {
             file: None,
@@ -154,23 +155,29 @@ mod tests {
         };
         let mut sink = RerunSink::new(&identity(all_topics()), destinations);
         assert!(!sink.is_live());
-        assert!(sink.take_warnings()[0].contains("no Rerun viewer at"));
+        assert!(matches!(
+            sink.take_warnings()[..],
+            [ViewerError::Absent { .. }]
+        ));
         fill(&mut sink, 10).unwrap();
         sink.flush().unwrap();
-        assert_eq!(sink.finish().unwrap(), [""; 0]);
+        assert!(sink.finish().unwrap().is_empty());
     }
 
     #[test]
-    fn an_address_that_is_none_is_a_warning() {
+    fn an_invalid_address_is_a_warning() {
         let live = Some(Live::Connect("http://".to_owned()));
         let destinations = Destinations { file: None, live };
         let mut sink = RerunSink::new(&identity(all_topics()), destinations);
-        assert!(sink.take_warnings()[0].contains("not a valid Rerun viewer address"));
+        assert!(matches!(
+            sink.take_warnings()[..],
+            [ViewerError::Address { .. }]
+        ));
     }
 
     #[cfg(target_os = "linux")]
     #[test]
-    fn a_full_disk_is_told_at_the_end() {
+    fn a_full_disk_is_an_error_of_finish() {
         let file = File::options().write(true).open("/dev/full").unwrap();
         let destinations = Destinations {
             file: Some(file),

@@ -9,7 +9,7 @@ use std::rc::Rc;
 use rerun::external::re_log_types::LogMsg;
 use rerun::{AsComponents, EntityPath, SerializedComponentColumn, StoreId, TimePoint};
 
-use super::error::RerunError;
+use super::error::{RerunError, ViewerError};
 use super::message::{Ids, opening, rows, single_row};
 use super::rrd::RrdFile;
 use super::viewer::{Live, LiveDestination};
@@ -55,7 +55,7 @@ pub struct Outlet {
     failure: Option<RerunError>,
     live: Option<LiveDestination>,
     /// Warnings about the viewer that have not been taken yet.
-    pub(super) warnings: Vec<String>,
+    pub(super) warnings: Vec<ViewerError>,
     waiting: Vec<Rc<RefCell<dyn Waiting>>>,
 }
 
@@ -181,7 +181,7 @@ impl Outlet {
     }
 
     /// Completes all destinations. Returns pending warnings.
-    pub(super) fn finish(self) -> Result<Vec<String>, RerunError> {
+    pub(super) fn finish(self) -> Result<Vec<ViewerError>, RerunError> {
         let file = match self.failure {
             Some(error) => Err(error),
             None => self.file.map_or(Ok(()), RrdFile::finish),

@@ -2,7 +2,7 @@
 
 use rerun::{EntityPath, RecordingInfo, StoreId};
 
-use super::error::RerunError;
+use super::error::{RerunError, ViewerError};
 use super::outlet::{Destinations, Outlet};
 
 /// A Rerun recording that is being written: its content, and where it goes.
@@ -46,7 +46,7 @@ impl<C: Content> Stream<C> {
     }
 
     /// Viewer warnings since the last call, including a missing viewer.
-    pub fn take_warnings(&mut self) -> Vec<String> {
+    pub fn take_warnings(&mut self) -> Vec<ViewerError> {
         std::mem::take(&mut self.outlet.warnings)
     }
 
@@ -56,7 +56,7 @@ impl<C: Content> Stream<C> {
     ///
     /// # Errors
     /// The first [`RerunError`]; the file then holds what was written before.
-    pub fn finish(mut self) -> Result<Vec<String>, RerunError> {
+    pub fn finish(mut self) -> Result<Vec<ViewerError>, RerunError> {
         self.content.finish(self.end_ns, &mut self.outlet);
         self.outlet.finish()
     }

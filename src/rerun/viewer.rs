@@ -1,5 +1,6 @@
 //! Live viewers.
 
+use std::io;
 use std::net::{TcpStream, ToSocketAddrs as _};
 use std::str::FromStr as _;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
@@ -10,6 +11,7 @@ use rerun::external::re_log_types::LogMsg;
 use rerun::external::re_uri::ProxyUri;
 use rerun::sink::{GrpcSink, GrpcSinkConnectionState, LogSink as _};
 
+use super::error::ViewerError;
 use super::message::QUEUE;
 
 /// Timeout for connecting to a running viewer.
@@ -36,12 +38,12 @@ pub enum Live {
 pub(super) struct LiveDestination {
     address: String,
     queue: SyncSender<LogMsg>,
-    end: Receiver<Result<(), String>>,
+    end: Receiver<Result<(), ViewerError>>,
 }
 
 impl LiveDestination {
-    /// Finds or starts the viewer. The error is a sentence.
-    pub(super) fn open(live: &Live) -> Result<Self, String> {
+    /// Finds or starts the viewer.
+    pub(super) fn open(live: &Live) -> Result<Self, ViewerError> {
         let (uri, patience) = match live {
             Live::Connect(address) => (parse_address(address)?, CONNECT),
             Live::Spawn => (spawn_viewer()?, START),
@@ -56,7 +58,7 @@ impl LiveDestination {
                 // The receiver is gone if the viewer was abandoned.
                 let _ = report.send(feed(uri, &messages));
             })
-            .map_err(|error| format!("cannot start a thread for the Rerun viewer: {error}"))?;
+            .map_err(ViewerError::Thread)?;
         Ok(Self {
             address,
             queue,
@@ -65,23 +67,24 @@ impl LiveDestination {
     }
 
     /// Passes a message on, waiting for room in the queue while the viewer makes progress.
-    pub(super) fn send(&self, mut message: LogMsg) -> Result<(), String> {
+    pub(super) fn send(&self, mut message: LogMsg) -> Result<(), ViewerError> {
         let start = Instant::now();
         loop {
             message = match self.queue.try_send(message) {
                 Ok(()) => return Ok(()),
                 Err(TrySendError::Disconnected(_)) => {
-                    let end = self.end.recv_timeout(CONNECT);
-                    let reason = end.ok().and_then(Result::err);
-                    let reason = reason.as_deref().unwrap_or("the connection broke");
-                    return Err(lost(&self.address, reason));
+                    // The thread has ended, so its reason is there or arrives at once.
+                    let ended = self.end.recv_timeout(CONNECT);
+                    return Err(match ended {
+                        Ok(Err(reason)) => reason,
+                        Ok(Ok(())) | Err(_) => self.disconnected(),
+                    });
                 }
                 Err(TrySendError::Full(_)) if start.elapsed() > STALL => {
-                    return Err(format!(
-                        "the Rerun viewer at {} did not respond for {} s and was disconnected",
-                        self.address,
-                        STALL.as_secs()
-                    ));
+                    return Err(ViewerError::Stalled {
+                        address: self.address.clone(),
+                        patience: STALL,
+                    });
                 }
                 Err(TrySendError::Full(back)) => back,
             };
@@ -90,68 +93,72 @@ impl LiveDestination {
     }
 
     /// Waits until the viewer has received everything, for a few seconds at most.
-    pub(super) fn finish(self) -> Result<(), String> {
+    pub(super) fn finish(self) -> Result<(), ViewerError> {
         drop(self.queue);
         match self.end.recv_timeout(FINISH) {
-            Ok(end) => end.map_err(|reason| lost(&self.address, &reason)),
-            Err(_) => Err(format!(
-                "the Rerun viewer at {} did not accept the end of the recording within {} s",
-                self.address,
-                FINISH.as_secs()
-            )),
+            Ok(ended) => ended,
+            Err(_) => Err(ViewerError::Unfinished {
+                address: self.address,
+                patience: FINISH,
+            }),
+        }
+    }
+
+    fn disconnected(&self) -> ViewerError {
+        ViewerError::Disconnected {
+            address: self.address.clone(),
         }
     }
 }
 
-fn lost(address: &str, reason: &str) -> String {
-    format!(
-        "the connection to the Rerun viewer at {address} was lost ({reason}); it shows only part of the run"
-    )
-}
-
 /// Sends messages to a viewer until there are no more, and waits until it has received them all.
-fn feed(uri: ProxyUri, messages: &Receiver<LogMsg>) -> Result<(), String> {
+fn feed(uri: ProxyUri, messages: &Receiver<LogMsg>) -> Result<(), ViewerError> {
+    let address = uri.to_string();
     let sink = GrpcSink::new(uri);
     for message in messages {
         sink.send(message);
         if let GrpcSinkConnectionState::Disconnected(_) = sink.status() {
-            return Err("the connection broke".to_owned());
+            return Err(ViewerError::Disconnected { address });
         }
     }
-    sink.flush_blocking(FINISH).map_err(|e| e.to_string())
+    sink.flush_blocking(FINISH)
+        .map_err(|reason| ViewerError::Flush { address, reason })
 }
 
 /// Parses an address: a URL as printed by `rerun`, or `HOST:PORT`.
-fn parse_address(address: &str) -> Result<ProxyUri, String> {
+fn parse_address(address: &str) -> Result<ProxyUri, ViewerError> {
     let full = if address.contains("://") {
         address.to_owned()
     } else {
         format!("rerun+http://{address}/proxy")
     };
-    ProxyUri::from_str(&full)
-        .map_err(|error| format!("{address:?} is not a valid Rerun viewer address: {error}"))
+    ProxyUri::from_str(&full).map_err(|reason| ViewerError::Address {
+        address: address.to_owned(),
+        reason: Box::new(reason),
+    })
 }
 
-/// Retries the connection until `timeout`; the SDK client would retry forever.
-fn wait_for_viewer(uri: &ProxyUri, patience: Duration) -> Result<(), String> {
+/// Retries the connection for some time; the SDK client would retry forever.
+fn wait_for_viewer(uri: &ProxyUri, patience: Duration) -> Result<(), ViewerError> {
     let start = Instant::now();
     loop {
-        match knock(uri) {
+        match try_connect(uri) {
             Ok(()) => return Ok(()),
-            Err(error) if start.elapsed() >= patience => {
-                return Err(format!("no Rerun viewer at {uri}: {error}"));
+            Err(reason) if start.elapsed() >= patience => {
+                let address = uri.to_string();
+                return Err(ViewerError::Absent { address, reason });
             }
             Err(_) => thread::sleep(Duration::from_millis(100)),
         }
     }
 }
 
-fn knock(uri: &ProxyUri) -> std::io::Result<()> {
+fn try_connect(uri: &ProxyUri) -> io::Result<()> {
     let host = uri.origin.host.to_string();
-    // Strip the brackets of an IPv6 address for the resolver.
-    let host = host.trim_start_matches('[').trim_end_matches(']');
-    let mut result = Err(std::io::ErrorKind::NotFound.into());
-    for address in (host, uri.origin.port).to_socket_addrs()? {
+    // The resolver takes an IPv6 address without brackets.
+    let name = host.trim_start_matches('[').trim_end_matches(']');
+    let mut result = Err(io::ErrorKind::NotFound.into());
+    for address in (name, uri.origin.port).to_socket_addrs()? {
         result = TcpStream::connect_timeout(&address, CONNECT).map(drop);
         if result.is_ok() {
             break;
@@ -161,22 +168,15 @@ fn knock(uri: &ProxyUri) -> std::io::Result<()> {
 }
 
 /// Starts a viewer that listens on this machine only.
-fn spawn_viewer() -> Result<ProxyUri, String> {
+fn spawn_viewer() -> Result<ProxyUri, ViewerError> {
     let options = rerun::SpawnOptions {
         extra_args: vec!["--bind=127.0.0.1".to_owned()],
         hide_welcome_screen: true,
         ..Default::default()
     };
     rerun::spawn(&options).map_err(|error| match error {
-        rerun::SpawnError::ExecutableNotFoundInPath { .. } => MISSING_VIEWER.to_owned(),
-        other => other.to_string(),
+        rerun::SpawnError::ExecutableNotFoundInPath { .. } => ViewerError::NotInstalled,
+        other => ViewerError::Spawn(other),
     })?;
     parse_address(&options.connect_addr().to_string())
 }
-
-/// Advice if no viewer is installed.
-pub const MISSING_VIEWER: &str = "\
-no executable `rerun` in PATH. Install the viewer with
-    pip install rerun-sdk==0.36.3
-or
-    cargo install rerun-cli --version 0.36.3 --locked";

@@ -58,7 +58,7 @@ impl ShowArguments {
             live,
         };
         let mut sink = PairSink::new(&identity, destinations);
-        output::warn_all(sink.take_warnings());
+        output::warn_all(&sink.take_warnings());
         Ok(Some(Viewer { sink, draft }))
     }
 }

@@ -42,7 +42,7 @@ impl RunViewer {
             return Ok(None);
         }
         let mut sink = RerunSink::new(identity, Destinations { file, live });
-        output::warn_all(sink.take_warnings());
+        output::warn_all(&sink.take_warnings());
         draft.as_mut().map(Draft::keep);
         Ok(Some(Self { sink, draft }))
     }
