@@ -1016,6 +1016,22 @@ fn noise_around_zero_is_ignored_below_the_floor() {
     assert_crossings(&found, &[(0.0, Slope::Falling)], 0.0);
 }
 
+#[test]
+fn zero_is_located_where_the_noise_spans_the_end_of_a_step() {
+    let mut tracker = SignTracker::looking_ahead();
+    tracker.set_floor(1e-3);
+    let found = scan(&mut tracker, |s| 0.9995 - s).0;
+    assert_crossings(&found, &[(0.9995, Slope::Falling)], 1e-15);
+    // It has crossed already, and turns back without leaving the noise.
+    assert_eq!(scan(&mut tracker, |s| -0.0005 - s).0, []);
+    assert_eq!(scan(&mut tracker, |s| 0.0005 * s - 1.0005).0, []);
+    let mut tracker = SignTracker::looking_ahead();
+    tracker.set_floor(1e-3);
+    let turns = |s: f64| 0.5 * (s - 1.01) * (s - 1.01) - 1e-4;
+    assert_eq!(scan(&mut tracker, turns).0, []);
+    assert_eq!(scan(&mut tracker, |s| turns(s + 1.0)).0, []);
+}
+
 /// NaN between `from` and `to`, zero outside.
 fn nan_between(from: f64, to: f64, s: f64) -> f64 {
     if s > from && s < to { f64::NAN } else { 0.0 }

@@ -29,6 +29,7 @@ mod golden;
 mod integrate;
 mod laws;
 mod laws_of_motion;
+mod loops;
 mod outcome;
 mod package;
 mod physics;

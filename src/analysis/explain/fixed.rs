@@ -5,7 +5,6 @@ use super::fact::Fact;
 use super::precession;
 use crate::physics::friction::Dissipation;
 use crate::run::simulation::EventKind;
-use crate::telemetry::fields::nutation;
 
 /// What happened.
 pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
@@ -53,20 +52,9 @@ pub(super) fn mean_theta(evidence: &Evidence) -> Option<Fact> {
     })
 }
 
-/// Loops of the axis, without cusps that are loops only because of rounding.
+/// Loops of the axis.
 pub(super) fn loops(evidence: &Evidence) -> Option<Fact> {
-    let history = &evidence.history;
-    let is_cusp = |time: f64| {
-        let later = history.cycles.partition_point(|cycle| cycle.start <= time);
-        let cycle = later.checked_sub(1).map(|index| &history.cycles[index]);
-        cycle.is_some_and(|cycle| {
-            let bounds = [nutation::PHI_DOT_MIN, nutation::PHI_DOT_MAX];
-            let [least, greatest] = bounds.map(|bound| cycle.of_field(bound).abs());
-            least.min(greatest) <= evidence.floor(least.max(greatest))
-        })
-    };
-    let loops = history.events_of(EventKind::LoopingBegins);
-    let mut loops = loops.filter(|event| !is_cusp(event.time));
+    let mut loops = evidence.history.events_of(EventKind::LoopingBegins);
     let first = loops.next()?.time;
     Some(Fact::Loops {
         count: 1 + loops.count() as u64,

@@ -51,6 +51,8 @@ pub struct Crossing {
 pub struct SignTracker {
     /// Noise floor: values up to this magnitude have no sign.
     floor: f64,
+    /// Whether a crossing is reported before the function has left the noise, if it will do so in the next step.
+    looks_ahead: bool,
     /// The last sign.
     positive: Option<bool>,
 }
@@ -62,14 +64,40 @@ struct Point {
     g: f64,
 }
 
+/// The points known to enclose the next sign change.
+#[derive(Clone, Copy)]
+struct Bracket {
+    /// The last point known to precede it.
+    from: Point,
+    /// The first point within the noise, but beyond zero; only for a tracker that looks ahead.
+    beyond: Option<Point>,
+}
+
+impl From<Point> for Bracket {
+    fn from(from: Point) -> Self {
+        let beyond = None;
+        Self { from, beyond }
+    }
+}
+
 impl SignTracker {
     /// A tracker that treats values within ±`floor` (in the unit of the function) as noise: a crossing counts only if
-    /// the function leaves the noise on the other side. Its position is still that of the zero.
-    /// [`SignTracker::default`] has no noise floor.
+    /// the function leaves the noise on the other side. Its position is still that of the zero, or the start of the step
+    /// in which the function leaves the noise. [`SignTracker::default`] has no noise floor.
     pub fn with_floor(floor: f64) -> Self {
         Self {
             floor,
-            positive: None,
+            ..Self::default()
+        }
+    }
+
+    /// A tracker whose noise floor is set before each step, see [`SignTracker::set_floor`]. If the function is within
+    /// the noise at the end of a step, it is extrapolated over a step of the same length: a crossing is reported if it
+    /// leaves the noise there. So its position is that of the zero even if the noise spans the end of a step.
+    pub fn looking_ahead() -> Self {
+        Self {
+            looks_ahead: true,
+            ..Self::default()
         }
     }
 
@@ -78,7 +106,13 @@ impl SignTracker {
         Self {
             floor,
             positive: Some(positive),
+            ..Self::default()
         }
+    }
+
+    /// Changes the noise floor; the sign remains.
+    pub fn set_floor(&mut self, floor: f64) {
+        self.floor = floor;
     }
 
     /// This tracker with the sign before a crossing.
@@ -131,21 +165,48 @@ impl SignTracker {
             g: values[i],
         };
         let shape = Interpolant::near_zero(values);
-        let mut from = knot(0);
-        self.advance(&mut from, knot(0), &mut g, found);
+        let mut bracket = Bracket::from(knot(0));
+        self.advance(&mut bracket, knot(0), &mut g, found);
         for i in 1..KNOTS.len() {
             if let Some(shape) = &shape {
                 let between = (KNOTS[i - 1], KNOTS[i]);
-                self.advance_over_turns(&mut from, between, shape, &mut g, found);
+                self.advance_over_turns(&mut bracket, between, shape, &mut g, found);
             }
-            self.advance(&mut from, knot(i), &mut g, found);
+            self.advance(&mut bracket, knot(i), &mut g, found);
+        }
+        if self.looks_ahead {
+            self.look_ahead(bracket, values, &mut g, found);
+        }
+    }
+
+    /// Records a zero that `g` has passed in this step, if it leaves the noise only in the next.
+    fn look_ahead(
+        &mut self,
+        bracket: Bracket,
+        values: &AtKnots,
+        g: &mut impl FnMut(f64) -> f64,
+        found: &mut Vec<Crossing>,
+    ) {
+        let end = Point {
+            s: 1.0,
+            g: values[KNOTS.len() - 1],
+        };
+        let (new_sign, slope) = match self.positive {
+            Some(true) if end.g < 0.0 => (-1.0, Slope::Falling),
+            Some(false) if end.g > 0.0 => (1.0, Slope::Rising),
+            Some(_) | None => return,
+        };
+        if new_sign * farthest_ahead(values, new_sign) > self.floor {
+            let s = root(bracket.from, bracket.beyond.unwrap_or(end), new_sign, g);
+            found.push(Crossing { s, slope });
+            self.positive = Some(new_sign > 0.0);
         }
     }
 
     /// Processes the turning points between two knots.
     fn advance_over_turns(
         &mut self,
-        from: &mut Point,
+        bracket: &mut Bracket,
         (start, end): (f64, f64),
         shape: &Interpolant,
         g: &mut impl FnMut(f64) -> f64,
@@ -165,17 +226,16 @@ impl SignTracker {
             let right = if right > end { end } else { right };
             let point = extreme_point(left, right, turn, self.floor, g);
             if point.s > last && point.s < end {
-                self.advance(from, point, g, found);
+                self.advance(bracket, point, g, found);
                 last = point.s;
             }
         }
     }
 
-    /// Advances to the point `to` and records a sign change, if any. `from` is the last point known to precede the next
-    /// change.
+    /// Advances to the point `to` and records a sign change, if any.
     fn advance(
         &mut self,
-        from: &mut Point,
+        bracket: &mut Bracket,
         to: Point,
         g: &mut impl FnMut(f64) -> f64,
         found: &mut Vec<Crossing>,
@@ -187,8 +247,10 @@ impl SignTracker {
                 Some(false) => to.g < 0.0,
                 None => false,
             };
-            if not_changed || (to.g == 0.0 && from.g != 0.0) {
-                *from = to;
+            if not_changed || (to.g == 0.0 && bracket.from.g != 0.0) {
+                *bracket = Bracket::from(to);
+            } else if self.looks_ahead {
+                bracket.beyond = bracket.beyond.or(Some(to));
             }
             return;
         }
@@ -198,11 +260,12 @@ impl SignTracker {
             } else {
                 (-1.0, Slope::Falling)
             };
-            let s = root(*from, to, new_sign, g);
+            // The same bracket as without a noise floor gives the same zero, to the last bit.
+            let s = root(bracket.from, bracket.beyond.unwrap_or(to), new_sign, g);
             found.push(Crossing { s, slope });
         }
         self.positive = Some(positive);
-        *from = to;
+        *bracket = Bracket::from(to);
     }
 }
 
@@ -281,6 +344,26 @@ impl Interpolant {
             value = value * (s - knot) + coefficient;
         }
         (value, slope)
+    }
+}
+
+/// The extreme in the direction `sign` that a function with these values at the knots reaches in the next step, of the
+/// same length, extrapolated by a parabola.
+fn farthest_ahead(values: &AtKnots, sign: f64) -> f64 {
+    let shape = Interpolant {
+        coefficients: divided_differences(values),
+        variation: 0.0,
+    };
+    let [_, _, _, before, end] = KNOTS;
+    let (value, slope) = shape.value_and_slope(end);
+    let curvature = (slope - shape.value_and_slope(before).1) / (end - before);
+    let at_next_end = value + slope + 0.5 * curvature;
+    let turn = -slope / curvature;
+    let at_turn = value + 0.5 * turn * slope;
+    if (0.0..1.0).contains(&turn) && sign * at_turn > sign * at_next_end {
+        at_turn
+    } else {
+        at_next_end
     }
 }
 

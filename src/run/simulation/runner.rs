@@ -8,9 +8,11 @@ use super::queue::{Queue, event_at};
 use super::record::{Record, RunEnd, SimulationError};
 use super::sample::Sample;
 use super::tally::Tally;
-use super::watch::{Watch, ZeroKind, accelerations, copy_signs, envelope, watches};
+use super::watch::{
+    Watch, ZeroKind, accelerations, copy_signs, envelope, precession_floor, watches,
+};
 use crate::physics::dynamics::{Entry, Formulation, Guard, Model, Motion, Phase, Transition};
-use crate::physics::integrate::{Crossing, Dense, Dop853, KNOTS, Slope};
+use crate::physics::integrate::{Crossing, Dense, Dop853, KNOTS, Slope, Tolerances};
 use crate::physics::kinematics::Euler;
 use crate::run::scenario::{Scenario, Stop};
 use crate::run::time::{nanoseconds, seconds};
@@ -42,6 +44,8 @@ pub(super) struct Runner<F, const N: usize> {
     detail: Detail,
     period_ns: u64,
     stop: Stop,
+    /// Tolerances of the motion; those of the steps may be stricter.
+    tolerances: Tolerances,
     /// The sense of the precession: +1 or −1.
     sense: f64,
     watches: Vec<Watch>,
@@ -105,6 +109,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             detail,
             period_ns: scenario.sample_period_ns,
             stop: scenario.stop,
+            tolerances: scenario.tolerances,
             sense,
             nutation: NutationTracker::new(scenario.model, 0.0, motion),
             dense: None,
@@ -166,6 +171,10 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let mut all = Vec::new();
         for Watch { kind, tracker } in &mut watches {
             let kind = *kind;
+            if kind == ZeroKind::Precession {
+                let steps = self.integrator.statistics().accepted;
+                tracker.set_floor(precession_floor(&self.tolerances, steps, &motions));
+            }
             let looks_closer = kind == ZeroKind::NutationRate && self.detail == Detail::All;
             let values = if looks_closer {
                 let of = |motion: &Motion| accelerations(system.model(), motion);

@@ -1,13 +1,33 @@
 //! Functions whose zeros are events.
 
 use crate::physics::dynamics::{Formulation, Guard, Model, Motion, NO_SLIP, Phase};
-use crate::physics::integrate::{KNOTS, SignTracker, Slope, zero};
+use crate::physics::integrate::{KNOTS, SignTracker, Slope, Tolerances, zero};
 use crate::physics::kinematics::Euler;
 use crate::run::scenario::Stop;
 use std::f64::consts::FRAC_PI_2;
 
 /// Noise floors of θ̇ (rad/s) and θ̈ (rad/s²); smaller values are rounding errors.
 const NUTATION_FLOOR: (f64, f64) = (1e-10, 1e-8);
+
+/// A reversal of the precession counts only beyond this many standard deviations of the integration error.
+const REVERSAL_DEVIATIONS: f64 = 3.0;
+
+/// Noise floor of φ̇ sin² θ after a number of steps, rad/s: the integration error that may have accumulated by then.
+///
+/// φ̇ sin² θ is the angular velocity, multiplied by a vector of length sin θ that depends on the axis. A step adds an
+/// error within the tolerances to the angular velocity ω (absolute + relative · |ω|) and to the direction of the axis
+/// (absolute + relative), which turns ω. The errors of the steps add like independent ones: with the square root of
+/// their number.
+pub(super) fn precession_floor(tolerances: &Tolerances, steps: u64, motions: &[Motion]) -> f64 {
+    let Tolerances { relative, absolute } = *tolerances;
+    let mut largest = 0.0;
+    for motion in motions {
+        let omega = motion.tilt.omega_lean.norm();
+        let error = motion.tilt.sin * (absolute + relative * omega + (absolute + relative) * omega);
+        largest = if error > largest { error } else { largest };
+    }
+    REVERSAL_DEVIATIONS * (steps as f64).sqrt() * largest
+}
 
 /// A watched function of the motion.
 pub(super) struct Watch {
@@ -169,7 +189,11 @@ pub(super) fn watches<F: Formulation<N>, const N: usize>(
     let mut watches = vec![
         watch(ZeroKind::Nutation, NUTATION_FLOOR.0),
         watch(ZeroKind::NutationRate, NUTATION_FLOOR.1),
-        watch(ZeroKind::Precession, 0.0),
+        // Its noise floor grows with the steps: see `precession_floor`.
+        Watch {
+            kind: ZeroKind::Precession,
+            tracker: SignTracker::looking_ahead(),
+        },
     ];
     // A tippe top has no strength event, and `Inversion` replaces `Fallen`.
     if model.top.center_distance > 0.0 {
