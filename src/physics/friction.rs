@@ -315,6 +315,21 @@ impl Friction {
         self.law.is_none() && self.losses.is_none_or(|losses| losses.is_none())
     }
 
+    /// Whether there is friction at the point of contact: sliding, rolling resistance or drilling.
+    pub fn acts_at_contact(&self) -> bool {
+        let at_contact = Losses {
+            air: Air::default(),
+            ..self.losses.unwrap_or_default()
+        };
+        !self.law.is_none() || !at_contact.is_none()
+    }
+
+    /// Whether there is air drag.
+    pub fn has_air_drag(&self) -> bool {
+        self.losses
+            .is_some_and(|losses| losses.air != Air::default())
+    }
+
     /// Whether there are torques in addition to that of the force: [`Contact::losses`].
     #[inline]
     pub fn has_losses(&self) -> bool {

@@ -14,7 +14,7 @@ use serde::Serialize;
 use serde::ser::{SerializeMap as _, Serializer};
 use serde_json::Map;
 use std::borrow::Cow;
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Outcome of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,8 +68,14 @@ impl Outcome {
 
     /// A sentence about the end of the run and, for a tippe top, its inversion.
     pub fn sentence(&self) -> String {
+        // A top that swings may pass the horizontal and come back.
+        let passage = if self.end.motion.angles.theta >= FRAC_PI_2 {
+            "the top inverted"
+        } else {
+            "the axis passed the horizontal"
+        };
         let inversion = self.end.inversion_time.map_or_else(String::new, |time| {
-            format!("the top inverted at t = {time:.6} s; ")
+            format!("{passage} at t = {time:.6} s; ")
         });
         let (end, time) = (self.end.stop.sentence(), self.end.time);
         format!("{inversion}{end} at t = {time:.6} s")
@@ -231,7 +237,7 @@ pub const COLUMNS: &[Column] = &[
     column("turns", "", "number of turns of precession", Number(|o| Some(o.turns))),
     column("energy_at_start", "J", "total energy at the start", Number(|o| Some(o.end.energy_at_start))),
     column("energy", "J", "total energy at the end", Number(|o| Some(o.end.energy))),
-    column("friction_work", "J", "work done by friction and impacts (normally negative)", Number(|o| Some(o.end.motion.integrals.friction_work))),
+    column("friction_work", "J", "work done by friction, air drag and impacts (normally negative)", Number(|o| Some(o.end.motion.integrals.friction_work))),
     column("slip_path", "m", "length of the slip path of the contact point", Number(|o| Some(o.end.motion.integrals.slip_path))),
     column("roll_time", "s", "time at which the peg first rolled; null if it did not, or if the peg is fixed",
         Number(|o| o.tally.first(EventKind::RollBegins))),

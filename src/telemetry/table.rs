@@ -21,7 +21,9 @@ use std::sync::OnceLock;
 /// 3. Ranges of the rates are exact at impacts. φ and the rates at an exactly vertical axis are limits of the following
 ///    motion. Drilling friction of a free peg is smoothed.
 /// 4. Descriptions of fields, keys and presets are reworded; values are those of version 3.
-pub const VERSION: u32 = 4;
+/// 5. Reversals of the precession and nutation cycles of rounding are omitted: cusps, cycles that an impact begins or ends,
+///    half nutations. The slow rate of regular precession of a peg in the air is 0.
+pub const VERSION: u32 = 5;
 
 /// A channel whose messages are made from values of type `S`.
 #[derive(Debug)]
@@ -266,10 +268,10 @@ channels! {
         TORQUE torque: channel("/top/torque", "toprise.Torque",
             "torques about the centre of the peg") {
             GRAVITY_BODY = vector("gravity_body", Torque, frame::BODY, "torque of gravity", |s| s.torque.gravity.body);
-            FRICTION_BODY = vector("friction_body", Torque, frame::BODY, "friction torque", |s| s.torque.friction.body);
+            FRICTION_BODY = vector("friction_body", Torque, frame::BODY, "torque of friction and air drag", |s| s.torque.friction.body);
             TOTAL_BODY = vector("total_body", Torque, frame::BODY, "sum of the torques", |s| s.torque.total.body);
             GRAVITY_NODE = vector("gravity_node", Torque, frame::NODE, "torque of gravity", |s| s.torque.gravity.node);
-            FRICTION_NODE = vector("friction_node", Torque, frame::NODE, "friction torque", |s| s.torque.friction.node);
+            FRICTION_NODE = vector("friction_node", Torque, frame::NODE, "torque of friction and air drag", |s| s.torque.friction.node);
             TOTAL_NODE = vector("total_node", Torque, frame::NODE, "sum of the torques", |s| s.torque.total.node);
         }
         ACCELERATION acceleration: channel("/top/acceleration", "toprise.Acceleration",
@@ -302,13 +304,13 @@ channels! {
             SLIP_WORK = number("slip_work", Energy, "work of the friction force along the slip path since the start", |s| s.integrals.slip_work);
         }
         ENERGY energy: channel("/top/energy", "toprise.Energy",
-            "energies, and the power and work of friction") {
+            "energies, and the power and work of friction and air drag") {
             KINETIC = number("kinetic", Energy, "kinetic energy", |s| s.energy.kinetic).in_plot("mechanical");
-            POTENTIAL = number("potential", Energy, "potential energy, zero at the height of the peg's centre", |s| s.energy.potential);
+            POTENTIAL = number("potential", Energy, "potential energy M g z of the centre of mass, zero at the height of the centre of a peg on the table", |s| s.energy.potential);
             TOTAL = number("total", Energy, "total energy", |s| s.energy.total()).in_plot("mechanical");
-            FRICTION_POWER = number("friction_power", Power, "power of the friction torque", |s| s.energy.friction_power);
-            FRICTION_WORK = number("friction_work", Energy, "work of friction since the start", |s| s.integrals.friction_work);
-            FRICTION_WORK_NODE = vector("friction_work_node", Energy, frame::NODE, "work of the friction torque about each axis since the start", |s| s.integrals.work_node);
+            FRICTION_POWER = number("friction_power", Power, "power of friction and air drag", |s| s.energy.friction_power);
+            FRICTION_WORK = number("friction_work", Energy, "work of friction, air drag and impacts since the start", |s| s.integrals.friction_work);
+            FRICTION_WORK_NODE = vector("friction_work_node", Energy, frame::NODE, "work of the torque of friction and air drag about each axis since the start", |s| s.integrals.work_node);
         }
         MOMENTUM momentum: channel("/top/momentum", "toprise.Momentum",
             "angular momentum about the centre of the peg") {
@@ -317,11 +319,11 @@ channels! {
             WORLD = vector("world", Momentum, frame::WORLD, "angular momentum", |s| s.momentum.world);
         }
         PRECESSION precession: channel("/top/precession", "toprise.Precession",
-            "regular precession at the current θ and ψ̇; no message where its rates are not real").present_if(|s| s.precession.roots.is_some()) {
-            SLOW_ROOT = number("slow_root", ReferenceRate, "slow rate of regular precession", |s| s.precession.roots.map_or(f64::NAN, |r| r.slow));
-            FAST_ROOT = number("fast_root", ReferenceRate, "fast rate of regular precession", |s| s.precession.roots.map_or(f64::NAN, |r| r.fast));
+            "regular precession at the current θ and ψ̇; no message where its rates are not real or not finite").present_if(|s| s.precession.roots.is_some()) {
+            SLOW_ROOT = number("slow_root", ReferenceRate, "slow rate of regular precession; 0 in the air, where no torque acts about the centre of mass", |s| s.precession.roots.map_or(f64::NAN, |r| r.slow));
+            FAST_ROOT = number("fast_root", ReferenceRate, "fast rate of regular precession; infinite, and not recorded, for equal moments of inertia (a sphere)", |s| s.precession.roots.map_or(f64::NAN, |r| r.fast));
             EXCESS = number("excess", ReferenceRate, "φ̇ minus the slow rate", |s| s.precession.roots.map_or(f64::NAN, |r| s.tilt.rates.phi - r.slow));
-            STRENGTH_RATIO = number("strength_ratio", Number, "|a|/√(4 M g l/I_x), a = I_z (ψ̇ + φ̇ cos θ)/I_x: below 1 the top is weak", |s| s.precession.strength_ratio);
+            STRENGTH_RATIO = number("strength_ratio", Number, "|a|/√(4 M g |l|/I_x), a = I_z (ψ̇ + φ̇ cos θ)/I_x: below 1 the top is weak; for a free peg, I_x is about the centre of mass, I_x − M l²", |s| s.precession.strength_ratio);
         }
         CENTER_OF_MASS center_of_mass: channel("/top/center_of_mass", "toprise.CenterOfMass",
             "the centre of mass of a top with a free peg").free_peg_only().present_if(|s| s.free.is_some()) {

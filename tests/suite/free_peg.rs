@@ -550,6 +550,34 @@ fn events_are_those_of_the_motion_where_phases_change() {
     }
 }
 
+/// In the air a top precesses regularly about the vertical if its angular momentum is vertical, at the fast rate, or along
+/// the axis, at the slow rate, 0: θ stays constant.
+#[test]
+fn val_rates_of_regular_precession_in_the_air() {
+    let keys = [("initial.height", "0.5"), ("stop.duration", "0.3")];
+    for spin in ["170", "-170"] {
+        let keys = [&keys[..], &[("initial.psi_dot", spin)]].concat();
+        let roots = Run::with("drop", &keys).samples[0]
+            .precession
+            .roots
+            .unwrap();
+        assert!(roots.slow == 0.0 && roots.slow.is_sign_positive());
+        for rate in [roots.slow, roots.fast] {
+            let rate = format!("{rate:?}");
+            let keys = [&keys[..], &[("initial.phi_dot", &*rate)]].concat();
+            let run = Run::with("drop", &keys);
+            for sample in &run.samples {
+                assert_eq!(sample.free.unwrap().phase, Phase::Flying);
+                // Some 1,000 steps at 1e-12, from a rate rounded to 1e-16.
+                assert_near(&rate, sample.angles.theta, 0.5, 1e-10);
+                let found = sample.precession.roots.unwrap();
+                // In the air ψ̇ is constant.
+                assert_near(&rate, found.fast, roots.fast, 1e-8 * roots.fast.abs());
+            }
+        }
+    }
+}
+
 /// Started at the slow root for rolling, a rolling top precesses without nutation; at the root for sliding, it nutates.
 #[test]
 fn val_a_rolling_top_precesses_regularly_at_its_root() {

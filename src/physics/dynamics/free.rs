@@ -110,7 +110,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
             departure: None,
             inertia: Inertia::of(top),
         };
-        if peg_position.z > top.peg_radius || peg_velocity.z != 0.0 {
+        if start.is_in_flight(top.peg_radius) {
             return (flying, state, None);
         }
         let slip = flying.parts(&state).contact_velocity();

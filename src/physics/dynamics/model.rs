@@ -132,8 +132,20 @@ impl Model {
     /// For a rolling peg, with the height `h = R + l cos θ` of the centre of mass, they are the roots of
     /// `((A − I_z) cos θ + M l h) φ̇² − (I_z + M R h) ψ̇ φ̇ + M g l = 0`: the centre of mass moves in a circle, and
     /// friction provides the centripetal force.
+    ///
+    /// In the air no torque acts about the centre of mass: the slow rate is 0, and the fast one is that of a top without
+    /// gravity.
     pub fn precession_roots(&self, tilt: &Tilt, phase: Phase) -> Option<PrecessionRoots> {
         let top = &self.top;
+        if phase == Phase::Flying {
+            let weightless = Top {
+                gravity: 0.0,
+                ..self.nutating_top()
+            };
+            let fast = weightless.precession_roots(tilt)?.fast;
+            // The slow root is −0 for a negative spin.
+            return Some(PrecessionRoots { slow: 0.0, fast });
+        }
         if !self.rolls(phase) {
             return self.nutating_top().precession_roots(tilt);
         }

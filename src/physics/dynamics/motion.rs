@@ -114,3 +114,10 @@ pub struct Start {
     /// Velocity of the peg's centre in the world, m/s.
     pub peg_velocity: Vector3<f64>,
 }
+
+impl Start {
+    /// Whether a free peg of this radius (m) starts in the air, or on the table with a vertical velocity.
+    pub fn is_in_flight(&self, peg_radius: f64) -> bool {
+        self.peg_position.z > peg_radius || self.peg_velocity.z != 0.0
+    }
+}

@@ -5,14 +5,19 @@ use crate::physics::kinematics::Euler;
 
 /// Maximum ratio of a cycle's duration to the frictionless nutation period, or the inverse ratio.
 ///
-/// Friction changes the period slightly: in the presets, cycles take 0.94 to 1.05 times the frictionless period. A fall
-/// takes 9 to 100 times as long.
+/// Friction changes the period slightly: in the presets with a fixed peg, cycles take 0.94 to 1.12 times the frictionless
+/// period. A fall takes 9 to 100 times as long.
 const PERIOD_FACTOR: f64 = 2.0;
+
+/// The same for a cycle with an impact or another change of phase: it is nearer to one nutation than to a half or to two.
+/// An impact shifts the phase of the nutation: the maxima of θ̇ around it may be half a nutation apart, whose averages are
+/// not those of the motion.
+const SHIFTED_FACTOR: f64 = std::f64::consts::SQRT_2;
 
 /// One nutation, from a maximum of θ̇ to the next.
 ///
-/// At an impact, the rates before it belong to the cycle up to then, and the rates after it to the cycle from then on.
-/// These are two cycles if the impact is a maximum of θ̇ (θ̈ jumps from positive to negative); otherwise it is one.
+/// An impact, at which the rates jump, does not end a cycle, even if θ̈ jumps from positive to negative there: it is not
+/// the phase of the nutation at which a cycle begins.
 ///
 /// Cycles are delimited by maxima of θ̇, because θ has no extremes where the drift exceeds the nutation. Maxima of θ̇
 /// that are not about one nutation period apart, e.g. before and after a fall, don't form a cycle.
@@ -58,8 +63,8 @@ pub(super) struct NutationTracker {
     /// The current cycle, since the last maximum of θ̇ or the start of the motion.
     open: OpenCycle,
     has_begun: bool,
-    /// Time of a pending impact, s, and the rates after it, until it is known whether it ends a cycle.
-    jump: Option<(f64, Euler)>,
+    /// Time of the last impact or other change of phase, s.
+    last_jump: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -96,10 +101,10 @@ impl OpenCycle {
         model.nutation_period(&self.motion, [self.theta_min, self.theta_max])
     }
 
-    /// Whether the cycle ending at `time` has the duration of one nutation.
-    fn is_nutation(&self, model: &Model, time: f64) -> bool {
+    /// Whether the cycle ending at `time` has the duration of one nutation, within a factor.
+    fn is_nutation(&self, model: &Model, time: f64, factor: f64) -> bool {
         let periods = |period| (time - self.start) / period;
-        let nutations = 1.0 / PERIOD_FACTOR..=PERIOD_FACTOR;
+        let nutations = 1.0 / factor..=factor;
         self.period(model)
             .is_some_and(|period| nutations.contains(&periods(period)))
     }
@@ -122,7 +127,7 @@ impl NutationTracker {
             count: 0,
             open: OpenCycle::new(time, &motion),
             has_begun: false,
-            jump: None,
+            last_jump: None,
         }
     }
 
@@ -135,52 +140,53 @@ impl NutationTracker {
     /// Records an extreme of θ. Returns whether it belongs to a nutation: its time since the last maximum of θ̇ is not
     /// longer than a nutation takes.
     pub(super) fn record_extreme(&mut self, time: f64, motion: &Motion) -> bool {
-        self.widen(time, motion);
+        self.widen(motion);
         let period = self.open.period(&self.model);
         period.is_none_or(|period| time - self.open.start <= PERIOD_FACTOR * period)
     }
 
-    /// Records rates as candidates for the extremes of the cycle. Rates right after an impact may belong to the next
-    /// cycle.
-    pub(super) fn record_rates(&mut self, time: f64, motion: &Motion) {
-        if self.jump.is_some_and(|(jump, _)| time <= jump) {
-            return;
-        }
-        if let Some((_, after)) = self.jump.take() {
-            self.open.widen_rates(&after);
-        }
+    /// Records rates as candidates for the extremes of the cycle.
+    pub(super) fn record_rates(&mut self, motion: &Motion) {
         self.open.widen_rates(&motion.tilt.rates);
     }
 
-    /// Records an impact; the rates before it were recorded already.
+    /// Records an impact, or another change of phase; the rates before it were recorded already.
     pub(super) fn record_impact(&mut self, time: f64, after: &Motion) {
-        if let Some((_, pending)) = self.jump.replace((time, after.tilt.rates)) {
-            self.open.widen_rates(&pending);
-        }
+        self.last_jump = Some(time);
+        self.open.widen_rates(&after.tilt.rates);
     }
 
-    fn widen(&mut self, time: f64, motion: &Motion) {
+    fn widen(&mut self, motion: &Motion) {
         let open = &mut self.open;
         widen(
             &mut open.theta_min,
             &mut open.theta_max,
             motion.angles.theta,
         );
-        self.record_rates(time, motion);
+        self.record_rates(motion);
     }
 
-    /// Records a maximum of θ̇, which ends a cycle and starts the next. Returns the cycle if it is complete.
+    /// Records a maximum of θ̇, which ends a cycle and starts the next unless it is a jump at an impact. Returns the cycle
+    /// if it is complete.
     pub(super) fn end_cycle(
         &mut self,
         time: f64,
         time_ns: u64,
         motion: Motion,
     ) -> Option<NutationCycle> {
-        self.widen(time, &motion);
-        self.jump = None;
+        self.widen(&motion);
+        if self.last_jump == Some(time) {
+            return None;
+        }
         let open = std::mem::replace(&mut self.open, OpenCycle::new(time, &motion));
         let has_begun = std::mem::replace(&mut self.has_begun, true);
-        let is_nutation = open.is_nutation(&self.model, time);
+        let is_shifted = self.last_jump.is_some_and(|jump| jump >= open.start);
+        let factor = if is_shifted {
+            SHIFTED_FACTOR
+        } else {
+            PERIOD_FACTOR
+        };
+        let is_nutation = open.is_nutation(&self.model, time, factor);
         if !has_begun || !is_nutation {
             return None;
         }

@@ -239,7 +239,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
                 }
             }
             (ZeroKind::NutationRate, Slope::Rising) | (ZeroKind::Envelope, _) => {
-                self.nutation.record_rates(time, &motion);
+                self.nutation.record_rates(&motion);
             }
             (ZeroKind::NutationRate, Slope::Falling) => {
                 let cycle = self.nutation.end_cycle(time, nanoseconds(time), motion);
@@ -289,7 +289,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             self.end = Some((time, EarlyEnd::Stop(StopReason::SlipStopped, None)));
             return Ok(());
         }
-        self.nutation.record_rates(time, &motion);
+        self.nutation.record_rates(&motion);
         let system = *self.integrator.system();
         let entered = system.enter(guard, state, self.reference);
         let entry = entered.map_err(|_| {
