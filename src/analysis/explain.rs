@@ -51,9 +51,9 @@ pub struct Explanation {
     pub title: String,
     /// The facts, chapter by chapter.
     pub chapters: Vec<Chapter>,
-    /// The kinds of events, in the order of their first times.
+    /// The kinds of events, in the order of their first times; empty for a recording with gaps, which may lack some.
     pub events: Vec<EventSummary>,
-    /// The averaged motion in stages of equally many nutations.
+    /// The averaged motion in stages of equally many nutations; empty for a recording with gaps.
     pub stages: Vec<Stage>,
     /// A summary of the run.
     pub summary: RunSummary,
@@ -108,10 +108,13 @@ pub fn explain_while<'a>(
         [fixed::motion, fixed::cause, fixed::energy]
     };
     // Counts and averages of a recording with gaps are not those of the run.
-    let (motion, cause) = if evidence.history.has_gaps {
-        (vec![fixed::start(&evidence)], Vec::new())
+    let (motion, cause, events, stages) = if evidence.history.has_gaps {
+        let start = vec![fixed::start(&evidence)];
+        (start, Vec::new(), Vec::new(), Vec::new())
     } else {
-        (motion(&evidence), cause(&evidence))
+        let events = event_summaries(&evidence.history);
+        let stages = precession::stages(&evidence);
+        (motion(&evidence), cause(&evidence), events, stages)
     };
     let chapter = |heading, facts| Chapter { heading, facts };
     let mut chapters = vec![
@@ -123,8 +126,8 @@ pub fn explain_while<'a>(
     Ok(Explanation {
         title: title(&evidence),
         chapters,
-        events: event_summaries(&evidence.history),
-        stages: precession::stages(&evidence),
+        events,
+        stages,
         summary: evidence.summary,
         losses: evidence.losses,
     })
@@ -147,6 +150,8 @@ fn gather(subject: Subject<'_>, carry_on: &dyn Fn() -> bool) -> Result<Evidence,
             .map_err(|error| ExplainError(error.to_string()))?,
     };
     let mut history = RunHistory::new(Some(scenario.model), None);
+    let peg_radius = scenario.model.top.peg_radius;
+    history.set_flight_at_start(scenario.start().is_in_flight(peg_radius));
     let ended = subject.read(&Topics::All, &mut |message, _| {
         history.take(message);
         carry_on()
@@ -166,6 +171,7 @@ fn gather(subject: Subject<'_>, carry_on: &dyn Fn() -> bool) -> Result<Evidence,
     }
     Ok(Evidence {
         summary: history.summary(),
+        peg_intervals: history.peg_intervals(),
         scenario,
         history,
         losses,

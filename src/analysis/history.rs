@@ -11,7 +11,7 @@ mod summary;
 
 pub(crate) use self::cycle::Cycle;
 pub(crate) use self::event::{Constancy, Event};
-pub(crate) use self::peg::PegHistory;
+pub(crate) use self::peg::{Interval, PegHistory};
 pub use self::peg::{PegPhase, PegSummary};
 pub use self::summary::RunSummary;
 
@@ -172,6 +172,13 @@ impl RunHistory {
         self.events.push(event);
     }
 
+    /// Sets whether a free peg starts in the air, which a recording of few topics doesn't show.
+    pub(crate) fn set_flight_at_start(&mut self, is_in_flight: bool) {
+        if let Some(peg) = &mut self.peg {
+            peg.flies_at_first = is_in_flight;
+        }
+    }
+
     /// Sets the end of the run.
     pub(crate) fn finish(&mut self, end: Option<Entries>) {
         self.end = end;
@@ -258,6 +265,19 @@ impl RunHistory {
         Curve::new(points.filter(|(_, value)| !value.is_nan()))
     }
 
+    /// Whether the axis is beyond the horizontal in the last sample: a tippe top that has inverted, and stays so.
+    pub(crate) fn is_inverted_at_end(&self) -> bool {
+        self.states.is_some_and(|[_, last]| last.theta >= FRAC_PI_2)
+    }
+
+    /// The phases of a free peg to the end of the run; empty if they are not known, as behind a gap.
+    pub(crate) fn peg_intervals(&self) -> Vec<Interval> {
+        match (&self.peg, self.stop_time()) {
+            (Some(peg), Some(end)) if !self.has_gaps => peg.intervals(end),
+            _ => Vec::new(),
+        }
+    }
+
     /// Whether the top is a tippe top.
     pub(crate) fn is_of_tippe_top(&self) -> bool {
         self.peg.as_ref().is_some_and(PegHistory::is_tippe)
@@ -274,7 +294,8 @@ impl RunHistory {
             rise_time: risen.or(end_time.filter(|_| is_rise)),
             stop_reason: reason,
             stop_time: end_time,
-            nutations: (!self.cycles.is_empty()).then_some(self.cycles.len() as u64),
+            nutations: (!self.cycles.is_empty() && !self.has_gaps)
+                .then_some(self.cycles.len() as u64),
             energy_first: self.energies.map(|energies| energies.first),
             energy_last: self.energies.map(|energies| energies.last),
             friction_work: self.energies.map(|energies| energies.work),
@@ -283,10 +304,21 @@ impl RunHistory {
             vertical_momentum_deviation: momentum
                 .map(|m| m.deviation / m.first.abs())
                 .filter(|deviation| deviation.is_finite()),
-            peg: self
-                .peg
-                .as_ref()
-                .map(|peg| peg.summary(self.stop_time().unwrap_or(0.0))),
+            peg: self.peg.as_ref().map(|peg| self.peg_summary(peg)),
         }
+    }
+
+    fn peg_summary(&self, peg: &PegHistory) -> PegSummary {
+        let mut summary = peg.summary(&self.peg_intervals());
+        if self.has_gaps {
+            // Events and impacts may be missing.
+            (summary.hops, summary.time_in_air, summary.time_rolling) = (None, None, None);
+            (summary.impacts, summary.impact_loss) = (None, None);
+        }
+        if self.end.is_none() {
+            // What the peg does behind the end of a file that was cut off is not known.
+            (summary.rolls_to_end_from, summary.rolls_to_end_at) = (None, None);
+        }
+        summary
     }
 }

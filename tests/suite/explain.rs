@@ -1,5 +1,7 @@
 //! Explaining a run.
 
+mod statements;
+
 use crate::random_scenarios::{Random, free_tops};
 use crate::support::{Folder, Run, archive, assert_contains, assert_near, scenario};
 use std::f64::consts::FRAC_PI_2;
@@ -117,6 +119,7 @@ fn assert_fact(fact: &Fact, scenario: &Scenario, run: &Run) {
             first: a,
             last: b,
             time,
+            ..
         } => {
             assert_eq!(*time, last.time_ns as f64 / 1e9);
             assert_near("energy", *a, energy(first), 1e-12);

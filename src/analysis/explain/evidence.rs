@@ -1,6 +1,6 @@
 //! Input data of an explanation.
 
-use crate::analysis::history::{RunHistory, RunSummary};
+use crate::analysis::history::{Interval, RunHistory, RunSummary};
 use crate::archive::format::STEPS;
 use crate::run::scenario::Scenario;
 use std::ops::Range;
@@ -26,6 +26,8 @@ pub(super) struct Evidence {
     pub(super) scenario: Scenario,
     pub(super) history: RunHistory,
     pub(super) summary: RunSummary,
+    /// Phases of a free peg, in the order of time; empty if they are not known.
+    pub(super) peg_intervals: Vec<Interval>,
     /// Parts that could not be read.
     pub(super) losses: Vec<String>,
 }

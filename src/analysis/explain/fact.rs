@@ -1,6 +1,6 @@
 //! Facts of an explanation, and their text.
 
-use crate::analysis::phrase::{moment, quantity, significant};
+use crate::analysis::phrase::{moment, quantity, significant, works};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -39,6 +39,11 @@ pub enum Fact {
         /// The end of the run, s.
         time: f64,
     },
+    /// A tippe top's axis has passed the horizontal, but is above it in the last sample.
+    PassesHorizontal {
+        /// Time of the first passage, s.
+        time: f64,
+    },
     /// Mean inclination in the first and last nutation.
     MeanTheta {
         /// In the first nutation, rad.
@@ -50,6 +55,13 @@ pub enum Fact {
     ThetaConstant {
         /// Its mean, rad.
         theta: f64,
+    },
+    /// The inclination at the end, where the last nutation is not at the end of the run.
+    End {
+        /// In the last sample, rad.
+        theta: f64,
+        /// End of the last nutation, s; absent if there are fewer than two.
+        nutation_end: Option<f64>,
     },
     /// The axis loops.
     Loops {
@@ -133,6 +145,8 @@ pub enum Fact {
         last: f64,
         /// Time of the last sample, s.
         time: f64,
+        /// The largest deviation of the change from the work of friction, air drag and impacts, J.
+        within: f64,
     },
     /// The energy has not changed by more than the integrator's error.
     EnergyConstant {
@@ -141,10 +155,14 @@ pub enum Fact {
         /// The largest deviation, J.
         deviation: f64,
     },
-    /// The work of friction, and of impacts, accounts for the change of energy.
+    /// The work of friction, air drag and impacts accounts for the change of energy.
     Balance {
         /// Within this, J.
         within: f64,
+        /// Whether there is friction at the point of contact.
+        has_friction: bool,
+        /// Whether there is air drag.
+        has_air_drag: bool,
         /// Whether the peg hits the table.
         has_impacts: bool,
     },
@@ -204,6 +222,10 @@ impl Fact {
             Self::NotInverted { time } => {
                 format!("The top does not invert before the end at {}.", at(time))
             }
+            Self::PassesHorizontal { time } => format!(
+                "The axis passes the horizontal at {}, but the top does not stay inverted.",
+                at(time)
+            ),
             Self::MeanTheta { first, last } if angle(first) == angle(last) => format!(
                 "The mean θ stays at {} (change {}).",
                 angle(first),
@@ -215,6 +237,15 @@ impl Fact {
                 angle(last)
             ),
             Self::ThetaConstant { theta } => format!("The mean θ is constant at {}.", angle(theta)),
+            Self::End {
+                theta,
+                nutation_end: Some(time),
+            } => format!(
+                "The nutation ends at {}; in the last sample, θ = {}.",
+                at(time),
+                angle(theta)
+            ),
+            Self::End { theta, .. } => format!("In the last sample, θ = {}.", angle(theta)),
             Self::Loops { count: 1, first } => format!("The axis loops once, at {}.", at(first)),
             Self::Loops { count, first } => {
                 format!("The axis loops {count} times, first at {}.", at(first))
@@ -280,10 +311,16 @@ impl Fact {
             } => format!(
                 "The model omits a component of the friction torque (friction.dissipation = {dissipation})."
             ),
-            Self::Energy { first, last, time } => {
+            Self::Energy {
+                first,
+                last,
+                time,
+                within,
+            } => {
                 let is_lost = last < first;
                 let verb = if is_lost { "decreases" } else { "increases" };
-                let change = joule(&(last - first).abs());
+                let change = (last - first).abs();
+                let change = quantity(change, known_digits(change, *within), "J");
                 let until = at(time);
                 format!("Energy {verb} by {change} until the last sample, at {until}.")
             }
@@ -294,10 +331,12 @@ impl Fact {
             ),
             Self::Balance {
                 within,
+                has_friction,
+                has_air_drag,
                 has_impacts,
             } => format!(
-                "The work of friction{} equals this change (± {}).",
-                if *has_impacts { " and impacts" } else { "" },
+                "The work of {} equals this change (± {}).",
+                works([*has_friction, *has_air_drag, *has_impacts]),
                 quantity(*within, 2, "J")
             ),
             Self::Sliding { sliding, losses } if *losses > 0.0 => format!(
@@ -339,6 +378,16 @@ impl Fact {
             ),
         }
     }
+}
+
+/// Number of significant digits, at most 4, of a value with this uncertainty.
+fn known_digits(value: f64, uncertainty: f64) -> usize {
+    let mut digits = 1;
+    let mut resolved = 10.0 * uncertainty;
+    while digits < 4 && resolved < value {
+        (digits, resolved) = (digits + 1, 10.0 * resolved);
+    }
+    digits
 }
 
 /// Number of times.

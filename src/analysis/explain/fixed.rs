@@ -10,6 +10,7 @@ use crate::run::simulation::EventKind;
 pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
     let mut facts = vec![start(evidence)];
     facts.extend(mean_theta(evidence));
+    facts.extend(end(evidence));
     facts.extend(loops(evidence));
     facts.extend(limits(evidence));
     let first = |kind| evidence.history.first(kind);
@@ -52,6 +53,29 @@ pub(super) fn mean_theta(evidence: &Evidence) -> Option<Fact> {
     })
 }
 
+/// The inclination at the end, unless the last nutation or the event that ends the run shows it.
+pub(super) fn end(evidence: &Evidence) -> Option<Fact> {
+    /// A run ends in its last nutation, or in the next, which is not complete.
+    const NUTATIONS: f64 = 2.0;
+    let history = &evidence.history;
+    let [_, last] = history.states?;
+    let is_at_limit = limits(evidence).any(|fact| match fact {
+        Fact::Risen { time, .. } | Fact::Fallen { time, .. } => Some(time) == history.stop_time(),
+        _ => false,
+    });
+    let mut nutation_end = None;
+    if let [_, .., cycle] = &history.cycles[..] {
+        if last.time <= cycle.end() + NUTATIONS * cycle.period {
+            return None;
+        }
+        nutation_end = Some(cycle.end());
+    }
+    (!is_at_limit).then_some(Fact::End {
+        theta: last.theta,
+        nutation_end,
+    })
+}
+
 /// Loops of the axis.
 pub(super) fn loops(evidence: &Evidence) -> Option<Fact> {
     let mut loops = evidence.history.events_of(EventKind::LoopingBegins);
@@ -70,7 +94,8 @@ pub(super) fn cause(evidence: &Evidence) -> Vec<Fact> {
     if let Some(Fact::FrictionOnPrecession { .. }) = facts.last() {
         facts.extend(precession::cancelling(evidence));
     }
-    let is_part = friction.dissipation != Dissipation::Full && !evidence.scenario.is_frictionless();
+    // Only sliding friction has parts.
+    let is_part = friction.dissipation != Dissipation::Full && !friction.law.is_none();
     if is_part {
         facts.push(Fact::ModelPart {
             dissipation: evidence.scenario.word("friction.dissipation").to_owned(),
@@ -114,10 +139,18 @@ pub(super) fn balance(evidence: &Evidence) -> Vec<Fact> {
         let constant = is_told.then_some(Fact::EnergyConstant { energy, deviation });
         return constant.into_iter().collect();
     }
+    let friction = &evidence.scenario.model.friction;
     let balance = Fact::Balance {
         within,
+        has_friction: friction.acts_at_contact(),
+        has_air_drag: friction.has_air_drag(),
         has_impacts,
     };
-    let time = energies.until;
-    vec![Fact::Energy { first, last, time }, balance]
+    let energy = Fact::Energy {
+        first,
+        last,
+        time: energies.until,
+        within,
+    };
+    vec![energy, balance]
 }

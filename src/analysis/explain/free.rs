@@ -11,10 +11,14 @@ pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
     let end = history.stop_time().unwrap_or(0.0);
     let mut facts = vec![fixed::start(evidence)];
     facts.extend(fixed::mean_theta(evidence));
+    facts.extend(fixed::end(evidence));
     if history.is_of_tippe_top() {
         let starts_inverted = evidence.scenario.angles.theta >= FRAC_PI_2;
         facts.extend(match history.inverted {
-            Some(time) if history.has_exact_inversion() => Some(Fact::Inverted { time }),
+            Some(time) if history.has_exact_inversion() && history.is_inverted_at_end() => {
+                Some(Fact::Inverted { time })
+            }
+            Some(time) if history.has_exact_inversion() => Some(Fact::PassesHorizontal { time }),
             None if !starts_inverted => Some(Fact::NotInverted { time: end }),
             _ => None,
         });
@@ -63,9 +67,7 @@ pub(super) fn energy(evidence: &Evidence) -> Vec<Fact> {
     {
         facts.push(Fact::Sliding { sliding, losses });
     }
-    if let Some((count @ 1.., lost)) = peg.and_then(|peg| peg.impacts.zip(peg.impact_loss))
-        && !evidence.history.has_gaps
-    {
+    if let Some((count @ 1.., lost)) = peg.and_then(|peg| peg.impacts.zip(peg.impact_loss)) {
         facts.push(Fact::Impacts { count, lost });
     }
     let path = evidence.summary.slip_path.filter(|path| *path > 0.0);

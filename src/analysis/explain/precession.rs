@@ -83,14 +83,16 @@ fn mean_motion(cycle: &Cycle) -> Option<Tilt> {
 
 /// The phase of the peg in a cycle; `None` if it changes, or the peg is in the air.
 fn phase(evidence: &Evidence, cycle: &Cycle) -> Option<Phase> {
-    let Some(peg) = &evidence.history.peg else {
+    if evidence.history.peg.is_none() {
         return Some(Phase::Sliding);
-    };
-    let history = &evidence.history;
-    let end = history.stop_time().filter(|_| !history.has_gaps)?;
-    let (from, to) = (cycle.start, cycle.end());
-    let mut intervals = peg.intervals(end).into_iter();
-    match intervals.find(|i| i.from <= from && to <= i.to)?.phase {
+    }
+    let intervals = &evidence.peg_intervals;
+    let later = intervals.partition_point(|interval| interval.from <= cycle.start);
+    let interval = &intervals[later.checked_sub(1)?];
+    if cycle.end() > interval.to {
+        return None;
+    }
+    match interval.phase {
         PegPhase::Sliding => Some(Phase::Sliding),
         PegPhase::Rolling => Some(Phase::Sticking),
         PegPhase::Flying => None,

@@ -1,4 +1,4 @@
-//! Energy and the work of friction.
+//! Energy, and the work of friction, air drag and impacts.
 
 use crate::run::time::seconds;
 use crate::telemetry::Message;
@@ -13,9 +13,9 @@ pub(crate) struct Energies {
     pub(crate) last: f64,
     /// Time of the last sample, s.
     pub(crate) until: f64,
-    /// The work of friction up to the last sample, J.
+    /// The work of friction, air drag and impacts up to the last sample, J.
     pub(crate) work: f64,
-    /// The largest deviation of the energy from that at the start and the work of friction, J.
+    /// The largest deviation of the energy from that at the start and this work, J.
     pub(crate) imbalance: f64,
 }
 

@@ -51,7 +51,7 @@ pub(crate) struct PegHistory {
     peg_radius: f64,
     /// Changes of phase: the new one, when (s), and θ then (rad).
     changes: Vec<(PegPhase, f64, f64)>,
-    flies_at_first: bool,
+    pub(super) flies_at_first: bool,
     /// Whether there are events: without them the phases are not known.
     has_events: bool,
     impacts: u64,
@@ -174,8 +174,7 @@ impl PegHistory {
         intervals
     }
 
-    pub(super) fn summary(&self, end: f64) -> PegSummary {
-        let intervals = self.intervals(end);
+    pub(super) fn summary(&self, intervals: &[Interval]) -> PegSummary {
         let of = |phase: PegPhase| intervals.iter().filter(move |i| i.phase == phase);
         let time_in = |phase: PegPhase| of(phase).map(Interval::duration).fold(0.0, |a, b| a + b);
         let is_known = self.has_events;

@@ -19,9 +19,9 @@ pub struct RunSummary {
     pub energy_first: Option<f64>,
     /// Energy in the last sample, J.
     pub energy_last: Option<f64>,
-    /// Work of friction up to the last sample, J.
+    /// Work of friction, air drag and impacts up to the last sample, J.
     pub friction_work: Option<f64>,
-    /// The largest deviation of the energy from that at the start and the work of friction, J.
+    /// The largest deviation of the energy from that at the start and this work, J.
     pub energy_imbalance: Option<f64>,
     /// Length of the path slipped up to the last sample, m.
     pub slip_path: Option<f64>,

@@ -1,6 +1,6 @@
 //! The report of a run.
 
-use crate::analysis::phrase::significant;
+use crate::analysis::phrase::{significant, works};
 use crate::cli::numbers::{count, counted, number};
 use crate::cli::page::{Section, Tone};
 use crate::cli::report::WrittenFile;
@@ -60,6 +60,9 @@ pub(crate) struct RunReport {
     steps_rejected: u64,
     /// Evaluations of the equations of motion.
     evaluations: u64,
+    /// The causes of its loss of energy.
+    #[serde(skip)]
+    works: &'static str,
     /// Wall time, s.
     wall_time: f64,
     #[serde(flatten)]
@@ -74,7 +77,7 @@ impl RunReport {
         recorded: Recorded,
         wall: Duration,
     ) -> Self {
-        let end = &outcome.end;
+        let (end, friction) = (&outcome.end, &scenario.model.friction);
         let text = |value: Option<&Value>| value.map_or_else(String::new, Value::to_set_notation);
         let changes = scenario.changes(base);
         Self {
@@ -90,6 +93,11 @@ impl RunReport {
             events: outcome.tally.counts().to_vec(),
             steps_rejected: end.statistics.rejected,
             evaluations: end.statistics.evaluations,
+            works: works([
+                friction.acts_at_contact(),
+                friction.has_air_drag(),
+                outcome.end.impacts > 0,
+            ]),
             wall_time: wall.as_secs_f64(),
             outcome,
             recorded,
@@ -158,10 +166,11 @@ impl RunReport {
             _ => number(energy, 6),
         };
         format!(
-            "{} J → {} J (change {} J, work of friction {} J)",
+            "{} J → {} J (change {} J, work of {} {} J)",
             joule(end.energy_at_start),
             joule(end.energy),
             joule(end.energy - end.energy_at_start),
+            self.works,
             joule(end.motion.integrals.friction_work)
         )
     }

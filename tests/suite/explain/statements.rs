@@ -1,0 +1,211 @@
+//! Statements that hold for the whole run, or are not made.
+
+use super::facts;
+use crate::support::{Folder, Run, archive, scenario};
+use std::f64::consts::FRAC_PI_2;
+use std::fs;
+use toprise::analysis::explain::{Explanation, Fact, explain};
+use toprise::archive::recording::Recording;
+use toprise::archive::writer::Form;
+use toprise::run::outcome;
+
+/// Keys of a scenario that differ from those of a preset.
+type Keys<'a> = &'a [(&'a str, &'a str)];
+
+fn explanation(preset: &str, keys: Keys<'_>) -> Explanation {
+    explain(&scenario(preset, keys)).unwrap()
+}
+
+fn sentences(explanation: &Explanation) -> Vec<String> {
+    facts(explanation).map(Fact::sentence).collect()
+}
+
+/// The last nutation ends long before these runs, and the top goes on to fall, rise or invert.
+#[test]
+fn val_end_of_the_run_is_not_the_last_nutation() {
+    let falls: Keys<'_> = &[
+        ("friction.k", "0.95"),
+        ("initial.psi_dot", "-129.5"),
+        ("initial.phi_dot", "7"),
+        ("initial.theta", "0.614"),
+        ("stop.duration", "2"),
+    ];
+    let creeps: Keys<'_> = &[
+        ("friction.k", "0.59"),
+        ("initial.psi_dot", "62"),
+        ("initial.theta", "0.8"),
+        ("stop.duration", "4"),
+    ];
+    let inverts: Keys<'_> = &[("initial.psi_dot", "78.3"), ("stop.duration", "200")];
+    let cases = [
+        ("falls", "full-coulomb", falls),
+        ("creeps", "free-viscous", creeps),
+        ("inverts", "tippe-top", inverts),
+        ("has no nutation", "drop", &[("stop.duration", "0.01")]),
+    ];
+    for (name, preset, keys) in cases {
+        let last = *Run::with(preset, keys).samples.last().unwrap();
+        let explanation = explanation(preset, keys);
+        let ends: Vec<f64> = facts(&explanation)
+            .filter_map(|fact| match fact {
+                Fact::End { theta, .. } => Some(*theta),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(ends, [last.angles.theta], "{name}");
+    }
+    // Where the last nutation is at the end, its mean inclination is enough.
+    let has_end = |preset: &str| {
+        facts(&explanation(preset, &[])).any(|fact| matches!(fact, Fact::End { .. }))
+    };
+    assert!(!has_end("paper") && !has_end("frictionless") && !has_end("free-paper"));
+}
+
+/// A tippe top that swings past the horizontal and comes back has not inverted.
+#[test]
+fn val_swing_past_the_horizontal_is_no_inversion() {
+    let keys = [
+        ("initial.theta_dot", "60"),
+        ("initial.psi_dot", "1"),
+        ("stop.duration", "3"),
+    ];
+    let run = Run::with("tippe-top", &keys);
+    let (beyond, before) = (FRAC_PI_2 + 0.1, 0.1);
+    assert!(run.samples.iter().any(|s| s.angles.theta > beyond));
+    assert!(run.samples.last().unwrap().angles.theta < before);
+    let explanation = explanation("tippe-top", &keys);
+    let passes: Vec<&Fact> = facts(&explanation)
+        .filter(|fact| {
+            matches!(
+                fact,
+                Fact::Inverted { .. } | Fact::NotInverted { .. } | Fact::PassesHorizontal { .. }
+            )
+        })
+        .collect();
+    assert!(
+        matches!(passes[..], [Fact::PassesHorizontal { .. }]),
+        "{passes:?}"
+    );
+    let outcome = outcome(&scenario("tippe-top", &keys), || true).unwrap();
+    assert!(!outcome.sentence().contains("inverted"));
+}
+
+/// The causes that act are named: friction at the contact, air drag, impacts.
+#[test]
+fn work_is_that_of_what_acts() {
+    let no_contact: Keys<'_> = &[
+        ("friction.k", "0"),
+        ("air.axial", "1e-6"),
+        ("stop.duration", "1"),
+    ];
+    for (preset, keys, works) in [
+        ("paper", &[("stop.duration", "1")] as Keys<'_>, "friction"),
+        ("paper", no_contact, "air drag"),
+        ("rise-by-loss-of-spin", &[], "friction and air drag"),
+        ("drop", &[], "friction and impacts"),
+        (
+            "drop",
+            &[("air.axial", "1e-6")],
+            "friction, air drag and impacts",
+        ),
+    ] {
+        let sentences = sentences(&explanation(preset, keys));
+        let start = format!("The work of {works} equals this change");
+        let found = sentences.iter().any(|s| s.starts_with(&start));
+        assert!(found, "{works}: {sentences:#?}");
+    }
+}
+
+/// Without sliding friction, nothing of it is omitted.
+#[test]
+fn no_part_of_no_friction_is_omitted() {
+    for (k, is_omitted) in [("0", false), ("0.03", true)] {
+        let keys = [
+            ("friction.k", k),
+            ("air.axial", "1e-6"),
+            ("stop.duration", "1"),
+        ];
+        let explanation = explanation("paper", &keys);
+        let found = facts(&explanation).any(|fact| matches!(fact, Fact::ModelPart { .. }));
+        assert_eq!(found, is_omitted, "k = {k}");
+    }
+}
+
+#[test]
+fn change_of_energy_has_no_digits_below_its_error() {
+    for (change, within, text) in [
+        (0.25, 1e-15, "0.2500 J"),
+        (2.7e-15, 2e-15, "3e-15 J"),
+        (2.512e-13, 2e-15, "2.51e-13 J"),
+        (0.25, 0.0, "0.2500 J"),
+    ] {
+        let fact = Fact::Energy {
+            first: 0.0,
+            last: -change,
+            time: 1.0,
+            within,
+        };
+        let sentence = fact.sentence();
+        let expected = format!("Energy decreases by {text} until");
+        assert!(sentence.starts_with(&expected), "{sentence}");
+    }
+}
+
+/// A recording of a free peg whose middle can't be read.
+fn with_a_hole(folder: &Folder) -> Recording {
+    let path = folder.at("hole.mcap");
+    archive(&path, &scenario("free-paper", &[]), &[], Form::default()).unwrap();
+    let mut bytes = fs::read(&path).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle..middle + 64].fill(0);
+    fs::write(&path, &bytes).unwrap();
+    Recording::open(&path).unwrap()
+}
+
+#[test]
+fn nothing_is_counted_in_a_recording_with_a_hole() {
+    let folder = Folder::new();
+    let explanation = explain(&with_a_hole(&folder)).unwrap();
+    assert!(!explanation.losses.is_empty());
+    assert!(explanation.events.is_empty() && explanation.stages.is_empty());
+    let peg = explanation.summary.peg.unwrap();
+    assert_eq!(explanation.summary.nutations, None);
+    assert_eq!(
+        (peg.hops, peg.impacts, peg.time_rolling),
+        (None, None, None)
+    );
+}
+
+/// Whether the peg rolls to the end is known only if the recording has one.
+#[test]
+fn rolls_to_the_end_only_if_there_is_an_end() {
+    let folder = Folder::new();
+    let path = folder.at("run.mcap");
+    let scenario = scenario("drop", &[]);
+    archive(&path, &scenario, &[], Form::default()).unwrap();
+    let bytes = fs::read(&path).unwrap();
+    fs::write(folder.at("cut.mcap"), &bytes[..bytes.len() * 9 / 10]).unwrap();
+    for (name, is_told) in [("run.mcap", true), ("cut.mcap", false)] {
+        let explanation = explain(&Recording::open(&folder.at(name)).unwrap()).unwrap();
+        let found = facts(&explanation).any(|fact| matches!(fact, Fact::Rolls { .. }));
+        assert_eq!(found, is_told, "{name}: {:#?}", sentences(&explanation));
+        let peg = explanation.summary.peg.unwrap();
+        assert!(peg.first_roll.is_some(), "{name}");
+        assert_eq!(peg.rolls_to_end_from.is_some(), is_told, "{name}");
+    }
+}
+
+/// That the peg starts in the air follows from the scenario, where no event or sample shows it.
+#[test]
+fn flight_at_the_start_is_known_without_its_topics() {
+    let folder = Folder::new();
+    let drop = scenario(
+        "drop",
+        &[("initial.height", "0.5"), ("stop.duration", "0.3")],
+    );
+    let topics = ["/top/state", "/top/acceleration", "/top/energy", "/events"];
+    archive(&folder.at("drop.mcap"), &drop, &topics, Form::default()).unwrap();
+    let explanation = explain(&Recording::open(&folder.at("drop.mcap")).unwrap()).unwrap();
+    let peg = explanation.summary.peg.unwrap();
+    assert_eq!((peg.hops, peg.time_in_air), (Some(1), Some(0.3)));
+}
