@@ -100,7 +100,7 @@ impl Axis {
             Points::List(values) => values[index.min(values.len() as u64 - 1) as usize].clone(),
             Points::Range(range) => {
                 let last = range.count.map_or(1, |count| u64::from(count) - 1);
-                range.at(index.min(last) as f64 / last as f64)
+                Value::Number(range.on_grid(index.min(last) as f64 / last as f64))
             }
         }
     }
@@ -109,7 +109,7 @@ impl Axis {
     pub fn sampled(&self, fraction: f64) -> Value {
         match &self.points {
             Points::List(values) => self.at((fraction * values.len() as f64) as u64),
-            Points::Range(range) => range.at(fraction),
+            Points::Range(range) => Value::Number(range.at(fraction)),
         }
     }
 
@@ -121,9 +121,9 @@ impl Axis {
 
 impl Range {
     /// The number at a fraction of the range; both ends exactly.
-    fn at(self, fraction: f64) -> Value {
+    fn at(self, fraction: f64) -> f64 {
         let Self { from, to, .. } = self;
-        Value::Number(if fraction <= 0.0 {
+        if fraction <= 0.0 {
             from
         } else if fraction >= 1.0 {
             to
@@ -133,8 +133,34 @@ impl Range {
             from + fraction * (to - from)
         } else {
             (1.0 - fraction) * from + fraction * to
-        })
+        }
     }
+
+    /// The number at a fraction of the range, or the decimal that it is but for rounding: decades and steps such as 0.1
+    /// are exact, so that a value can be a whole number of nanoseconds.
+    fn on_grid(self, fraction: f64) -> f64 {
+        let number = self.at(fraction);
+        let decimal = rounded(number);
+        // Each operation rounds by half an epsilon: of the logarithms, whose error is relative in the number, or of the
+        // ends.
+        let rounding = if self.is_log {
+            2.0 * f64::EPSILON * (1.0 + ln(self.from).abs() + ln(self.to).abs()) * number
+        } else {
+            2.0 * f64::EPSILON * self.from.abs().max(self.to.abs())
+        };
+        if number.abs() <= rounding && !self.is_log {
+            0.0
+        } else if (decimal - number).abs() <= rounding {
+            decimal
+        } else {
+            number
+        }
+    }
+}
+
+/// The number with 12 significant digits: numbers of grids that have more are no decimals that someone chose.
+fn rounded(number: f64) -> f64 {
+    format!("{number:.11e}").parse().unwrap_or(number)
 }
 
 /// The error for a list like `1,,2`.
@@ -208,7 +234,7 @@ mod tests {
             panic!("three values");
         };
         assert_eq!((first, last), (0.001, 0.1));
-        assert!((middle - 0.01).abs() < 1e-17, "{middle}");
+        assert_eq!(middle, 0.01);
         let list = Axis::parse("friction.k", "0.03, 0.01").unwrap();
         assert_eq!(numbers(&list), [0.03, 0.01]);
         let words = Axis::parse("friction.law", "viscous,coulomb").unwrap();
@@ -217,6 +243,28 @@ mod tests {
         assert_eq!(numbers(&down), [1.0, 0.0, -1.0]);
         let wide = Axis::parse("initial.phi", "-1e308..1e308/3").unwrap();
         assert_eq!(numbers(&wide), [-1e308, 0.0, 1e308]);
+    }
+
+    #[test]
+    fn decades_and_decimal_steps_are_exact() {
+        let grid = |text: &str| numbers(&Axis::parse("sampling.period", text).unwrap());
+        assert_eq!(grid("1e-4..1e-1/4log"), [1e-4, 1e-3, 1e-2, 1e-1]);
+        assert_eq!(
+            grid("1e2..1e-6/9log"),
+            [1e2, 1e1, 1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6]
+        );
+        assert_eq!(
+            grid("0.001..0.008/8"),
+            [0.001, 0.002, 0.003, 0.004, 0.005, 0.006, 0.007, 0.008]
+        );
+        assert_eq!(grid("-0.3..0.3/7"), [-0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3]);
+        // Others keep all digits: √10 and 1/3.
+        let root = grid("1..10/3log")[1];
+        assert!(
+            (root - 10_f64.sqrt()).abs() <= 2.0 * f64::EPSILON,
+            "{root:?}"
+        );
+        assert_eq!(grid("0..1/4")[1], 1.0 / 3.0);
     }
 
     #[test]

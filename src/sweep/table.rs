@@ -255,6 +255,10 @@ fn from_csv(text: &str) -> Result<Table, String> {
                 "line {line} has {count} {cells}, the header has {expected}"
             ));
         }
+        // Spreadsheets write rows of commas where nothing was entered. A table with one column has no commas.
+        if expected > 1 && record.iter().all(str::is_empty) {
+            continue;
+        }
         let mut cells = indices.iter().map(|(at, _)| &record[*at]);
         if let Some(cell) = cells.find(|cell| cell.parse() != Ok(rows)) {
             return Err(format!(
@@ -319,6 +323,25 @@ mod tests {
     }
 
     #[test]
+    fn csv_row_of_only_commas_is_no_run() {
+        let plain = read("friction_k,initial.phi\n0.1,1\n0.2,\n").unwrap();
+        for text in [
+            "friction_k,initial.phi\n0.1,1\n,\n0.2,\n,\n",
+            "friction_k,initial.phi\n , \n0.1,1\n0.2,\n",
+            ",friction_k,initial.phi\n0,0.1,1\n,,\n1,0.2,\n",
+        ] {
+            let table = read(text).unwrap();
+            assert_eq!(
+                (table.rows(), table.digest()),
+                (2, plain.digest()),
+                "{text:?}"
+            );
+        }
+        let message = read("friction_k,initial.phi\n,\n").unwrap_err();
+        assert_eq!(message, "there are no rows");
+    }
+
+    #[test]
     fn what_is_wrong_in_a_csv_file_is_told_with_its_line() {
         for (text, message) in [
             (
@@ -350,5 +373,7 @@ mod tests {
         }
         let message = read(b"friction_k\n\xff\n").unwrap_err();
         assert!(message.ends_with("it is not UTF-8 text"), "{message}");
+        let message = read(b"\xff\xfef\0r\0").unwrap_err();
+        assert!(message.ends_with("save it as UTF-8"), "{message}");
     }
 }

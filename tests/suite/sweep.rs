@@ -10,6 +10,7 @@ use arrow_array::{
 use arrow_schema::{DataType, Field, Schema};
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::basic::{BrotliLevel, Compression, GzipLevel, ZstdLevel};
 use parquet::column::writer::ColumnCloseResult;
 use parquet::file::properties::WriterProperties;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
@@ -875,6 +876,47 @@ fn column_of(numbers: &[f64]) -> ArrayRef {
 
 fn write_columns<const N: usize>(path: &Path, columns: [(&str, ArrayRef); N]) {
     write(path, &RecordBatch::try_from_iter(columns).unwrap());
+}
+
+#[test]
+fn designs_of_every_compression_are_read() {
+    let folder = Folder::new();
+    let path = folder.at("design.parquet");
+    let numbers: Vec<f64> = (0..1000).map(|row| 1e-4 * f64::from(row)).collect();
+    let table = RecordBatch::try_from_iter([("friction_k", column_of(&numbers))]).unwrap();
+    for compression in [
+        Compression::UNCOMPRESSED,
+        Compression::SNAPPY,
+        Compression::GZIP(GzipLevel::default()),
+        Compression::LZ4,
+        Compression::LZ4_RAW,
+        Compression::BROTLI(BrotliLevel::default()),
+        Compression::ZSTD(ZstdLevel::default()),
+    ] {
+        let properties = WriterProperties::builder().set_compression(compression);
+        write_with(&path, &table, Some(properties.build()));
+        let design = Table::read(&path).unwrap();
+        assert_eq!(design.rows(), 1000, "{compression}");
+        let last = format!("Number({:?})", numbers[999]);
+        assert!(format!("{design:?}").contains(&last), "{compression}");
+    }
+}
+
+/// Decades are whole numbers of nanoseconds, as sampling periods must be.
+#[test]
+fn decades_of_sampling_periods_can_be_run() {
+    let axis = Axis::parse("sampling.period", "1e-4..1e-1/4log").unwrap();
+    for row in 0..4 {
+        let Value::Number(period) = axis.at(row) else {
+            panic!("a period is a number");
+        };
+        let period = format!("{period:?}");
+        let expected = 10_u64.pow(5 + row as u32);
+        assert_eq!(
+            scenario("paper", &[("sampling.period", &period)]).sample_period_ns,
+            expected
+        );
+    }
 }
 
 /// A table as pandas writes it: its index is a column like any other, but for its name or what the schema says.
