@@ -41,18 +41,26 @@ pub enum InputError {
     },
 }
 
+/// Whether an argument means standard input. A file of this name is `./-`.
+fn is_standard_input(word: &Path) -> bool {
+    word.as_os_str() == "-"
+}
+
 /// Whether an argument is a recording rather than a scenario.
 pub fn is_recording(word: &Path) -> bool {
-    let is_scenario = is_preset(word) || has_extension(word, "toml");
+    let is_scenario = is_preset(word) || has_extension(word, "toml") || is_standard_input(word);
     !is_scenario && (word.exists() || is_like_a_file(word))
 }
 
-/// Reads the scenario of a preset, a scenario file or a recording.
+/// Reads the scenario of a preset, a scenario file or a recording; `-` is a scenario file on standard input.
 ///
 /// # Errors
 /// [`InputError`] if there is none, or a key of it is wrong; whether it is complete is not checked.
 pub fn values(word: &Path) -> Result<Values, InputError> {
-    let is_file = has_extension(word, "toml") || is_like_a_file(word) || word.exists();
+    let is_file = has_extension(word, "toml")
+        || is_like_a_file(word)
+        || is_standard_input(word)
+        || word.exists();
     if is_preset(word) || !is_file {
         let preset = Preset::find(&word.to_string_lossy());
         let values = preset.and_then(Preset::values);
@@ -67,6 +75,10 @@ pub fn values(word: &Path) -> Result<Values, InputError> {
 /// The text of a scenario file, or of the scenario that a recording was made from.
 fn text(word: &Path) -> Result<String, InputError> {
     let path = word.to_owned();
+    if is_standard_input(word) {
+        let text = scenario_from(io::stdin().lock());
+        return text.map_err(|reason| InputError::Io { path, reason });
+    }
     let is_named_so = has_extension(word, "mcap") || has_extension(word, "partial");
     if !is_named_so && !is_mcap(word) {
         return read_file(word).map_err(|reason| InputError::Io { path, reason });
@@ -91,15 +103,48 @@ fn is_mcap(path: &Path) -> bool {
     read.is_ok() && magic == *mcap::MAGIC
 }
 
+/// The text of a scenario from a stream.
+fn scenario_from(stream: impl io::Read) -> io::Result<String> {
+    /// Maximum length of a scenario from a stream, bytes.
+    const MAX_LENGTH: u64 = 1 << 20;
+    let mut bytes = Vec::new();
+    stream.take(MAX_LENGTH).read_to_end(&mut bytes)?;
+    if bytes.starts_with(mcap::MAGIC) {
+        let reason = "a recording can't be read from a pipe: save it to a file";
+        return Err(io::Error::other(reason));
+    }
+    if bytes.is_empty() {
+        return Err(io::Error::other("it is empty (it can be read only once)"));
+    }
+    text_of(bytes)
+}
+
 /// The text of a file.
 ///
 /// # Errors
 /// As [`open_file`], or an error if the file is not UTF-8 text.
 pub fn read_file(path: &Path) -> io::Result<String> {
-    io::read_to_string(open_file(path)?).map_err(|error| match error.kind() {
-        io::ErrorKind::InvalidData => io::Error::new(error.kind(), "it is not UTF-8 text"),
-        _ => error,
-    })
+    let mut bytes = Vec::new();
+    open_file(path)?.read_to_end(&mut bytes)?;
+    text_of(bytes)
+}
+
+/// Bytes as UTF-8 text. The error recognises UTF-16, as written by some editors and by PowerShell's `>`: it begins with a
+/// byte order mark, or every other byte of its ASCII characters is zero.
+fn text_of(bytes: Vec<u8>) -> io::Result<String> {
+    let is_utf16 = matches!(
+        bytes[..],
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [_, 0, ..] | [0, _, ..]
+    );
+    let reason = if is_utf16 {
+        "it is UTF-16 text: save it as UTF-8"
+    } else {
+        "it is not UTF-8 text"
+    };
+    match String::from_utf8(bytes) {
+        Ok(text) if !is_utf16 => Ok(text),
+        Ok(_) | Err(_) => Err(io::Error::new(io::ErrorKind::InvalidData, reason)),
+    }
 }
 
 fn is_preset(word: &Path) -> bool {
@@ -117,4 +162,37 @@ pub(crate) fn has_extension(word: &Path, extension: &str) -> bool {
 fn is_like_a_file(word: &Path) -> bool {
     let text = word.to_string_lossy();
     text.contains(['/', '\\']) || text.contains(".mcap")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message(bytes: &[u8]) -> String {
+        scenario_from(bytes).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn utf16_is_named() {
+        let text = "name = 'ü'\n";
+        let little: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+        let big: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
+        for bytes in [
+            [&[0xff, 0xfe], &little[..]].concat(),
+            [&[0xfe, 0xff], &big[..]].concat(),
+            little,
+            big,
+        ] {
+            assert_eq!(message(&bytes), "it is UTF-16 text: save it as UTF-8");
+        }
+        assert_eq!(message(b"name = '\xfc'"), "it is not UTF-8 text");
+        assert_eq!(scenario_from(text.as_bytes()).unwrap(), text);
+    }
+
+    #[test]
+    fn streams_hold_scenarios_only() {
+        let recording = [mcap::MAGIC, b"rest"].concat();
+        assert!(message(&recording).contains("save it to a file"));
+        assert!(message(b"").starts_with("it is empty"));
+    }
 }

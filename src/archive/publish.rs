@@ -299,6 +299,10 @@ pub fn write(path: &Path, existing: Existing, contents: &[u8]) -> Result<(), Sin
 /// # Errors
 /// [`SinkError::Name`].
 pub fn check_name(path: &Path) -> Result<(), SinkError> {
+    if path.as_os_str() == "-" {
+        let reason = "is not a file name: nothing but reports is written to standard output";
+        return Err(name_error(path, reason));
+    }
     let whole = path.as_os_str().as_encoded_bytes();
     let name = path.file_name();
     if name.is_some_and(|name| whole.ends_with(name.as_encoded_bytes())) {

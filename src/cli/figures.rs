@@ -311,6 +311,7 @@ fn write(
         let path = arguments.path(figure, kind);
         let context = || path.display().to_string();
         let bytes = kind.bytes(drawing).with_context(context)?;
+        output::warn_of_link(&path, arguments.force);
         publish::write(&path, Existing::forced(arguments.force), &bytes)?;
         Ok(FigureFile {
             figure,

@@ -8,6 +8,7 @@ use super::text;
 use anstyle::{AnsiColor, Effects, Style};
 use clap::ColorChoice;
 use std::io::{self, IsTerminal as _, Write};
+use std::path::Path;
 use std::sync::OnceLock;
 
 /// Minimum report width; narrower terminals wrap the lines.
@@ -94,6 +95,16 @@ pub(super) fn error(what: &str) {
 pub(super) fn warn(what: &str) {
     if !is_quiet() {
         print_line(&format!("{WARNING}warning:{WARNING:#} "), what);
+    }
+}
+
+/// Warns that a file replaces a symbolic link, whose target stays as it is.
+pub(super) fn warn_of_link(path: &Path, is_forced: bool) {
+    if is_forced && path.is_symlink() {
+        let path = path.display();
+        warn(&format!(
+            "{path} is a symbolic link: the new file replaces the link, and the file that it points to stays as it is"
+        ));
     }
 }
 

@@ -217,6 +217,9 @@ fn show(
     let existing = Existing::forced(arguments.force);
     let draft = arguments.rrd_of(name).map(|rrd| Draft::new(&rrd, existing));
     let mut draft = draft.transpose()?;
+    if let Some(draft) = &draft {
+        output::warn_of_link(draft.path(), arguments.force);
+    }
     let destinations = Destinations {
         file: draft.as_ref().map(Draft::file).transpose()?,
         live: live.cloned(),

@@ -532,3 +532,47 @@ fn a_file_that_can_t_be_run_is_not_taken_for_a_preset() {
         assert_contains_all(&error, &[name, reason]);
     }
 }
+
+/// `-` is a scenario on standard input; recordings, tables and outputs need a file.
+#[test]
+fn dash_is_a_scenario_on_standard_input_or_refused() {
+    let folder = Folder::new();
+    let scenario = scenario("paper", &[("stop.duration", "0.05")]).to_toml();
+    let piped = |line: &str, code: i32| {
+        let mut program = folder.program(line);
+        printed(program.write_stdin(scenario.clone()), line, code)
+    };
+    piped("run - -o a.mcap", 0);
+    assert_eq!(piped("verify a.mcap", 0).stderr, "");
+    assert_contains(&piped("explain -", 0).stdout, "The top starts at");
+    piped("diff - a.mcap", 0);
+    assert_contains(&piped("diff - -", 2).stderr, "it can be read only once");
+    let mut program = folder.program("run - -o b.mcap");
+    let recording = program.write_stdin(folder.read("a.mcap"));
+    let stderr = printed(recording, "run - < a.mcap", 2).stderr;
+    assert_contains(&stderr, "a recording can't be read from a pipe");
+    for line in ["verify -", "info -", "sweep --table - -o a.parquet"] {
+        assert_contains(&piped(line, 2).stderr, "error");
+    }
+    for line in [
+        "run --set stop.duration=0.05 -o -",
+        "sweep --set stop.duration=0.05 -o -",
+    ] {
+        assert_contains(&piped(line, 2).stderr, "is not a file name");
+    }
+    assert_eq!(folder.files(), ["a.mcap"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn replacing_a_symbolic_link_is_reported() {
+    let folder = Folder::new();
+    folder.write("target", "precious");
+    let run = "run --set stop.duration=0.05 -o link.mcap --force";
+    std::os::unix::fs::symlink("target", folder.at("link.mcap")).unwrap();
+    let stderr = folder.toprise(run, 0).stderr;
+    assert_contains(&stderr, "link.mcap is a symbolic link");
+    assert_eq!(folder.text("target"), "precious");
+    // Now it is a file.
+    assert!(!folder.toprise(run, 0).stderr.contains("symbolic link"));
+}

@@ -12,6 +12,10 @@ use std::path::Path;
 /// # Errors
 /// The system error, or an error if the path is not a regular file.
 pub fn open_file(path: &Path) -> io::Result<File> {
+    if path.as_os_str() == "-" {
+        let reason = "standard input can be a scenario only: save this to a file";
+        return Err(io::Error::other(reason));
+    }
     let metadata = path.metadata()?;
     if !metadata.is_file() && !metadata.is_dir() {
         return Err(io::Error::other("it is a pipe or a device, not a file"));

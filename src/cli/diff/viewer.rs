@@ -53,6 +53,9 @@ impl ShowArguments {
         let existing = Existing::forced(self.force);
         let draft = self.rrd.as_ref().map(|rrd| Draft::new(rrd, existing));
         let draft = draft.transpose()?;
+        if let Some(draft) = &draft {
+            output::warn_of_link(draft.path(), self.force);
+        }
         let destinations = Destinations {
             file: draft.as_ref().map(Draft::file).transpose()?,
             live,

@@ -3,6 +3,7 @@
 use super::arguments::RunArguments;
 use crate::archive::publish::{Draft, Existing, partial_name, refuse_inputs};
 use crate::archive::sink::SinkError;
+use crate::cli::output::warn_of_link;
 use crate::cli::report::WrittenFile;
 use std::fs::File;
 use std::io::{self, BufRead as _, BufReader};
@@ -46,7 +47,9 @@ pub(super) fn create(
     preface: &[u8],
 ) -> Result<Draft, SinkError> {
     refuse_inputs(path, [arguments.scenario.as_path()])?;
-    Draft::of_run(path, Existing::forced(arguments.force), preface)
+    let draft = Draft::of_run(path, Existing::forced(arguments.force), preface)?;
+    warn_of_link(path, arguments.force);
+    Ok(draft)
 }
 
 /// The existing recording with the bytes of this draft.
