@@ -576,22 +576,32 @@ fn energies_and_momenta() -> PhysicalLaw {
 fn regular_precession(scenario: &Scenario) -> PhysicalLaw {
     let top = scenario.model.nutating_top();
     law("regular precession", "of the terms", move |now, _| {
-        (regular_excess(&top, [0.0; 2], now), 32.0 * EPS)
+        let slow = precession::SLOW_ROOT.of(now);
+        (regular_excess(&top, [0.0; 2], slow, now), 32.0 * EPS)
     })
 }
 
 /// The slow root of a top that rolls solves the same equation with the moments of inertia of a centre of mass that goes round
-/// too. A contact point that slides may have no slip at an instant, and doesn't roll.
+/// too. A contact point that slides may have no slip at an instant, and doesn't roll. In the air there is no constant term:
+/// the slow root is 0, and the fast root solves the rest.
 fn regular_precession_of_free_peg(scenario: &Scenario) -> PhysicalLaw {
     let (model, central) = (scenario.model, scenario.model.nutating_top());
+    let weightless = Top {
+        gravity: 0.0,
+        ..central
+    };
     law("regular precession", "of the terms", move |now, _| {
-        let sliding = regular_excess(&central, [0.0; 2], now);
+        let slow = precession::SLOW_ROOT.of(now);
+        let sliding = regular_excess(&central, [0.0; 2], slow, now);
         let top = &model.top;
         let height = top.peg_radius + top.center_distance * math::cos(state::THETA.of(now));
         let moved = [top.center_distance, top.peg_radius].map(|arm| top.mass * arm * height);
-        let rolling = regular_excess(&central, moved, now);
+        let rolling = regular_excess(&central, moved, slow, now);
+        let fast = precession::FAST_ROOT.of(now);
+        let flying = slow.abs() + regular_excess(&weightless, [0.0; 2], fast, now);
         let excess = match contact::REGIME.of(now) {
             0.0 => rolling.min(sliding),
+            2.0 => flying,
             regime if regime.is_nan() => f64::NAN,
             _ => sliding,
         };
@@ -599,9 +609,8 @@ fn regular_precession_of_free_peg(scenario: &Scenario) -> PhysicalLaw {
     })
 }
 
-/// Residual of ((I_x − I_z) cos θ + a) φ̇² − (I_z + b) ψ̇ φ̇ + M g l at the slow root, relative to its terms.
-fn regular_excess(top: &Top, [a, b]: [f64; 2], now: &Instant<'_>) -> f64 {
-    let root = precession::SLOW_ROOT.of(now);
+/// Residual of ((I_x − I_z) cos θ + a) φ̇² − (I_z + b) ψ̇ φ̇ + M g l at a root, relative to its terms.
+fn regular_excess(top: &Top, [a, b]: [f64; 2], root: f64, now: &Instant<'_>) -> f64 {
     let cos = math::cos(state::THETA.of(now));
     let square = (top.transverse_moment - top.axial_moment) * root * root;
     let linear = -(top.axial_moment + b) * state::PSI_DOT.of(now) * root;
