@@ -132,7 +132,8 @@ pub(super) fn balance(evidence: &Evidence) -> Vec<Fact> {
     // Impacts that were not recorded may have happened, if the peg flew.
     let has_impacts = peg.is_some_and(|peg| peg.impacts != Some(0) && peg.hops != Some(0));
     let conserves = evidence.scenario.is_frictionless() && !has_impacts;
-    if conserves || energies.work.abs() <= within {
+    // A change below the error of the balance is none that is known.
+    if conserves || energies.work.abs() <= within || change <= within {
         let (energy, deviation) = (first, change.max(within));
         // A larger deviation without friction is an error of the integration.
         let is_told = !conserves || deviation <= ROUNDED * first.abs();

@@ -151,6 +151,17 @@ fn change_of_energy_has_no_digits_below_its_error() {
     }
 }
 
+/// Without weight there is hardly any friction: the change of energy is less than the error of the balance.
+#[test]
+fn change_of_energy_below_its_error_is_none() {
+    for preset in ["paper", "full-coulomb", "viscous"] {
+        let keys = [("gravity", "1e-12"), ("stop.duration", "2")];
+        let explanation = explanation(preset, &keys);
+        let is_constant = |fact: &Fact| matches!(fact, Fact::EnergyConstant { .. });
+        assert!(facts(&explanation).any(is_constant), "{preset}");
+    }
+}
+
 /// A recording of a free peg whose middle can't be read.
 fn with_a_hole(folder: &Folder) -> Recording {
     let path = folder.at("hole.mcap");
