@@ -37,7 +37,10 @@ pub fn recording(data: &[u8], scratch: &Path) {
         }
         reader.progress();
     }
-    told(&format!("{:?}", verify(&recording, &|_| {})));
+    match verify(&recording, &|_| {}) {
+        Ok(report) => told(&format!("{report:?}")),
+        Err(error) => told(&error.to_string()),
+    }
     let values = input::values(&path).map_err(|error| told(&error.to_string()));
     told(&format!("{:?} {:?}", values.is_ok(), input::form(&path)));
 }

@@ -141,6 +141,7 @@ pub fn verify(py: Python<'_>, path: PathBuf) -> PyResult<String> {
     let report = compute(py, move |interrupt| {
         checks::verify(&recording, &|_| interrupt.end_if_asked())
     })?;
+    let report = report.map_err(|error| RecordingError::new_err(format!("{file}: {error}")))?;
     json(&Verified { file, report })
 }
 

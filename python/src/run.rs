@@ -17,7 +17,7 @@ use toprise::analysis::subject::Subject;
 use toprise::archive::format::CONTENT_DIGEST;
 use toprise::archive::pipeline::McapSink;
 use toprise::archive::publish::Existing;
-use toprise::archive::recording::{Condition, Recording};
+use toprise::archive::recording::Recording;
 use toprise::archive::sink::{RecordError, Sink, SinkError, record};
 use toprise::archive::writer::Form;
 use toprise::run::outcome::Outcome;
@@ -101,7 +101,7 @@ pub fn run(
 #[pyo3(signature = (path, *, topics=None))]
 pub fn read(py: Python<'_>, path: PathBuf, topics: Option<Vec<String>>) -> PyResult<Run> {
     let recording = open(py, path)?;
-    if recording.condition() == Condition::Foreign {
+    if !recording.is_ours() {
         return Err(RecordingError::new_err(format!(
             "{}: written by {:?}, not by toprise",
             recording.path().display(),

@@ -87,7 +87,10 @@ impl Subject<'_> {
 
     /// Whether it is a toprise run. (Foreign files are compared by bytes.)
     pub fn is_ours(self) -> bool {
-        self.condition() != Some(Condition::Foreign)
+        match self {
+            Self::Scenario(_) => true,
+            Self::Recording(recording) => recording.is_ours(),
+        }
     }
 
     /// Whether parts of the run are known to be missing.
@@ -153,7 +156,8 @@ pub(super) fn losses(recording: &Recording, reader: &Reader<'_>) -> Vec<String> 
     let losses = losses.map(ToString::to_string);
     let left_out = reader.left_out().map(ToString::to_string);
     let is_interrupted = recording.condition() == Condition::Interrupted;
-    let end = is_interrupted.then(|| "end of the run (interrupted)".to_owned());
+    let lacks_end = is_interrupted.then(|| if recording.is_ours() { "run" } else { "file" });
+    let end = lacks_end.map(|what| format!("end of the {what} (interrupted)"));
     losses.chain(left_out).chain(end).collect()
 }
 

@@ -1,23 +1,28 @@
 //! Verification: reruns the scenario of a recording and compares the result with the file.
 //!
 //! Identical bytes verify everything. Otherwise [`verify`] compares messages and reports the first difference. A
-//! repacked file (other chunks or compression) has the same messages, records and channels.
+//! repacked file (other chunks, compression or order) has the same messages, records and channels, also for readers
+//! that use its index.
 
-mod again;
 mod bytes;
 mod container;
 mod difference;
+mod error;
+mod fingerprint;
 mod index;
 mod messages;
+mod readings;
+mod rerun;
 
 use crate::archive::format::{TELEMETRY, VERSION};
-use crate::archive::recording::{Condition, Recording};
+use crate::archive::recording::{Condition, Loss, Recording, RecordingError};
 use crate::archive::writer::Form;
 use crate::run::scenario::Scenario;
 use crate::telemetry::{Telemetry, Topic, Topics, table};
-use again::Again;
 pub use difference::Difference;
+pub use error::VerifyError;
 use messages::Comparison;
+use rerun::Rerun;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -27,7 +32,7 @@ use serde::Serialize;
 pub enum Verdict {
     /// The file is byte-identical to a new run.
     Verified,
-    /// The content is identical, but chunks or compression differ.
+    /// The content is identical, but chunks, compression or order differ.
     PackedOtherwise,
     /// Recorded by another version; all common values match.
     OtherVersion,
@@ -50,8 +55,10 @@ pub struct Report {
     /// Number of equal messages; absent if the files are byte-identical.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub equal: Option<u64>,
-    /// Number of missing messages; for an interrupted run, only gaps.
+    /// Number of missing messages, up to the first difference; for an interrupted run, only gaps.
     pub missing: u64,
+    /// Parts that can't be read.
+    pub losses: Vec<Loss>,
     /// Topics that were not recorded.
     pub without: Vec<String>,
     /// The version of toprise that recorded it, if different from this one.
@@ -61,21 +68,32 @@ pub struct Report {
 
 /// Runs the scenario of a recording again and compares. `progress` is called with the number of further bytes compared
 /// (in total at most twice the file size).
-pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Report {
+///
+/// # Errors
+/// [`VerifyError`] if there is nothing to compare, or the comparison takes too much memory.
+pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Result<Report, VerifyError> {
     let mut report = Report {
         verdict: Verdict::Different,
         state: recording.condition(),
         difference: None,
         equal: None,
         missing: 0,
+        losses: recording.losses().to_vec(),
         without: Vec::new(),
         recorded_by: other_version(recording),
     };
     let (scenario, form, topics) = match what_to_run(recording) {
         Ok(found) => found,
-        Err(difference) => {
+        Err(Unrunnable::NoScenario) => return Err(VerifyError::NoScenario),
+        Err(Unrunnable::Damaged) => {
+            // The damage is one of the losses, and nothing can be compared.
+            report.verdict = Verdict::Incomplete;
+            report.equal = Some(0);
+            return Ok(report);
+        }
+        Err(Unrunnable::Different(difference)) => {
             report.difference = Some(difference);
-            return report;
+            return Ok(report);
         }
     };
     let telemetry = || Telemetry::with_topics(&topics);
@@ -87,34 +105,46 @@ pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Report {
         && bytes::are_equal(recording, &scenario, telemetry(), form, progress) == Some(true)
     {
         report.verdict = Verdict::Verified;
-        return report;
+        return Ok(report);
     }
-    match Again::start(&scenario, telemetry(), form) {
-        Ok(again) => compare(recording, again, &mut report, progress),
+    match Rerun::start(&scenario, telemetry(), form) {
+        Ok(rerun) => compare(recording, rerun, &mut report, progress)?,
         Err(reason) => {
-            report.difference = Some(Difference::of("the run", "", [None, Some(reason)]));
+            let values = [None, Some(reason.to_string())];
+            report.difference = Some(Difference::of("the run", "", values));
         }
     }
-    report
+    Ok(report)
 }
 
 /// Compares the messages and the rest of the content with a new run.
-fn compare(recording: &Recording, again: Again, report: &mut Report, progress: &dyn Fn(u64)) {
+fn compare(
+    recording: &Recording,
+    rerun: Rerun,
+    report: &mut Report,
+    progress: &dyn Fn(u64),
+) -> Result<(), VerifyError> {
     let is_by_value = report.recorded_by.is_some();
-    let (compared, opening, end) = Comparison::new(recording, again, is_by_value).run(progress);
-    let is_whole = report.state == Condition::Whole && compared.losses == 0;
-    let is_part = !is_whole || recording.is_interrupted() || compared.missing > 0;
+    let (compared, opening, end) = Comparison::new(recording, rerun, is_by_value).run(progress);
+    report.losses.extend(compared.losses);
+    if report.losses.is_empty() {
+        report.losses.extend(recording.wrong_checksum()?);
+    }
+    if report.state == Condition::Whole && !report.losses.is_empty() {
+        report.state = Condition::Damaged;
+    }
+    let is_part =
+        report.state != Condition::Whole || recording.is_interrupted() || compared.missing > 0;
     let of_container = || container::difference(recording, &opening, &end, is_part, is_by_value);
     let is_exact = !is_by_value && !is_part;
     report.difference = compared
         .difference
         .or_else(of_container)
         .or(compared.out_of_order.filter(|_| is_exact));
-    // Data and index must agree, unless the file is damaged.
-    let has_index =
-        report.state != Condition::Damaged && compared.losses == 0 && recording.layout.is_ended;
-    if report.difference.is_none() && has_index {
-        report.difference = index::index_difference(recording);
+    // All ways of reading must agree, unless the file is damaged.
+    let is_readable = report.losses.is_empty() && recording.layout.is_ended;
+    if report.difference.is_none() && is_readable {
+        report.difference = readings::difference(recording)?;
     }
     report.verdict = match (&report.difference, &report.recorded_by) {
         (Some(_), _) => Verdict::Different,
@@ -122,22 +152,32 @@ fn compare(recording: &Recording, again: Again, report: &mut Report, progress: &
         (None, Some(_)) => Verdict::OtherVersion,
         (None, None) => Verdict::PackedOtherwise,
     };
-    if report.state == Condition::Whole && compared.losses > 0 {
-        report.state = Condition::Damaged;
-    }
     report.equal = Some(compared.equal);
     report.missing = compared.missing;
+    Ok(())
 }
 
-/// The scenario of a recording and how it was recorded, or what is missing.
-fn what_to_run(recording: &Recording) -> Result<(Scenario, Form, Topics), Difference> {
-    let scenario = recording.scenario().map_err(|reason| {
-        let values = [reason.to_string(), "a scenario to run again".to_owned()];
-        Difference::of("scenario.toml", "", values.map(Some))
+/// The reason why a recording can't be run again.
+enum Unrunnable {
+    NoScenario,
+    /// The scenario is damaged.
+    Damaged,
+    Different(Difference),
+}
+
+/// The scenario of a recording and how it was recorded.
+fn what_to_run(recording: &Recording) -> Result<(Scenario, Form, Topics), Unrunnable> {
+    let scenario = recording.scenario().map_err(|reason| match reason {
+        RecordingError::NoScenario => Unrunnable::NoScenario,
+        RecordingError::DamagedScenario => Unrunnable::Damaged,
+        reason => {
+            let values = [reason.to_string(), "a scenario to run again".to_owned()];
+            Unrunnable::Different(Difference::of("scenario.toml", "", values.map(Some)))
+        }
     })?;
     let (form, topics) = recording.form().ok_or_else(|| {
         let expected = Some("encoding and topics".to_owned());
-        Difference::of("toprise.run", "", [None, expected])
+        Unrunnable::Different(Difference::of("toprise.run", "", [None, expected]))
     })?;
     Ok((scenario, form, topics))
 }

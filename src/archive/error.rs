@@ -1,6 +1,7 @@
 //! Errors of reading files and messages.
 
 use crate::run::time::seconds;
+use crate::telemetry::Topic;
 use crate::telemetry::encoding::DecodeError;
 use std::io;
 use thiserror::Error;
@@ -11,7 +12,24 @@ pub enum RecordingError {
     /// An I/O error.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// Not an MCAP file, an ambiguous one, or one without a usable scenario.
+    /// Two channels have the same topic of the table.
+    #[error("it has two channels named {0}, which is ambiguous")]
+    AmbiguousTopic(Topic),
+    /// Several recordings were merged into one file.
+    #[error(
+        "it holds {0} runs that were merged into one file; their messages can't be told apart, so use the original files"
+    )]
+    MergedRuns(usize),
+    /// No scenario is attached.
+    #[error("it has no scenario attached")]
+    NoScenario,
+    /// The scenario's checksum is wrong.
+    #[error("its scenario is damaged: its checksum is wrong")]
+    DamagedScenario,
+    /// The scenario is longer than this number of bytes.
+    #[error("its scenario is damaged: it is longer than {0} bytes")]
+    LongScenario(u64),
+    /// Not an MCAP file, or one whose scenario can't be used.
     #[error("{0}")]
     Unusable(String),
 }

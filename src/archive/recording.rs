@@ -19,9 +19,11 @@
 
 mod condition;
 mod file;
+mod loader;
 mod order;
 mod overview;
 mod reader;
+mod windows;
 
 pub use self::condition::Condition;
 pub use self::file::Recording;

@@ -1,6 +1,6 @@
 //! Replays a recording into a sink.
 
-use crate::archive::recording::{Loss, MessageError, Recording, Selection};
+use crate::archive::recording::{Loss, MessageError, Misplaced, Recording, Selection};
 use crate::archive::sink::{Sink, SinkError};
 use std::ops::ControlFlow;
 
@@ -13,9 +13,11 @@ pub struct Replayed {
     pub undecodable: Option<(MessageError, u64)>,
     /// Parts of the file that could not be read.
     pub losses: Vec<Loss>,
+    /// Messages that repeat others or go back in time.
+    pub left_out: Option<Misplaced>,
 }
 
-/// Writes the selected messages of a recording to `sink`.
+/// Writes the selected messages of a recording to `sink`, in order of time.
 ///
 /// `between` is called after each message with the number of bytes of the file that have been read since the
 /// last one; it can cancel the replay.
@@ -32,7 +34,7 @@ pub fn replay(
         losses: recording.losses().to_vec(),
         ..Replayed::default()
     };
-    let mut reader = recording.reader(selection);
+    let mut reader = recording.reader(selection).in_order_of_time();
     while let Some(message) = reader.next() {
         match message {
             Ok(message) => {
@@ -49,5 +51,6 @@ pub fn replay(
         }
     }
     replayed.losses.extend_from_slice(reader.losses());
+    replayed.left_out = reader.left_out().cloned();
     Ok(replayed)
 }

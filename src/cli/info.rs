@@ -38,7 +38,9 @@ pub(super) struct InfoReport {
     bytes: u64,
     /// Number of messages in all channels.
     messages: u64,
-    /// Time of the last message, ns.
+    /// Earliest log time, ns; 0 without messages.
+    first_ns: u64,
+    /// Latest log time, ns; 0 without messages.
     last_ns: u64,
     #[serde(flatten)]
     overview: Overview,
@@ -55,6 +57,7 @@ pub(super) fn info(arguments: &InfoArguments) -> Result<Status, Error> {
         file: context(),
         bytes: size,
         messages: overview.messages(),
+        first_ns: overview.first_ns(),
         last_ns: overview.last_ns(),
         overview,
     };
@@ -76,7 +79,7 @@ impl InfoReport {
     fn facts(&self) -> Vec<(&'static str, String)> {
         let overview = &self.overview;
         let mut facts = vec![("state", overview.condition.name().to_owned())];
-        if overview.condition == Condition::Foreign {
+        if !overview.is_ours {
             facts.push(("written by", overview.library.clone()));
         }
         let losses = overview.losses.iter();
@@ -89,7 +92,8 @@ impl InfoReport {
             let digest = entry(end, CONTENT_DIGEST);
             facts.push(("content", format!("sha-256 {digest}")));
         }
-        facts.push(("span", format!("{} s", seconds(self.last_ns))));
+        let span = seconds(self.last_ns - self.first_ns);
+        facts.push(("span", format!("{span} s")));
         facts.push(("messages", count(self.messages)));
         if !self.overview.events.is_empty() {
             let words = |(name, number): (&str, u64)| {

@@ -14,7 +14,7 @@ use clap::Args;
 use rayon::iter::{IntoParallelRefIterator as _, ParallelIterator as _};
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `toprise verify`.
 #[derive(Args, Debug, Default, PartialEq)]
@@ -58,17 +58,21 @@ fn check_all(files: &[PathBuf]) -> Vec<VerifiedFile> {
     let size = |file: &PathBuf| file.metadata().map_or(0, |metadata| metadata.len());
     let progress = Progress::of_bytes("verifying", files.iter().map(size).sum());
     let verify = |path: &PathBuf| {
-        let recording = Recording::open(path);
-        let answer = recording.map(|recording| check(&recording, &|bytes| progress.add(bytes)));
+        let checked = check_file(path, &progress);
         VerifiedFile {
             file: path.display().to_string(),
-            error: answer.as_ref().err().map(ToString::to_string),
-            report: answer.ok(),
+            error: checked.as_ref().err().map(ToString::to_string),
+            report: checked.ok(),
         }
     };
     let verified = files.par_iter().map(verify).collect();
     progress.finish();
     verified
+}
+
+fn check_file(path: &Path, progress: &Progress) -> Result<Report, Error> {
+    let recording = Recording::open(path)?;
+    Ok(check(&recording, &|bytes| progress.add(bytes))?)
 }
 
 impl VerifyReport {
@@ -97,6 +101,7 @@ fn section(file: &str, report: &Report) -> Section {
         Verdict::Verified => (Tone::Good, "verified (byte-identical to a new run)"),
         Verdict::PackedOtherwise => (Tone::Good, "verified (same content, repacked)"),
         Verdict::OtherVersion => (Tone::Weak, OTHER_VERSION),
+        Verdict::Incomplete if report.equal == Some(0) => (Tone::Weak, "nothing can be compared"),
         Verdict::Incomplete => (Tone::Weak, "all readable messages match"),
         Verdict::Different => (Tone::Bad, "DIFFERENT from a new run of its scenario"),
     };
@@ -111,6 +116,7 @@ fn section(file: &str, report: &Report) -> Section {
     if let Some(difference) = &report.difference {
         facts.push(("difference", difference.to_string()));
     }
+    facts.extend(report.losses.iter().map(|loss| ("lost", loss.to_string())));
     if let Some(version) = &report.recorded_by {
         let this = format!(
             "{} (telemetry {})",

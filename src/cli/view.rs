@@ -175,7 +175,7 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<Status, Error> {
 
 fn open(file: &Path) -> Result<Recording, Error> {
     let recording = Recording::open(file).with_context(|| file.display().to_string())?;
-    if recording.condition() == Condition::Foreign {
+    if !recording.is_ours() {
         bail!(
             "{} is not a toprise recording (written by {:?}); try `rerun {0}`",
             file.display(),
@@ -252,7 +252,7 @@ fn show(
         state: recording.condition(),
         messages: replayed.messages,
         undecodable: replayed.undecodable.map_or(0, |(_, count)| count),
-        losses: replayed.losses.iter().map(ToString::to_string).collect(),
+        losses: losses(&replayed),
         rrd,
     })
 }
@@ -268,6 +268,13 @@ fn outcome_of(recording: &Recording, selection: &Selection) -> Option<Outcome> {
     is_end_of(end, &outcome).then_some(outcome)
 }
 
+/// Parts that could not be shown, in sentences.
+fn losses(replayed: &Replayed) -> Vec<String> {
+    let losses = replayed.losses.iter().map(ToString::to_string);
+    let left_out = replayed.left_out.iter().map(ToString::to_string);
+    losses.chain(left_out).collect()
+}
+
 /// Warns about parts that could not be shown.
 fn warn(recording: &Recording, replayed: &Replayed) {
     let path = recording.path().display();
@@ -277,7 +284,7 @@ fn warn(recording: &Recording, replayed: &Replayed) {
     if recording.condition() == Condition::Interrupted {
         output::warn(&format!("{path} is incomplete (interrupted)"));
     }
-    for loss in &replayed.losses {
+    for loss in losses(replayed) {
         output::warn(&format!("{path}: missing {loss}"));
     }
     if let Some((error, count)) = &replayed.undecodable {

@@ -35,7 +35,10 @@ fn judge(path: &Path) -> (Expected, String) {
         Ok(recording) => recording,
         Err(error) => return (Unreadable, error.to_string()),
     };
-    let report = verify(&recording, &|_| {});
+    let report = match verify(&recording, &|_| {}) {
+        Ok(report) => report,
+        Err(error) => return (Unreadable, error.to_string()),
+    };
     let found = match report.verdict {
         Verdict::Verified | Verdict::PackedOtherwise => Repacked,
         Verdict::OtherVersion | Verdict::Incomplete | Verdict::Different => Caught,

@@ -240,6 +240,6 @@ fn is_ctrl_c_ignored() -> bool {
 
 fn is_sound(path: &Path) -> Result<(), String> {
     let recording = Recording::open(path).map_err(|error| error.to_string())?;
-    let report = verify(&recording, &|_| {});
+    let report = verify(&recording, &|_| {}).map_err(|error| error.to_string())?;
     failure(&report).map_or(Ok(()), Err)
 }

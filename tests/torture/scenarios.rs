@@ -41,7 +41,7 @@ pub fn scenarios() -> Result<Trial, String> {
         };
         sink.finish(&end).map_err(|error| error.to_string())?;
         let recording = Recording::open(&path).map_err(|error| error.to_string())?;
-        let report = verify(&recording, &|_| {});
+        let report = verify(&recording, &|_| {}).map_err(|error| error.to_string())?;
         match failure(&report) {
             None => Ok(()),
             Some(failure) => Err(format!("{keys:?}: {failure}")),

@@ -5,7 +5,6 @@ use crate::archive::recording::Recording;
 use crate::run::scenario::{KEYS, Value};
 use schemars::JsonSchema;
 use serde::Serialize;
-use sha2::{Digest as _, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The differences in the set-up of two runs.
@@ -132,18 +131,9 @@ fn facts(recording: &Recording, has_schemas: bool) -> Flat {
         }
     }
     for attachment in &recording.layout.attachments {
-        let text = recording.attachment(&attachment.place).map_or_else(
-            |reason| reason,
-            |(head, data)| {
-                let digest = Sha256::digest(&data);
-                let (logged, created) = (head.log_time, head.create_time);
-                format!(
-                    "{} {digest:x}, logged at {logged} ns, created at {created} ns",
-                    head.media_type
-                )
-            },
-        );
-        add(format!("attachment {}", attachment.name), text);
+        let described = attachment.describe(&recording.source);
+        let text = described.unwrap_or_else(|error| error.to_string());
+        add(format!("attachment {}", attachment.header.name), text);
     }
     let channels = recording.channels().iter();
     for channel in channels.filter(|_| has_schemas) {

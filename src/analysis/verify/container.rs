@@ -1,6 +1,7 @@
 //! Content of a recording except its messages: header, metadata, attachments, channels.
 
 use super::difference::Difference;
+use crate::archive::container::attachment::AttachmentHeader;
 use crate::archive::format::{CONTENT_DIGEST, END_RECORD, Entries, RUN_RECORD};
 use crate::archive::recording::Recording;
 use crate::archive::writer::Opening;
@@ -49,15 +50,9 @@ fn recorded(recording: &Recording) -> Facts {
         add_metadata(&mut facts, name, entries);
     }
     for attachment in &recording.layout.attachments {
-        let read = recording.attachment(&attachment.place);
-        let text = read.map_or_else(
-            |reason| reason,
-            |(head, data)| {
-                let times = (head.log_time, head.create_time);
-                attached(times, &head.media_type, &data)
-            },
-        );
-        add(&mut facts, &attachment.name, "", &text);
+        let described = attachment.describe(&recording.source);
+        let text = described.unwrap_or_else(|error| error.to_string());
+        add(&mut facts, &attachment.header.name, "", &text);
     }
     for channel in recording.channels() {
         let schema = channel.schema.as_deref();
@@ -77,10 +72,16 @@ fn simulated(opening: &Opening, end: &Entries) -> Facts {
     add(&mut facts, "the header", "profile", "");
     add_metadata(&mut facts, RUN_RECORD, &opening.run);
     add_metadata(&mut facts, END_RECORD, end);
-    let attachment = &opening.scenario;
-    let times = (attachment.log_time, attachment.create_time);
-    let text = attached(times, &attachment.media_type, &attachment.data);
-    add(&mut facts, &attachment.name, "", &text);
+    let scenario = &opening.scenario;
+    let header = AttachmentHeader {
+        name: scenario.name.clone(),
+        media_type: scenario.media_type.clone(),
+        log_time: scenario.log_time,
+        create_time: scenario.create_time,
+    };
+    let digest = format!("{:x}", Sha256::digest(&scenario.data));
+    let text = header.describe(scenario.data.len() as u64, &digest);
+    add(&mut facts, &header.name, "", &text);
     for channel in &opening.channels {
         let names = [
             channel.encoding,
@@ -107,12 +108,6 @@ fn add_metadata(facts: &mut Facts, name: &str, entries: &Entries) {
     for (key, value) in entries {
         add(facts, name, key, value);
     }
-}
-
-/// An attachment in words.
-fn attached((log_time, create_time): (u64, u64), media_type: &str, data: &[u8]) -> String {
-    let digest = digest(data);
-    format!("{media_type} of {digest}, logged at {log_time} ns, created at {create_time} ns")
 }
 
 /// A channel in words: its encoding, and name, language and text of its schema.

@@ -1,9 +1,9 @@
-//! Compares the messages of a file, in file order, with those of a new run.
+//! Compares the messages of a file, in order of time, with those of a new run.
 
-use super::again::{Again, Expected};
 use super::difference::Difference;
+use super::rerun::{Expected, Rerun};
 use crate::archive::format::Entries;
-use crate::archive::recording::{FileChannel, Recording, Selection, Undecoded};
+use crate::archive::recording::{FileChannel, Loss, Recording, Selection, Undecoded};
 use crate::archive::writer::Opening;
 use crate::run::time::seconds;
 use crate::telemetry::Topic;
@@ -14,19 +14,19 @@ use std::collections::VecDeque;
 #[derive(Default)]
 pub(super) struct Compared {
     pub(super) equal: u64,
-    /// Missing messages.
+    /// Missing messages, up to the first difference.
     pub(super) missing: u64,
     /// Parts of the file that can't be read.
-    pub(super) losses: usize,
+    pub(super) losses: Vec<Loss>,
     pub(super) difference: Option<Difference>,
-    /// The first message that is out of order among messages of the same time.
+    /// The first message that is out of order among the messages of its channel and time.
     pub(super) out_of_order: Option<Difference>,
 }
 
 /// Comparison of a file with a new run.
 pub(super) struct Comparison<'r> {
     recording: &'r Recording,
-    again: Again,
+    rerun: Rerun,
     /// Whether values are compared instead of encoded bytes.
     is_by_value: bool,
     /// For each channel of the file, the index of the run's channel, if it has one.
@@ -43,15 +43,15 @@ pub(super) struct Comparison<'r> {
 }
 
 impl<'r> Comparison<'r> {
-    pub(super) fn new(recording: &'r Recording, again: Again, is_by_value: bool) -> Self {
-        let declared = &again.opening.channels;
+    pub(super) fn new(recording: &'r Recording, rerun: Rerun, is_by_value: bool) -> Self {
+        let declared = &rerun.opening.channels;
         let place = |channel: &FileChannel| declared.iter().position(|d| d.topic == channel.topic);
         let places = recording.channels().iter().map(place).collect();
         let decoder = |channel: &FileChannel| channel.decoder()?.ok();
         Self {
             decoders: recording.channels().iter().map(decoder).collect(),
             recording,
-            again,
+            rerun,
             is_by_value,
             places,
             ahead: VecDeque::new(),
@@ -63,7 +63,10 @@ impl<'r> Comparison<'r> {
 
     /// Compares until the first difference. Also returns the opening and the end record of the run.
     pub(super) fn run(mut self, progress: &dyn Fn(u64)) -> (Compared, Opening, Entries) {
-        let mut reader = self.recording.reader(Selection::default());
+        let mut reader = self
+            .recording
+            .reader(Selection::default())
+            .all_in_order_of_time();
         while let Some(recorded) = reader.next_undecoded() {
             self.take(&recorded);
             if self.compared.difference.is_some() {
@@ -71,11 +74,12 @@ impl<'r> Comparison<'r> {
             }
             progress(reader.progress());
         }
-        self.compared.losses = reader.losses().len();
-        if !self.recording.is_interrupted() {
+        self.compared.losses = reader.losses().to_vec();
+        // After a difference the rest is not compared, so nothing of it is missing.
+        if !self.recording.is_interrupted() && self.compared.difference.is_none() {
             self.finish_run();
         }
-        let (opening, end) = self.again.end();
+        let (opening, end) = self.rerun.end();
         (self.compared, opening, end)
     }
 
@@ -96,9 +100,11 @@ impl<'r> Comparison<'r> {
             self.compared.difference = Some(stray(recorded, ""));
             return;
         };
-        if found.is_some_and(|at| at > 0) && self.compared.out_of_order.is_none() {
-            let field = "order of simultaneous messages";
-            self.compared.out_of_order = Some(stray(recorded, field));
+        // Reading in order of time keeps the order of the file only within a topic.
+        let mut before = self.ahead.iter().take(found.unwrap_or(0));
+        if before.any(|m| (m.channel, m.time_ns) == (channel, expected.time_ns)) {
+            let difference = || stray(recorded, "order of simultaneous messages");
+            self.compared.out_of_order.get_or_insert_with(difference);
         }
         self.compared.difference = self.compare(recorded, &expected);
         self.compared.equal += u64::from(self.compared.difference.is_none());
@@ -154,7 +160,7 @@ impl<'r> Comparison<'r> {
     /// Simulates one more record.
     fn advance(&mut self) {
         let ahead = &mut self.ahead;
-        let time = self.again.next(|expected| ahead.push_back(expected));
+        let time = self.rerun.next(|expected| ahead.push_back(expected));
         self.is_over = time.is_none();
         self.reached_ns = time.or(self.reached_ns);
     }
@@ -168,7 +174,7 @@ impl<'r> Comparison<'r> {
 
     /// Whether an expected message should be in the file.
     fn counts(&self, expected: &Expected) -> bool {
-        let topic = self.again.opening.channels[expected.channel].topic;
+        let topic = self.rerun.opening.channels[expected.channel].topic;
         let is_common = || Topic::find(topic).is_some_and(|topic| self.recording.has(topic));
         !self.is_by_value || is_common()
     }
@@ -178,7 +184,7 @@ impl<'r> Comparison<'r> {
         loop {
             let is_over = self.is_over;
             self.leave_behind(u64::MAX);
-            if is_over || self.compared.difference.is_some() {
+            if is_over {
                 return;
             }
             self.advance();

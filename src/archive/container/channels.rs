@@ -76,6 +76,11 @@ impl Channels {
         &self.list
     }
 
+    /// Number of schemas.
+    pub(crate) fn schema_count(&self) -> usize {
+        self.schemas.len()
+    }
+
     /// Unused schemas, including duplicates of used ones.
     pub(crate) fn unused_schemas(&self) -> impl Iterator<Item = &FileSchema> {
         let schemas = self.schemas.values();

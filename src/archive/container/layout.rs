@@ -1,8 +1,10 @@
 //! The layout of a file.
 
+use super::attachment::Attachment;
 use super::channels::Channels;
+use super::checksum::Checksum;
 use super::loss::Loss;
-use super::record::{HEAD, RecordSpan, parse};
+use super::record::{HEAD, RecordSpan, is_specified, parse};
 use super::scan::{Found, Scanner};
 use super::section::{Buffers, Section, record_at};
 use super::source::Source;
@@ -18,13 +20,6 @@ const MOST_LOSSES: usize = 1000;
 /// Approximate section size for records outside chunks.
 const LOOSE_SECTION: u64 = 1 << 20;
 
-/// The place of an attachment, and its name.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct AttachmentSpan {
-    pub(crate) name: String,
-    pub(crate) place: RecordSpan,
-}
-
 /// The layout of a file.
 #[derive(Debug, Default)]
 pub(crate) struct Layout {
@@ -33,15 +28,22 @@ pub(crate) struct Layout {
     /// The profile in its header.
     pub(crate) profile: String,
     pub(crate) sections: Vec<Section>,
-    pub(crate) metadata: Vec<Metadata>,
-    pub(crate) attachments: Vec<AttachmentSpan>,
+    /// Metadata records with their places.
+    pub(crate) metadata: Vec<(RecordSpan, Metadata)>,
+    pub(crate) attachments: Vec<Attachment>,
     pub(crate) channels: Channels,
-    /// Damage between the records.
+    /// Damage between the records, and damaged attachments.
     pub(crate) losses: Vec<Loss>,
-    /// The end of the data, if the file has it.
-    pub(crate) data_end: Option<u64>,
-    /// Whether the file has the end magic.
+    /// The record that ends the data, if the file has it.
+    pub(crate) data_end: Option<RecordSpan>,
+    /// The footer, if the file has it.
+    pub(crate) footer: Option<RecordSpan>,
+    /// Whether the file is complete: end of the data, footer and end magic.
     pub(crate) is_ended: bool,
+    /// Start of the part at the end of a file that is cut off.
+    pub(crate) cut: Option<u64>,
+    /// The first record that the specification doesn't define. Readers skip such records.
+    unspecified: Option<RecordSpan>,
 }
 
 impl Layout {
@@ -65,15 +67,19 @@ impl Layout {
                         break;
                     }
                 }
-                Found::End => layout.is_ended = true,
-                Found::Cut(bytes) if !bytes.is_empty() => {
-                    layout.lose(bytes, "the file ends within a record");
+                Found::End => layout.end(source),
+                Found::Cut(bytes) => {
+                    layout.cut = Some(bytes.start);
+                    if !bytes.is_empty() {
+                        layout.lose(bytes, "the file ends within a record");
+                    }
                 }
-                Found::Cut(_) => {}
             }
         }
         layout.time_losses();
         layout.find_channels(source);
+        layout.lose_attachments();
+        layout.check_unspecified(source)?;
         Ok(layout)
     }
 
@@ -83,6 +89,9 @@ impl Layout {
     }
 
     fn take(&mut self, place: &RecordSpan, source: &Source) -> io::Result<()> {
+        if self.footer.is_some() {
+            self.lose(place.offset..place.end(), "a record after the footer");
+        }
         match place.opcode {
             op::CHUNK => {
                 let section = Section::of_chunk(place, source)?;
@@ -92,19 +101,34 @@ impl Layout {
             op::MESSAGE | op::SCHEMA | op::CHANNEL if self.data_end.is_none() => {
                 self.take_loose(place);
             }
-            op::ATTACHMENT => {
-                let name = attachment_name(place, source)?;
-                let place = place.clone();
-                self.attachments.push(AttachmentSpan { name, place });
-            }
+            op::ATTACHMENT => self.attachments.push(Attachment::read(place, source)?),
             // A second one is damage in the summary.
-            op::DATA_END => self.data_end = self.data_end.or(Some(place.offset)),
+            op::DATA_END => {
+                self.data_end.get_or_insert_with(|| place.clone());
+            }
+            op::FOOTER => self.footer = Some(place.clone()),
             op::HEADER | op::SCHEMA | op::CHANNEL | op::METADATA => {
                 self.take_small(place, source)?;
             }
+            opcode if !is_specified(opcode) => {
+                self.unspecified.get_or_insert_with(|| place.clone());
+            }
+            // Message indexes and the rest of the summary.
             _ => {}
         }
         Ok(())
+    }
+
+    /// Processes the magic bytes at the end of the file.
+    fn end(&mut self, source: &Source) {
+        let magic = source.length() - MAGIC.len() as u64;
+        self.is_ended = self.data_end.is_some() && self.footer.is_some();
+        if !self.is_ended {
+            self.lose(
+                magic..source.length(),
+                "no end of the data or no footer before the end",
+            );
+        }
     }
 
     /// Adds a record outside chunks to the preceding section if contiguous.
@@ -135,7 +159,7 @@ impl Layout {
                 self.library = header.library;
                 self.profile = header.profile;
             }
-            Ok(Record::Metadata(record)) => self.metadata.push(record),
+            Ok(Record::Metadata(record)) => self.metadata.push((place.clone(), record)),
             Ok(record) => self.channels.define(record),
             Err(_) => {}
         }
@@ -159,12 +183,45 @@ impl Layout {
             let (before, behind) = self.sections.split_at(next);
             let before = before.last().and_then(|section| section.span);
             let behind = behind.first().and_then(|section| section.span);
-            let is_in_data = self.data_end.is_none_or(|end| loss.offset < end);
+            let end = self.data_end.as_ref();
+            let is_in_data = end.is_none_or(|end| loss.offset < end.offset);
             if is_in_data && (before.is_some() || behind.is_some()) {
                 loss.from_ns = Some(before.map_or(0, |(_, end)| end));
                 loss.to_ns = behind.map(|(start, _)| start);
             }
         }
+    }
+
+    /// Lists attachments with wrong checksums.
+    fn lose_attachments(&mut self) {
+        for attachment in self.attachments.iter().filter(|a| !a.is_intact) {
+            self.losses.push(Loss {
+                offset: attachment.place.offset,
+                length: attachment.place.length,
+                reason: format!(
+                    "the attachment {:?} has a wrong checksum",
+                    attachment.header.name
+                ),
+                ..Loss::default()
+            });
+        }
+    }
+
+    /// Checks that records with unknown opcodes are not damaged ones, by the checksum of the data. toprise writes no
+    /// such records: without a checksum they are damage in its own recordings.
+    fn check_unspecified(&mut self, source: &Source) -> io::Result<()> {
+        let Some(place) = self.unspecified.clone() else {
+            return Ok(());
+        };
+        let is_explained = match Checksum::of_data(self, source)? {
+            Some(checksum) => checksum.is_right(source)?,
+            None => !self.is_ours(),
+        };
+        if !is_explained {
+            let reason = format!("a record with the unknown opcode {:#04x}", place.opcode);
+            self.lose(place.offset..place.end(), &reason);
+        }
+        Ok(())
     }
 
     /// Finds the channels in the data. toprise writes them to the first chunk, so the other chunks are not searched if
@@ -194,12 +251,4 @@ impl Layout {
             self.channels = in_summary;
         }
     }
-}
-
-fn attachment_name(place: &RecordSpan, source: &Source) -> io::Result<String> {
-    let mut bytes = Vec::new();
-    source.read(place.offset + HEAD + 16, 4, &mut bytes)?;
-    let length = bytes.as_slice().try_into().map_or(0, u32::from_le_bytes);
-    source.read(place.offset + HEAD + 20, u64::from(length), &mut bytes)?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
 }

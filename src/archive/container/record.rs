@@ -1,5 +1,6 @@
 //! MCAP records: position and content.
 
+use super::attachment::AttachmentHeader;
 use mcap::records::{Record, op};
 use mcap::{McapError, McapResult};
 use std::collections::BTreeSet;
@@ -32,12 +33,12 @@ pub(crate) fn head(bytes: &[u8]) -> Option<(u8, u64)> {
     (length < 1 << 62).then_some((bytes[0], length))
 }
 
-/// Whether an opcode is in the specification or the private range.
-pub(crate) fn is_known(opcode: u8) -> bool {
-    (op::HEADER..=op::DATA_END).contains(&opcode) || opcode >= 0x80
+/// Whether the specification defines records of this opcode. Readers skip all others, except 0, which is invalid.
+pub(crate) fn is_specified(opcode: u8) -> bool {
+    (op::HEADER..=op::DATA_END).contains(&opcode)
 }
 
-/// Reads a record.
+/// Reads a record of the specification; bytes after its fields are ignored.
 ///
 /// Rejects records with invalid lengths first, because the `mcap` crate allocates up to 4 GiB for a string before
 /// checking its length, and panics on truncated attachments.
@@ -86,7 +87,7 @@ pub(crate) fn fields_length(opcode: u8, start: &[u8]) -> Option<u64> {
         op::METADATA_INDEX => &[Bytes(16), Text],
         op::SUMMARY_OFFSET => &[Bytes(17)],
         op::DATA_END => &[Bytes(4)],
-        _ => &[Rest],
+        _ => return None,
     };
     let mut at = 0_u64;
     for part in parts {
@@ -120,6 +121,27 @@ pub(crate) fn fields_length(opcode: u8, start: &[u8]) -> Option<u64> {
         };
     }
     Some(at)
+}
+
+/// Header of an attachment, and position and length of its data in the record's body.
+pub(crate) fn attachment_fields(body: &[u8]) -> Option<(AttachmentHeader, u64, u64)> {
+    let number = |at| {
+        let bytes = bytes_at(body, at, at + 8)?.try_into().ok()?;
+        Some(u64::from_le_bytes(bytes))
+    };
+    let media_type = behind_text(body, 16)?;
+    let length = behind_text(body, media_type)?;
+    let text = |from, to| {
+        let bytes = bytes_at(body, from + 4, to)?;
+        Some(String::from_utf8_lossy(bytes).into_owned())
+    };
+    let header = AttachmentHeader {
+        log_time: number(0)?,
+        create_time: number(8)?,
+        name: text(16, media_type)?,
+        media_type: text(media_type, length)?,
+    };
+    Some((header, length + 8, number(length)?))
 }
 
 /// The position after a text.

@@ -3,7 +3,8 @@
 //! An inconsistent record, or one whose length leads to invalid data, is a loss. The next valid record is then searched
 //! byte by byte.
 
-use super::record::{HEAD, RecordSpan, fields_length, head, is_known, parse};
+use super::attachment::MAX_NAMES;
+use super::record::{HEAD, RecordSpan, fields_length, head, is_specified, parse};
 use super::source::Source;
 use mcap::MAGIC;
 use mcap::records::op;
@@ -12,8 +13,6 @@ use std::ops::Range;
 
 /// Number of bytes read initially per record.
 const PREFIX: u64 = 256;
-/// Maximum length of the names of an attachment.
-const NAMES: u64 = 1 << 16;
 /// Maximum length of a record that must be read completely.
 const LONGEST: u64 = 256 << 20;
 /// Bytes that are searched at a time for the next record.
@@ -97,7 +96,7 @@ impl<'a> Scanner<'a> {
             return Ok(None);
         };
         let room = self.source.length() - offset - HEAD;
-        if body_length > room || !is_known(opcode) {
+        if body_length > room || opcode == 0 {
             return Ok(None);
         }
         let place = RecordSpan {
@@ -114,14 +113,21 @@ impl<'a> Scanner<'a> {
         }
         self.prefix.truncate(deciding as usize);
         let body = self.prefix.get(HEAD as usize..).unwrap_or_default();
-        let is_exact = fields_length(opcode, body) == Some(body_length);
-        let consistent = match opcode {
+        let fields = fields_length(opcode, body);
+        let is_readable = match opcode {
             op::MESSAGE => body_length >= 22,
-            op::CHUNK | op::MESSAGE_INDEX | op::ATTACHMENT => is_exact,
-            // A longer record is accepted only if another record follows (newer format versions may add fields).
-            _ => parse(opcode, body).is_ok() && (is_exact || self.may_begin_at(place.end())?),
+            // Their content is too long to be read here.
+            op::CHUNK | op::MESSAGE_INDEX | op::ATTACHMENT => {
+                fields.is_some_and(|length| length <= body_length)
+            }
+            opcode if is_specified(opcode) => parse(opcode, body).is_ok(),
+            _ => true,
         };
-        Ok(consistent.then_some(place))
+        // A newer version of the format may add fields or records. As a damaged length looks the same, another record
+        // must follow.
+        let is_familiar = opcode == op::MESSAGE || fields == Some(body_length);
+        let is_consistent = is_readable && (is_familiar || self.may_begin_at(place.end())?);
+        Ok(is_consistent.then_some(place))
     }
 
     /// Whether a record may begin at a position, or the file ends there.
@@ -129,7 +135,7 @@ impl<'a> Scanner<'a> {
         self.source.read(position, HEAD, &mut self.prefix)?;
         let room = self.source.length() - position;
         let begins =
-            head(&self.prefix).is_some_and(|(opcode, length)| is_known(opcode) && length < 1 << 40);
+            head(&self.prefix).is_some_and(|(opcode, length)| opcode != 0 && length < 1 << 40);
         Ok(begins || room <= MAGIC.len() as u64)
     }
 
@@ -145,9 +151,9 @@ impl<'a> Scanner<'a> {
                 let position = start + at as u64;
                 let room = self.source.length() - position;
                 let plausible = head(&window[at..])
-                    .is_some_and(|(opcode, length)| is_known(opcode) && length + HEAD <= room);
-                // A single message or short unknown record could be random data.
-                let telling = window[at] != op::MESSAGE && window[at] < 0x80;
+                    .is_some_and(|(opcode, length)| is_specified(opcode) && length + HEAD <= room);
+                // A single message could be random data.
+                let telling = window[at] != op::MESSAGE;
                 if plausible && telling && self.searched < SEARCH_LIMIT {
                     let length = head(&window[at..]).map_or(0, |(_, length)| length);
                     self.searched += PREFIX + deciding(window[at], length);
@@ -170,8 +176,9 @@ impl<'a> Scanner<'a> {
 fn deciding(opcode: u8, length: u64) -> u64 {
     let most = match opcode {
         op::CHUNK | op::MESSAGE_INDEX | op::MESSAGE => PREFIX - HEAD,
-        op::ATTACHMENT => NAMES,
-        _ => u64::MAX,
+        op::ATTACHMENT => MAX_NAMES,
+        opcode if is_specified(opcode) => u64::MAX,
+        _ => 0,
     };
     length.min(most)
 }

@@ -1,12 +1,13 @@
 //! The parts of a file that hold messages: chunks, and records outside chunks.
 
+use super::lz4::Lz4Frames;
 use super::record::{HEAD, RecordSpan, head, parse};
 use super::source::Source;
 use mcap::records::{ChunkHeader, Record, op};
 use std::io::{self, Read};
 
-/// Maximum chunk size; larger chunks are treated as damage.
-const LARGEST_CHUNK: u64 = 1 << 28;
+/// Maximum size of a chunk, bytes, compressed and not; larger chunks are treated as damage.
+const LARGEST_CHUNK: u64 = 256 << 20;
 
 /// Larger chunks are decompressed in pieces of this size.
 const PIECE: u64 = 1 << 22;
@@ -73,7 +74,10 @@ fn cut() -> io::Error {
 
 fn check_size(length: u64) -> io::Result<()> {
     if length > LARGEST_CHUNK {
-        let reason = format!("larger than {LARGEST_CHUNK} bytes");
+        let reason = format!(
+            "a chunk of {length} bytes is larger than the limit of {} MiB",
+            LARGEST_CHUNK >> 20
+        );
         return Err(io::Error::other(reason));
     }
     Ok(())
@@ -89,7 +93,7 @@ fn decompress(header: &ChunkHeader, data: &[u8], records: &mut Vec<u8>) -> io::R
             decoder.window_log_max(LARGEST_CHUNK.ilog2())?;
             read_pieces(decoder, size, records)?;
         }
-        "lz4" => read_pieces(lz4_flex::frame::FrameDecoder::new(data), size, records)?,
+        "lz4" => read_pieces(Lz4Frames::new(data), size, records)?,
         other => {
             let reason = format!("unsupported compression {other:?} (supported: zstd, lz4, none)");
             return Err(io::Error::other(reason));
@@ -125,7 +129,8 @@ fn read_pieces(decoder: impl Read, size: u64, records: &mut Vec<u8>) -> io::Resu
             return Ok(());
         }
         while let Some((opcode, length)) = records.get(next..).and_then(head) {
-            if !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE | 0x80..) {
+            // Readers skip unknown records, but 0 is no opcode.
+            if opcode == 0 || HEAD + length > size {
                 let reason = format!("invalid record at byte {next} of the chunk");
                 return Err(io::Error::other(reason));
             }
@@ -157,20 +162,6 @@ pub(crate) fn record_at(
     Some(found.ok_or("a record exceeds its chunk"))
 }
 
-/// The times of the earliest and the latest message in a section's records.
-pub(crate) fn times(records: &[u8]) -> Option<(u64, u64)> {
-    let mut span: Option<(u64, u64)> = None;
-    let mut position = 0;
-    while let Some(Ok((record, next))) = record_at(records, position) {
-        if let Some(message) = MessageRecord::parse(&record) {
-            let time = message.log_time;
-            span = Some(span.map_or((time, time), |(from, to)| (from.min(time), to.max(time))));
-        }
-        position = next;
-    }
-    span
-}
-
 /// A message record's head and data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct MessageRecord<'a> {
@@ -182,14 +173,6 @@ pub(crate) struct MessageRecord<'a> {
 }
 
 impl<'a> MessageRecord<'a> {
-    /// Bytes of a message record before its data.
-    pub(crate) const HEAD: usize = HEAD as usize + 22;
-
-    /// A copy of the head, without the data.
-    pub(crate) fn without_data(&self) -> MessageRecord<'static> {
-        MessageRecord { data: &[], ..*self }
-    }
-
     /// Reads the body of a message record.
     #[inline]
     pub(crate) fn parse(inner: &InnerRecord<'a>) -> Option<Self> {

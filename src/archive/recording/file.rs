@@ -2,9 +2,9 @@
 
 use super::condition::Condition;
 use crate::archive::container::channels::FileChannel;
+use crate::archive::container::checksum::Checksum;
 use crate::archive::container::layout::Layout;
 use crate::archive::container::loss::Loss;
-use crate::archive::container::record::{HEAD, RecordSpan, parse};
 use crate::archive::container::source::Source;
 use crate::archive::error::RecordingError;
 use crate::archive::format::{
@@ -14,7 +14,7 @@ use crate::run::scenario::Scenario;
 use crate::run::simulation::StopReason;
 use crate::telemetry::encoding::{Encoding, FieldDifferences};
 use crate::telemetry::{Topic, Topics};
-use mcap::records::Record;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// Maximum size of a scenario, bytes.
@@ -46,14 +46,24 @@ impl Recording {
         let topics = recording.topics();
         let mut later = topics.iter().enumerate();
         let twice = later.find(|(at, topic)| topics[..*at].contains(topic));
+        let runs = recording.runs();
+        if runs > 1 {
+            return Err(RecordingError::MergedRuns(runs));
+        }
         if let Some((_, twice)) = twice
-            && recording.condition() != Condition::Foreign
+            && recording.is_ours()
         {
-            return Err(RecordingError::because(format!(
-                "it has two channels named {twice}, which is ambiguous"
-            )));
+            return Err(RecordingError::AmbiguousTopic(*twice));
         }
         Ok(recording)
+    }
+
+    /// Number of runs of toprise that it holds.
+    fn runs(&self) -> usize {
+        let records = self.layout.metadata.iter();
+        records
+            .filter(|(_, record)| record.name == RUN_RECORD)
+            .count()
     }
 
     /// Its path.
@@ -76,24 +86,31 @@ impl Recording {
         &self.layout.profile
     }
 
-    /// State of the file.
-    pub fn condition(&self) -> Condition {
-        if self.run().is_none() && !self.layout.is_ours() {
-            return Condition::Foreign;
-        }
-        let cut_in_the_middle = self.end().is_some() && !self.layout.is_ended;
-        if self.layout.losses.iter().any(|loss| !self.is_tail(loss)) || cut_in_the_middle {
-            Condition::Damaged
-        } else if self.end().is_none() {
-            Condition::Interrupted
-        } else {
-            Condition::Whole
-        }
+    /// Whether toprise recorded it.
+    pub fn is_ours(&self) -> bool {
+        self.run().is_some() || self.layout.is_ours()
     }
 
-    /// Whether a loss is only the last, incompletely written record.
-    fn is_tail(&self, loss: &Loss) -> bool {
-        self.end().is_none() && loss.offset + loss.length == self.size()
+    /// State of the file.
+    pub fn condition(&self) -> Condition {
+        let is_ours = self.is_ours();
+        let is_finished = if is_ours {
+            self.end().is_some()
+        } else {
+            self.layout.is_ended
+        };
+        // The last, incompletely written record of an interrupted file.
+        let is_tail = |loss: &Loss| !is_finished && self.layout.cut == Some(loss.offset);
+        let is_damaged = self.layout.losses.iter().any(|loss| !is_tail(loss));
+        if is_damaged || (is_finished && !self.layout.is_ended) {
+            Condition::Damaged
+        } else if !is_finished {
+            Condition::Interrupted
+        } else if is_ours {
+            Condition::Whole
+        } else {
+            Condition::Foreign
+        }
     }
 
     /// The entries of the `toprise.run` record.
@@ -116,7 +133,9 @@ impl Recording {
     /// The entries of the first metadata record with a name.
     pub fn metadata(&self, name: &str) -> Option<&Entries> {
         let mut records = self.layout.metadata.iter();
-        records.find(|r| r.name == name).map(|r| &r.metadata)
+        records
+            .find(|(_, r)| r.name == name)
+            .map(|(_, r)| &r.metadata)
     }
 
     /// Form and topics, from `toprise.run` or from the channels; `None` if both are lost.
@@ -132,7 +151,7 @@ impl Recording {
     /// All metadata records: names and entries, in the order of the file.
     pub fn all_metadata(&self) -> impl Iterator<Item = (&str, &Entries)> {
         let records = self.layout.metadata.iter();
-        records.map(|record| (record.name.as_str(), &record.metadata))
+        records.map(|(_, record)| (record.name.as_str(), &record.metadata))
     }
 
     /// All channels, in the order of the file.
@@ -188,19 +207,19 @@ impl Recording {
     /// # Errors
     /// [`RecordingError`] if it has none, or it is damaged.
     pub fn scenario_text(&self) -> Result<String, RecordingError> {
-        let attached = self.layout.attachments.iter();
-        let mut attached = attached.filter(|attachment| attachment.name == SCENARIO_ATTACHMENT);
-        let missing = || RecordingError::because("it has no scenario attached");
-        let place = &attached.next().ok_or_else(missing)?.place;
-        let damaged =
-            |reason: String| RecordingError::because(format!("its scenario is damaged: {reason}"));
-        if place.length > LONGEST_SCENARIO {
-            return Err(damaged(format!(
-                "it is longer than {LONGEST_SCENARIO} bytes"
-            )));
+        let mut attached = self.layout.attachments.iter();
+        let scenario = attached
+            .find(|attachment| attachment.header.name == SCENARIO_ATTACHMENT)
+            .ok_or(RecordingError::NoScenario)?;
+        if scenario.data_length > LONGEST_SCENARIO {
+            return Err(RecordingError::LongScenario(LONGEST_SCENARIO));
         }
-        let data = self.attachment(place).map_err(damaged)?;
-        String::from_utf8(data.1).map_err(|error| damaged(error.to_string()))
+        if !scenario.is_intact {
+            return Err(RecordingError::DamagedScenario);
+        }
+        let data = scenario.data(&self.source)?;
+        String::from_utf8(data)
+            .map_err(|error| RecordingError::because(format!("its scenario is damaged: {error}")))
     }
 
     /// Its scenario.
@@ -213,25 +232,21 @@ impl Recording {
         })
     }
 
-    /// An attachment's head and data, if its checksum is right.
-    pub(crate) fn attachment(
-        &self,
-        place: &RecordSpan,
-    ) -> Result<(mcap::records::AttachmentHeader, Vec<u8>), String> {
-        let mut bytes = Vec::new();
-        let read = self.source.read(place.offset, place.length, &mut bytes);
-        read.map_err(|error| error.to_string())?;
-        let body = bytes.get(HEAD as usize..).unwrap_or_default();
-        match parse(place.opcode, body) {
-            Ok(Record::Attachment { header, data, crc }) => {
-                let checked = body.len().saturating_sub(4);
-                if crc != 0 && crc32fast::hash(&body[..checked]) != crc {
-                    return Err("its checksum is wrong".to_owned());
-                }
-                Ok((header, data.into_owned()))
+    /// Damage that only the checksums of the two sections show; `None` if there is none.
+    ///
+    /// # Errors
+    /// The error of reading the file.
+    pub(crate) fn wrong_checksum(&self) -> io::Result<Option<Loss>> {
+        for checksum in [
+            Checksum::of_data(&self.layout, &self.source)?,
+            Checksum::of_summary(&self.layout, &self.source)?,
+        ] {
+            if let Some(checksum) = checksum
+                && !checksum.is_right(&self.source)?
+            {
+                return Ok(Some(checksum.loss()));
             }
-            Ok(_) => Err("it is not an attachment".to_owned()),
-            Err(error) => Err(error.to_string()),
         }
+        Ok(None)
     }
 }

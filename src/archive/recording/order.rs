@@ -1,6 +1,5 @@
 //! The order of messages within each channel.
 
-use super::condition::Condition;
 use super::file::Recording;
 use crate::archive::container::channels::FileChannel;
 use crate::archive::container::section::MessageRecord;
@@ -62,7 +61,7 @@ impl fmt::Display for Misplaced {
 impl Order {
     /// For the channels of a recording, in the order of the file.
     pub(super) fn new(recording: &Recording) -> Self {
-        let is_ours = recording.condition() != Condition::Foreign;
+        let is_ours = recording.is_ours();
         let channel = |channel: &FileChannel| Channel {
             topic: channel.topic.clone(),
             rule: match channel.info() {

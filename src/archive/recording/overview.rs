@@ -22,6 +22,8 @@ pub struct Overview {
     pub condition: Condition,
     /// Name of the library that wrote it.
     pub library: String,
+    /// Whether toprise recorded it.
+    pub is_ours: bool,
     /// Metadata of toprise from the start of the run; absent in other files.
     pub run: Option<Entries>,
     /// Metadata of toprise from the end of the run; absent if the run did not end.
@@ -51,9 +53,9 @@ pub struct ChannelOverview {
     pub rate_hz: Option<f64>,
     /// Bytes of all messages.
     pub bytes: u64,
-    /// Time of the first message, ns.
+    /// Earliest log time, ns; 0 without messages.
     pub first_ns: u64,
-    /// Time of the last message, ns.
+    /// Latest log time, ns; 0 without messages.
     pub last_ns: u64,
 }
 
@@ -64,10 +66,11 @@ impl ChannelOverview {
     }
 
     fn count(&mut self, time_ns: u64, bytes: usize) {
-        if self.messages == 0 {
+        // Files of other software need not be in order of time.
+        if self.messages == 0 || time_ns < self.first_ns {
             self.first_ns = time_ns;
         }
-        self.last_ns = time_ns;
+        self.last_ns = self.last_ns.max(time_ns);
         self.messages += 1;
         self.bytes += bytes as u64;
     }
@@ -122,8 +125,14 @@ impl Overview {
         }
         let mut losses = recording.losses().to_vec();
         losses.extend_from_slice(reader.losses());
+        if losses.is_empty()
+            && let Ok(Some(loss)) = recording.wrong_checksum()
+        {
+            losses.push(loss);
+        }
         let condition = recording.condition();
-        let is_damaged = !reader.losses().is_empty() && condition != Condition::Foreign;
+        // Damage that opening the file doesn't find.
+        let is_damaged = losses.len() > recording.losses().len();
         Self {
             condition: if is_damaged {
                 Condition::Damaged
@@ -131,6 +140,7 @@ impl Overview {
                 condition
             },
             library: recording.library().to_owned(),
+            is_ours: recording.is_ours(),
             run: recording.run().cloned(),
             end: recording.end().cloned(),
             scenario: recording.scenario_text().ok(),
@@ -150,7 +160,13 @@ impl Overview {
         self.channels.iter().map(|channel| channel.messages).sum()
     }
 
-    /// Time of the last message, ns.
+    /// Earliest log time, ns; 0 without messages.
+    pub fn first_ns(&self) -> u64 {
+        let channels = self.channels.iter().filter(|c| c.messages > 0);
+        channels.map(|c| c.first_ns).min().unwrap_or(0)
+    }
+
+    /// Latest log time, ns; 0 without messages.
     pub fn last_ns(&self) -> u64 {
         self.channels.iter().map(|c| c.last_ns).max().unwrap_or(0)
     }

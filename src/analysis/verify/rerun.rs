@@ -3,7 +3,7 @@
 use crate::archive::format::{CONTENT_DIGEST, Entries, end_entries};
 use crate::archive::writer::{Form, Opening, RunEncoder};
 use crate::run::scenario::Scenario;
-use crate::run::simulation::{RunEnd, Simulation, StopReason};
+use crate::run::simulation::{RunEnd, Simulation, SimulationError, StopReason};
 use crate::telemetry::digest::ContentDigest;
 use crate::telemetry::{Telemetry, TelemetryError};
 
@@ -19,7 +19,7 @@ pub(super) struct Expected {
 }
 
 /// A run that is simulated again.
-pub(super) struct Again {
+pub(super) struct Rerun {
     pub(super) opening: Opening,
     simulation: Simulation,
     telemetry: Telemetry,
@@ -28,21 +28,21 @@ pub(super) struct Again {
     has_failed: bool,
 }
 
-impl Again {
+impl Rerun {
     /// # Errors
     /// The reason why the scenario can't be simulated.
     pub(super) fn start(
         scenario: &Scenario,
         telemetry: Telemetry,
         form: Form,
-    ) -> Result<Self, String> {
+    ) -> Result<Self, SimulationError> {
         let opening = || Opening::new(scenario, &telemetry, form);
         let recorded = opening();
         let ids: Vec<u16> = (0..recorded.channels.len() as u16).collect();
         Ok(Self {
             encoder: RunEncoder::new(recorded, &ids),
             opening: opening(),
-            simulation: Simulation::new(scenario).map_err(|error| error.to_string())?,
+            simulation: Simulation::new(scenario)?,
             telemetry,
             digest: ContentDigest::default(),
             has_failed: false,

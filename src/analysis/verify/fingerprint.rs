@@ -1,0 +1,88 @@
+//! Sets of messages, compared independently of their order.
+
+use crate::archive::recording::{FileChannel, Undecoded};
+use mcap::Message;
+use mcap::records::MessageHeader;
+use sha2::{Digest as _, Sha256};
+use std::collections::BTreeMap;
+
+/// Messages of each channel: their number and a digest.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Fingerprint {
+    channels: BTreeMap<u16, ChannelFingerprint>,
+    /// Earliest and latest log time, ns.
+    times: Option<(u64, u64)>,
+}
+
+/// Number of messages of a channel, and a digest that doesn't depend on their order.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct ChannelFingerprint {
+    pub(super) messages: u64,
+    /// Sum of the messages' SHA-256, truncated to 128 bits.
+    digest: u128,
+}
+
+impl Fingerprint {
+    pub(super) fn add(&mut self, header: &MessageHeader, data: &[u8]) {
+        let mut hasher = Sha256::new();
+        hasher.update(header.sequence.to_le_bytes());
+        hasher.update(header.log_time.to_le_bytes());
+        hasher.update(header.publish_time.to_le_bytes());
+        hasher.update(data);
+        let mut half = [0; 16];
+        half.copy_from_slice(&hasher.finalize()[..16]);
+        let time = header.log_time;
+        let (first, last) = self.times.unwrap_or((time, time));
+        self.times = Some((first.min(time), last.max(time)));
+        let channel = self.channels.entry(header.channel_id).or_default();
+        channel.messages += 1;
+        channel.digest = channel.digest.wrapping_add(u128::from_le_bytes(half));
+    }
+
+    pub(super) fn add_undecoded(&mut self, message: &Undecoded<'_>) {
+        let header = MessageHeader {
+            channel_id: message.channel.id,
+            sequence: message.sequence,
+            log_time: message.log_time,
+            publish_time: message.publish_time,
+        };
+        self.add(&header, message.data);
+    }
+
+    pub(super) fn add_message(&mut self, message: &Message<'_>) {
+        let header = MessageHeader {
+            channel_id: message.channel.id,
+            sequence: message.sequence,
+            log_time: message.log_time,
+            publish_time: message.publish_time,
+        };
+        self.add(&header, &message.data);
+    }
+
+    /// Number of messages by channel.
+    pub(super) fn counts(&self) -> BTreeMap<u16, u64> {
+        let counts = self
+            .channels
+            .iter()
+            .map(|(id, channel)| (*id, channel.messages));
+        counts.collect()
+    }
+
+    /// Earliest and latest log time, ns; `None` without messages.
+    pub(super) fn times(&self) -> Option<(u64, u64)> {
+        self.times
+    }
+
+    /// The first of the channels whose messages differ, with its fingerprints in both sets.
+    pub(super) fn first_difference<'c>(
+        &self,
+        other: &Self,
+        channels: &'c [FileChannel],
+    ) -> Option<(&'c FileChannel, [ChannelFingerprint; 2])> {
+        channels.iter().find_map(|channel| {
+            let of = |set: &Self| set.channels.get(&channel.id).copied().unwrap_or_default();
+            let both = [of(self), of(other)];
+            (both[0] != both[1]).then_some((channel, both))
+        })
+    }
+}

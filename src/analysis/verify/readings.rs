@@ -1,0 +1,192 @@
+//! Reads a file as other software does, with the readers of the `mcap` crate: in the order of the file, and through its
+//! index in order of time, as viewers do.
+//!
+//! All readings must have the same messages. Otherwise others would see something else than what was verified.
+
+use super::difference::Difference;
+use super::error::{IndexFault, VerifyError};
+use super::fingerprint::Fingerprint;
+use super::index::{self, Chunks};
+use crate::archive::container::lz4::Lz4Decompressor;
+use crate::archive::container::source::Source;
+use crate::archive::recording::{Recording, Selection};
+use mcap::sans_io::{
+    IndexedReadEvent, IndexedReader, IndexedReaderOptions, LinearReaderOptions, MessageReadEvent,
+    MessageReader, SummaryReadEvent, SummaryReader, SummaryReaderOptions,
+};
+use mcap::{McapResult, Summary};
+use std::io::{self, SeekFrom};
+
+/// Maximum length of a record, bytes.
+const MAX_RECORD: usize = 256 << 20;
+/// Maximum size of the chunks that the index reading holds at the same time, MiB.
+const MAX_OVERLAP: u64 = 256;
+
+/// The first difference between the readings of a complete file.
+pub(super) fn difference(recording: &Recording) -> Result<Option<Difference>, VerifyError> {
+    let mut own = Fingerprint::default();
+    let mut reader = recording.reader(Selection::default());
+    while let Some(message) = reader.next_undecoded() {
+        own.add_undecoded(&message);
+    }
+    let found = match read_in_file_order(&recording.source) {
+        Ok(linear) => between(recording, "the order of the file", &linear, &own),
+        Err(error) => Some(unreadable("the file", &error)),
+    };
+    if found.is_some() {
+        return Ok(found);
+    }
+    let summary = match read_summary(&recording.source) {
+        Ok(Some(summary)) => summary,
+        // Readers then use the order of the file.
+        Ok(None) => return Ok(None),
+        Err(error) => return Ok(Some(unreadable("the summary", &error))),
+    };
+    let chunks = match index::check(recording, &summary, &own) {
+        Ok(chunks) => chunks,
+        Err(IndexFault::Contradiction(difference)) => return Ok(Some(difference)),
+        Err(IndexFault::Io(error)) => return Err(error.into()),
+    };
+    if summary.chunk_indexes.is_empty() && chunks.is_empty() {
+        return Ok(None);
+    }
+    check_overlap(&chunks)?;
+    Ok(match read_through_index(&recording.source, &summary) {
+        Ok((indexed, true)) => between(recording, "the index", &indexed, &own),
+        Ok((_, false)) => Some(Difference::of(
+            "the index",
+            "order of messages",
+            [None, None],
+        )),
+        Err(error) => Some(unreadable("the index", &error)),
+    })
+}
+
+fn unreadable(place: &str, error: &mcap::McapError) -> Difference {
+    let readable = "what other software can read".to_owned();
+    Difference::of(place, "", [error.to_string(), readable].map(Some))
+}
+
+/// The first channel that has other messages when it is read in another way.
+fn between(
+    recording: &Recording,
+    reading: &str,
+    other: &Fingerprint,
+    own: &Fingerprint,
+) -> Option<Difference> {
+    let (channel, both) = other.first_difference(own, recording.channels())?;
+    let counts = both.map(|channel| channel.messages);
+    let texts = match counts {
+        [other, own] if other != own => counts.map(|count| format!("{count} messages")),
+        [count, _] => [
+            format!("{count} other messages"),
+            format!("{count} messages"),
+        ],
+    };
+    let field = format!("messages read through {reading}");
+    Some(Difference::of(&channel.topic, &field, texts.map(Some)))
+}
+
+fn read_in_file_order(source: &Source) -> McapResult<Fingerprint> {
+    let options = LinearReaderOptions::default()
+        .with_prevalidate_chunk_crcs(true)
+        .with_record_length_limit(MAX_RECORD);
+    let mut reader = MessageReader::new_with_options(options);
+    reader.add_decompressor(Lz4Decompressor::default())?;
+    let mut found = Fingerprint::default();
+    let mut bytes = Vec::new();
+    let mut position = 0;
+    while let Some(event) = reader.next_event() {
+        match event? {
+            MessageReadEvent::ReadRequest(length) => {
+                source.read(position, length as u64, &mut bytes)?;
+                reader.insert(bytes.len()).copy_from_slice(&bytes);
+                reader.notify_read(bytes.len());
+                position += bytes.len() as u64;
+            }
+            MessageReadEvent::Message(message) => found.add_message(&message),
+        }
+    }
+    Ok(found)
+}
+
+fn read_summary(source: &Source) -> McapResult<Option<Summary>> {
+    let options = SummaryReaderOptions::default()
+        .with_file_size(source.length())
+        .with_record_length_limit(MAX_RECORD);
+    let mut reader = SummaryReader::new_with_options(options);
+    let mut bytes = Vec::new();
+    let mut position = 0;
+    while let Some(event) = reader.next_event() {
+        match event? {
+            SummaryReadEvent::ReadRequest(length) => {
+                source.read(position, length as u64, &mut bytes)?;
+                reader.insert(bytes.len()).copy_from_slice(&bytes);
+                reader.notify_read(bytes.len());
+                position += bytes.len() as u64;
+            }
+            SummaryReadEvent::SeekRequest(target) => {
+                position = match target {
+                    SeekFrom::Start(position) => position,
+                    SeekFrom::End(offset) => source.length().saturating_add_signed(offset),
+                    SeekFrom::Current(offset) => position.saturating_add_signed(offset),
+                };
+                reader.notify_seeked(position);
+            }
+        }
+    }
+    Ok(reader.finish())
+}
+
+/// Reads the messages through the index; also returns whether they came in order of time.
+fn read_through_index(source: &Source, summary: &Summary) -> McapResult<(Fingerprint, bool)> {
+    let options = IndexedReaderOptions::new().with_record_length_limit(MAX_RECORD);
+    let mut reader = IndexedReader::new_with_options(summary, options)?;
+    reader.add_decompressor(Lz4Decompressor::default())?;
+    let mut found = Fingerprint::default();
+    let mut bytes = Vec::new();
+    let (mut last, mut is_in_order) = (0, true);
+    while let Some(event) = reader.next_event() {
+        match event? {
+            IndexedReadEvent::ReadChunkRequest { offset, length } => {
+                source.read(offset, length as u64, &mut bytes)?;
+                if bytes.len() < length {
+                    return Err(io::Error::from(io::ErrorKind::UnexpectedEof).into());
+                }
+                reader.insert_chunk_record_data(offset, &bytes)?;
+            }
+            IndexedReadEvent::Message { header, data } => {
+                is_in_order &= last <= header.log_time;
+                last = header.log_time;
+                found.add(&header, data);
+            }
+        }
+    }
+    Ok((found, is_in_order))
+}
+
+/// Checks how much memory it takes to read the chunks in order of time.
+fn check_overlap(chunks: &Chunks) -> Result<(), VerifyError> {
+    // A chunk is in memory from its first message to its last.
+    let mut changes: Vec<(u64, bool, u64)> = Vec::new();
+    for chunk in chunks.values() {
+        changes.push((chunk.first, false, chunk.size));
+        changes.push((chunk.last, true, chunk.size));
+    }
+    changes.sort_unstable();
+    let (mut size, mut most) = (0, 0);
+    for (_, is_end, of_chunk) in changes {
+        if is_end {
+            size -= of_chunk;
+        } else {
+            size += of_chunk;
+            most = most.max(size);
+        }
+    }
+    let needed = most.div_ceil(1 << 20);
+    if needed > MAX_OVERLAP {
+        let limit = MAX_OVERLAP;
+        return Err(VerifyError::Overlap { needed, limit });
+    }
+    Ok(())
+}

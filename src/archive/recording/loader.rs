@@ -1,0 +1,388 @@
+//! Loads a recording's messages in batches: section by section, or in order of time.
+
+use super::file::Recording;
+use super::order::Order;
+use super::reader::Selection;
+use super::windows::{Span, Window, Windows};
+use crate::archive::container::loss::Loss;
+use crate::archive::container::section::{Buffers, MessageRecord, Section, record_at};
+use mcap::records::op;
+use std::collections::BTreeSet;
+use std::mem;
+use std::ops::Range;
+
+/// Limit of decompressed content: this many bytes plus `MAX_GROWTH` times the file size.
+const MIN_CONTENT: u64 = 1 << 26;
+const MAX_GROWTH: u64 = 1000;
+
+/// Order of messages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sequence {
+    /// The order of the file.
+    File,
+    /// The order of log times.
+    Time,
+}
+
+/// Loads messages in batches.
+#[derive(Debug)]
+pub(super) struct Loader<'r> {
+    recording: &'r Recording,
+    selection: Selection,
+    /// For each channel of the file, whether its messages are selected.
+    is_wanted: Vec<bool>,
+    pub(super) sequence: Sequence,
+    plan: Plan,
+    buffers: Buffers,
+    batch: Batch,
+    /// The number of messages of the batch that have been returned.
+    returned: usize,
+    losses: Vec<Loss>,
+    /// Offsets of the sections with losses.
+    lost: BTreeSet<u64>,
+    /// Bytes of decompressed content that may still be read; what is beyond is reported as a loss (decompression bombs).
+    left: u64,
+    /// Number of bytes of the file that have been read.
+    pub(super) seen: u64,
+}
+
+/// The sections that are still to be read.
+#[derive(Debug)]
+enum Plan {
+    /// One section after the other.
+    Sections(Range<usize>),
+    /// Sections that overlap in time, in windows of time.
+    Windows(Windows),
+}
+
+/// Messages that have been loaded.
+#[derive(Debug, Default)]
+pub(super) struct Batch {
+    /// Records, among them the messages.
+    pub(super) records: Vec<u8>,
+    pub(super) entries: Vec<Entry>,
+}
+
+/// A message of a batch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Entry {
+    /// Log time, ns.
+    pub(super) time_ns: u64,
+    /// Index of its section.
+    pub(super) section: u32,
+    /// Start of its record in the batch.
+    pub(super) start: u32,
+}
+
+impl Batch {
+    pub(super) fn clear(&mut self) {
+        self.records.clear();
+        self.entries.clear();
+    }
+
+    /// Drops the messages after a time, and their records.
+    pub(super) fn drop_after(&mut self, time_ns: u64) {
+        let mut end = 0;
+        let records = &mut self.records;
+        self.entries.retain_mut(|entry| {
+            let start = entry.start as usize;
+            let length = record_at(records, start)
+                .and_then(Result::ok)
+                .map_or(0, |(_, end)| end - start);
+            let is_kept = entry.time_ns <= time_ns;
+            if is_kept {
+                records.copy_within(start..start + length, end);
+                entry.start = end as u32;
+                end += length;
+            }
+            is_kept
+        });
+        self.records.truncate(end);
+    }
+
+    /// Head and data of a message.
+    pub(super) fn message(&self, entry: &Entry) -> Option<MessageRecord<'_>> {
+        let (record, _) = record_at(&self.records, entry.start as usize)?.ok()?;
+        MessageRecord::parse(&record)
+    }
+}
+
+/// A message of the batch that is being read.
+pub(super) struct Found {
+    /// Position of its channel in the file's list.
+    pub(super) channel: usize,
+    /// Its record in the batch.
+    pub(super) entry: Entry,
+}
+
+impl<'r> Loader<'r> {
+    pub(super) fn new(recording: &'r Recording, selection: Selection) -> Self {
+        let channels = recording.channels().iter();
+        let growth = recording.size().saturating_mul(MAX_GROWTH);
+        Self {
+            is_wanted: channels
+                .map(|channel| selection.topics.include(&channel.topic))
+                .collect(),
+            plan: Plan::Sections(0..recording.layout.sections.len()),
+            recording,
+            selection,
+            sequence: Sequence::File,
+            buffers: Buffers::default(),
+            batch: Batch::default(),
+            returned: 0,
+            losses: Vec::new(),
+            lost: BTreeSet::new(),
+            left: MIN_CONTENT.saturating_add(growth),
+            seen: 0,
+        }
+    }
+
+    /// Loads the messages in order of time. Overlapping sections are sorted in windows of at most `max_window` bytes.
+    pub(super) fn sort_by_time(&mut self, max_window: usize) {
+        self.sequence = Sequence::Time;
+        if !self.are_sections_in_order() {
+            let spans = self.find_spans();
+            self.plan = Plan::Windows(Windows::new(spans, max_window));
+        }
+    }
+
+    pub(super) fn losses(&self) -> &[Loss] {
+        &self.losses
+    }
+
+    /// Finds the next message. `order` ranks messages of the same time.
+    pub(super) fn next(&mut self, order: Option<&Order>) -> Option<Found> {
+        loop {
+            let Some(entry) = self.batch.entries.get(self.returned).copied() else {
+                self.load_next(order)?;
+                continue;
+            };
+            self.returned += 1;
+            let id = self.batch.message(&entry)?.channel_id;
+            if let Some(channel) = self.recording.layout.channels.position(id) {
+                return Some(Found { channel, entry });
+            }
+        }
+    }
+
+    /// Head and data of a message that was found in the current batch.
+    pub(super) fn message(&self, found: &Found) -> Option<MessageRecord<'_>> {
+        self.batch.message(&found.entry)
+    }
+
+    /// Whether the time spans of the chunks, according to their headers, follow each other.
+    fn are_sections_in_order(&self) -> bool {
+        let mut last = 0;
+        self.recording.layout.sections.iter().all(|section| {
+            section.span.is_some_and(|(start, end)| {
+                let follows = last <= start;
+                last = end;
+                follows
+            })
+        })
+    }
+
+    /// The time spans of the selected messages in all sections, by reading them: the times in a chunk's header have no
+    /// checksum of their own.
+    fn find_spans(&mut self) -> Vec<Span> {
+        let sections = &self.recording.layout.sections;
+        let mut spans = Vec::new();
+        for (index, section) in sections.iter().enumerate() {
+            if !self.load(section) {
+                continue;
+            }
+            let mut times: Option<(u64, u64)> = None;
+            self.scan(section, |time, _| {
+                let (first, last) = times.unwrap_or((time, time));
+                times = Some((first.min(time), last.max(time)));
+            });
+            if let Some((first, last)) = times {
+                spans.push(Span {
+                    first,
+                    last,
+                    section: index as u32,
+                });
+            }
+        }
+        spans
+    }
+
+    /// Loads the next batch.
+    fn load_next(&mut self, order: Option<&Order>) -> Option<()> {
+        self.batch.clear();
+        self.returned = 0;
+        match &mut self.plan {
+            Plan::Sections(sections) => {
+                let index = sections.next()?;
+                self.load_section(index);
+            }
+            Plan::Windows(_) => self.load_window()?,
+        }
+        if self.sequence == Sequence::Time {
+            self.sort(order);
+        }
+        Some(())
+    }
+
+    /// Loads all selected messages of a section.
+    fn load_section(&mut self, index: usize) {
+        let section = &self.recording.layout.sections[index];
+        self.seen = section.offset + section.length;
+        let is_unwanted = |span| !self.selection.wants_span(span);
+        if section.span.is_some_and(is_unwanted) || !self.load(section) {
+            return;
+        }
+        let mut entries = mem::take(&mut self.batch.entries);
+        self.scan(section, |time_ns, record| {
+            entries.push(Entry {
+                time_ns,
+                section: index as u32,
+                start: record.start as u32,
+            });
+        });
+        self.batch.entries = entries;
+        mem::swap(&mut self.batch.records, &mut self.buffers.records);
+    }
+
+    /// Loads the messages of the next window of time.
+    fn load_window(&mut self) -> Option<()> {
+        let Plan::Windows(windows) = &mut self.plan else {
+            return None;
+        };
+        let mut windows = mem::take(windows);
+        let mut batch = mem::take(&mut self.batch);
+        let loaded = windows.load_next(&mut batch, &mut |section, window, batch| {
+            self.append(section, window, batch);
+        });
+        self.seen = (self.recording.size() as f64 * windows.progress()) as u64;
+        self.batch = batch;
+        self.plan = Plan::Windows(windows);
+        loaded
+    }
+
+    /// Adds a section's messages of a window to a batch.
+    fn append(&mut self, index: u32, window: Window, batch: &mut Batch) {
+        let section = &self.recording.layout.sections[index as usize];
+        // It was read before, so this can only fail if the file is being changed.
+        if let Err(error) = section.load(&self.recording.source, &mut self.buffers) {
+            return self.lose(section, error.to_string());
+        }
+        let records = mem::take(&mut self.buffers.records);
+        self.scan_records(section, &records, |time_ns, record| {
+            if window.includes(time_ns) {
+                batch.entries.push(Entry {
+                    time_ns,
+                    section: index,
+                    start: batch.records.len() as u32,
+                });
+                batch.records.extend_from_slice(&records[record]);
+            }
+        });
+        self.buffers.records = records;
+    }
+
+    /// Sorts the batch by time. Messages of the same time are ranked by `order`, then in the order of the file.
+    fn sort(&mut self, order: Option<&Order>) {
+        let mut entries = mem::take(&mut self.batch.entries);
+        // Sections of a window are not in the order of the file.
+        let is_window = matches!(self.plan, Plan::Windows(_));
+        if is_window || !entries.is_sorted_by_key(|entry| entry.time_ns) {
+            let channels = &self.recording.layout.channels;
+            let rank = |entry: &Entry| {
+                let message = self.batch.message(entry)?;
+                let channel = channels.position(message.channel_id)?;
+                Some(order?.rank(channel, &message))
+            };
+            entries.sort_unstable_by(|a, b| {
+                let of_time = a.time_ns.cmp(&b.time_ns);
+                of_time.then_with(|| (rank(a), a).cmp(&(rank(b), b)))
+            });
+        }
+        self.batch.entries = entries;
+    }
+
+    /// Loads a section for the first time, within the limit of content. Returns whether it can be read.
+    fn load(&mut self, section: &Section) -> bool {
+        if self.left == 0 {
+            self.lose_rest(section);
+            return false;
+        }
+        let loaded = section.load(&self.recording.source, &mut self.buffers);
+        let length = self.buffers.records.len() as u64;
+        self.left = self.left.saturating_sub(length);
+        if let Err(error) = loaded {
+            self.lose(section, error.to_string());
+            return false;
+        }
+        true
+    }
+
+    /// Calls `take` with time and place of each selected message of the section that has been loaded.
+    fn scan(&mut self, section: &Section, take: impl FnMut(u64, Range<usize>)) {
+        let records = mem::take(&mut self.buffers.records);
+        self.scan_records(section, &records, take);
+        self.buffers.records = records;
+    }
+
+    fn scan_records(
+        &mut self,
+        section: &Section,
+        records: &[u8],
+        mut take: impl FnMut(u64, Range<usize>),
+    ) {
+        let mut position = 0;
+        while let Some(next) = record_at(records, position) {
+            let (record, end) = match next {
+                Ok(found) => found,
+                Err(reason) => return self.lose(section, reason.to_owned()),
+            };
+            let start = mem::replace(&mut position, end);
+            if record.opcode != op::MESSAGE {
+                continue;
+            }
+            let Some(message) = MessageRecord::parse(&record) else {
+                self.lose(section, "truncated message header".to_owned());
+                continue;
+            };
+            let Some(channel) = self.recording.layout.channels.position(message.channel_id) else {
+                let reason = format!("undefined channel {}", message.channel_id);
+                return self.lose(section, reason);
+            };
+            let time = message.log_time;
+            if self.is_wanted[channel] && self.selection.wants_span((time, time)) {
+                take(time, start..end);
+            }
+        }
+    }
+
+    /// Records a loss in a section, at most one per section.
+    fn lose(&mut self, section: &Section, reason: String) {
+        if self.lost.insert(section.offset) {
+            self.losses.push(Loss {
+                offset: section.offset,
+                length: section.length,
+                from_ns: section.span.map(|(from, _)| from),
+                to_ns: section.span.map(|(_, to)| to),
+                is_unread: false,
+                reason,
+            });
+        }
+    }
+
+    /// Records that the file is not read from this section on, which is told once.
+    fn lose_rest(&mut self, section: &Section) {
+        if self.losses.iter().any(|loss| loss.is_unread) {
+            return;
+        }
+        self.losses.push(Loss {
+            offset: section.offset,
+            length: self.recording.size() - section.offset,
+            is_unread: true,
+            reason: format!(
+                "the content before it already exceeds the limit of {} MiB and {MAX_GROWTH} times the file size",
+                MIN_CONTENT >> 20
+            ),
+            ..Loss::default()
+        });
+    }
+}
