@@ -22,7 +22,8 @@ use std::sync::OnceLock;
 ///    motion. Drilling friction of a free peg is smoothed.
 /// 4. Descriptions of fields, keys and presets are reworded; values are those of version 3.
 /// 5. Reversals of the precession and nutation cycles of rounding are omitted: cusps, cycles that an impact begins or ends,
-///    half nutations. The slow rate of regular precession of a peg in the air is 0.
+///    half nutations. The slow rate of regular precession of a peg in the air is 0. The efforts of `/view/inclination`
+///    are as many as its joints.
 pub const VERSION: u32 = 5;
 
 /// A channel whose messages are made from values of type `S`.

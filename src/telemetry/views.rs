@@ -123,8 +123,8 @@ pub const VIEW_CHANNELS: &[ViewChannel] = &[
     view(Kind::Transforms, "/tf", TRANSFORMS, &[POSE],
         "frames `top` (body axes) and `contact` in `world`, m"),
     view(Kind::Inclination, "/view/inclination", JOINT, &[STATE, TORQUE],
-        "θ in rad and θ̇ in rad/s, each with its minimum and maximum in the last nutation, \
-         and as effort the total torque about the line of nodes in N m"),
+        "θ in rad, θ̇ in rad/s, and as effort the total torque about the line of nodes in N m, \
+         each with its minimum and maximum in the last nutation (of the torque's samples)"),
     view(Kind::PrecessionRate, "/view/precession_rate", NUMBERS, &[STATE],
         "φ̇, and its minimum and maximum in the last nutation, rad/s"),
     view(Kind::SpinRate, "/view/spin_rate", NUMBERS, &[STATE],
@@ -239,9 +239,9 @@ impl Views {
                 for name in names {
                     cdr.string(name);
                 }
-                cdr.sequence(&theta)
-                    .sequence(&theta_dot)
-                    .sequence(&[torque::TOTAL_NODE.x().of(message)]);
+                // ROS 2 asks for arrays of one length.
+                let torque = envelope.around_torque(torque::TOTAL_NODE.x().of(message));
+                cdr.sequence(&theta).sequence(&theta_dot).sequence(&torque);
             }
             Kind::PrecessionRate => plot_range(cdr, envelope, state::PHI_DOT, message),
             Kind::SpinRate => plot_range(cdr, envelope, state::PSI_DOT, message),

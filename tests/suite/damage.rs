@@ -357,26 +357,6 @@ fn a_recording_that_ends_in_its_summary_is_incomplete() {
     });
 }
 
-#[test]
-fn an_empty_summary_offset_beside_that_of_the_group_is_refused() {
-    let mut bytes = short("0.1");
-    let summary = mcap::read::footer(&bytes).unwrap().summary_start as usize;
-    let footer = bytes.len() - mcap::MAGIC.len() - 29;
-    assert_eq!(bytes[footer], op::FOOTER);
-    // A reader that believes it finds no attachments.
-    let start = (summary as u64).to_le_bytes();
-    let group = [&[op::ATTACHMENT_INDEX], &start[..], &[0; 8]].concat();
-    let offset = record(op::SUMMARY_OFFSET, &group);
-    bytes.splice(footer..footer, offset.iter().copied());
-    let sum_at = footer + offset.len() + 25;
-    let sum = crc32fast::hash(&bytes[summary..sum_at]);
-    bytes[sum_at..sum_at + 4].copy_from_slice(&sum.to_le_bytes());
-    let folder = Folder::new();
-    let path = folder.write("run.mcap", bytes);
-    let difference = verified(&path).difference.unwrap();
-    assert_eq!(difference.place, "the groups of the summary");
-}
-
 /// A record of an MCAP file.
 fn record(opcode: u8, body: &[u8]) -> Vec<u8> {
     [&[opcode], &(body.len() as u64).to_le_bytes()[..], body].concat()

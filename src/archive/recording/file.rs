@@ -154,6 +154,12 @@ impl Recording {
         records.map(|(_, record)| (record.name.as_str(), &record.metadata))
     }
 
+    /// Names and sizes (bytes) of all attachments, in the order of the file.
+    pub fn attachments(&self) -> impl Iterator<Item = (&str, u64)> {
+        let attachments = self.layout.attachments.iter();
+        attachments.map(|attachment| (attachment.header.name.as_str(), attachment.data_length))
+    }
+
     /// All channels, in the order of the file.
     pub fn channels(&self) -> &[FileChannel] {
         self.layout.channels.list()

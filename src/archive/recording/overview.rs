@@ -23,6 +23,7 @@ pub struct Overview {
     /// Name of the library that wrote it.
     pub library: String,
     /// Whether toprise recorded it.
+    #[serde(skip)]
     pub is_ours: bool,
     /// Metadata of toprise from the start of the run; absent in other files.
     pub run: Option<Entries>,

@@ -157,3 +157,100 @@ impl Windows {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::archive::recording::loader::Entry;
+    use mcap::records::op;
+    use proptest::prelude::*;
+
+    /// Log time and number of a message.
+    type Numbered = (u64, u32);
+
+    /// A message record of 31 bytes.
+    fn record((time_ns, number): Numbered) -> Vec<u8> {
+        let mut record = vec![op::MESSAGE];
+        record.extend(22_u64.to_le_bytes());
+        record.extend([0; 2]);
+        record.extend(number.to_le_bytes());
+        record.extend(time_ns.to_le_bytes());
+        record.extend(time_ns.to_le_bytes());
+        record
+    }
+
+    /// Numbers the messages of all sections in the order of the file.
+    fn numbered(times: &[Vec<u64>]) -> Vec<Vec<Numbered>> {
+        let mut number = 0;
+        let mut count = |time: &u64| {
+            number += 1;
+            (*time, number)
+        };
+        times
+            .iter()
+            .map(|section| section.iter().map(&mut count).collect())
+            .collect()
+    }
+
+    /// The messages as the windows return them, and the size of the largest batch.
+    fn read(sections: &[Vec<Numbered>], max_size: usize) -> (Vec<Numbered>, usize) {
+        let spans = (0..).zip(sections).filter_map(|(section, messages)| {
+            let times = || messages.iter().map(|(time, _)| *time);
+            Some(Span {
+                first: times().min()?,
+                last: times().max()?,
+                section,
+            })
+        });
+        let mut windows = Windows::new(spans.collect(), max_size);
+        let (mut batch, mut found, mut largest) = (Batch::default(), Vec::new(), 0);
+        loop {
+            let loaded = windows.load_next(&mut batch, &mut |section, window, batch| {
+                for message in &sections[section as usize] {
+                    if window.includes(message.0) {
+                        batch.entries.push(Entry {
+                            time_ns: message.0,
+                            section,
+                            start: batch.records.len() as u32,
+                        });
+                        batch.records.extend(record(*message));
+                    }
+                }
+                largest = largest.max(batch.records.len());
+            });
+            if loaded.is_none() {
+                return (found, largest);
+            }
+            batch.entries.sort();
+            for entry in &batch.entries {
+                let message = batch.message(entry).unwrap();
+                found.push((message.log_time, message.sequence));
+            }
+            batch.clear();
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn windows_sort_any_sections_in_bounded_memory(
+            times in prop::collection::vec(prop::collection::vec(0..30_u64, 0..12), 1..20),
+            max_size in 31..1000_usize,
+        ) {
+            let sections = numbered(&times);
+            let (found, largest) = read(&sections, max_size);
+            let mut expected = sections.concat();
+            // Messages of the same time keep the order of the file.
+            expected.sort_by_key(|message| message.0);
+            prop_assert_eq!(found, expected);
+            let longest = sections.iter().map(Vec::len).max().unwrap_or(0) * 31;
+            prop_assert!(largest <= max_size + longest, "{} bytes", largest);
+        }
+    }
+
+    #[test]
+    fn reads_the_last_possible_time() {
+        let sections = vec![vec![(u64::MAX, 1), (0, 2)], vec![(u64::MAX, 3)]];
+        let (found, _) = read(&sections, 31);
+        assert_eq!(found, [(0, 2), (u64::MAX, 1), (u64::MAX, 3)]);
+    }
+}

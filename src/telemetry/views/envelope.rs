@@ -1,6 +1,6 @@
 //! Ranges of nutating quantities.
 
-use crate::telemetry::fields::{NUTATING, NUTATION, NumberField, nutation};
+use crate::telemetry::fields::{NUTATING, NUTATION, NumberField, TORQUE, nutation, torque};
 use crate::telemetry::message::Message;
 
 /// Number of nutation periods for which the ranges of a nutation are valid, unless the next one ends before.
@@ -11,7 +11,11 @@ const LASTING: f64 = 2.0;
 pub(super) struct Envelope {
     /// Least and greatest values, in the order of [`NUTATING`].
     ranges: [[f64; 2]; 4],
-    /// End of their validity, ns.
+    /// Range of the torque about the line of nodes, of which nutations record none, since the last nutation ended.
+    growing: [f64; 2],
+    /// Range of its samples in the last nutation.
+    torque: [f64; 2],
+    /// End of the ranges' validity, ns.
     until_ns: u64,
     /// The time of the last message, ns.
     now_ns: u64,
@@ -21,6 +25,8 @@ impl Envelope {
     pub(super) fn new() -> Self {
         Self {
             ranges: [[f64::NAN; 2]; 4],
+            growing: [f64::NAN; 2],
+            torque: [f64::NAN; 2],
             until_ns: 0,
             now_ns: 0,
         }
@@ -29,9 +35,16 @@ impl Envelope {
     /// Processes a message of any channel.
     pub(super) fn update(&mut self, message: &Message<'_>) {
         self.now_ns = message.time_ns;
+        if message.topic() == TORQUE {
+            let value = torque::TOTAL_NODE.x().of(message);
+            let [least, greatest] = self.growing;
+            // The other number, if one is NaN.
+            self.growing = [least.min(value), greatest.max(value)];
+        }
         if message.topic() == NUTATION {
             self.ranges = NUTATING
                 .map(|[_, least, greatest]| [least, greatest].map(|field| field.of(message)));
+            self.torque = std::mem::replace(&mut self.growing, [f64::NAN; 2]);
             let lasting = (1e9 * LASTING * nutation::PERIOD.of(message)) as u64;
             self.until_ns = message.time_ns.saturating_add(lasting);
         }
@@ -43,6 +56,17 @@ impl Envelope {
         match place.filter(|_| self.now_ns < self.until_ns) {
             Some(place) => [value, self.ranges[place][0], self.ranges[place][1]],
             None => [value; 3],
+        }
+    }
+
+    /// A torque about the line of nodes, and the minimum and maximum of its samples in the last nutation; without
+    /// nutation, the torque itself.
+    pub(super) fn around_torque(&self, value: f64) -> [f64; 3] {
+        let [least, greatest] = self.torque;
+        if self.now_ns < self.until_ns && least <= greatest {
+            [value, least, greatest]
+        } else {
+            [value; 3]
         }
     }
 }

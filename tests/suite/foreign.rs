@@ -1,0 +1,404 @@
+//! Files that other software wrote or rewrote: any order of messages, newer formats, files that are not whole.
+
+use crate::forgeries::forgery::{Forgery, RUN, Record, named};
+use crate::raw::{PADDING, attachment, channel, chunk, file, header, message, record};
+use crate::support::{Folder, assert_contains, recorded, scenario, verified};
+use mcap::records::{Channel, op};
+use std::fs;
+use std::path::{Path, PathBuf};
+use toprise::analysis::explain::explain;
+use toprise::analysis::figures::{Figure, Run};
+use toprise::analysis::verify::{Verdict, verify};
+use toprise::archive::recording::{Condition, Overview, Recording, RecordingError, Selection};
+use toprise::archive::writer::Form;
+use toprise::telemetry::Topics;
+
+/// A Unix time, ns.
+const START: u64 = 1_659_409_666_000_000_000;
+
+/// Eleven messages in a second, and the channel before them.
+fn eleven() -> Vec<u8> {
+    let messages = (0..11).map(|n| message(1, n, START + u64::from(n) * 100_000_000, b"{\"x\":1}"));
+    [record(op::CHANNEL, &channel(1, "/a"))]
+        .into_iter()
+        .chain(messages)
+        .collect::<Vec<_>>()
+        .concat()
+}
+
+fn times() -> (u64, u64) {
+    (START, START + 1_000_000_000)
+}
+
+fn chunk_body(compression: &str) -> Vec<u8> {
+    chunk(times(), compression, &eleven())
+}
+
+fn other() -> Vec<u8> {
+    header("other")
+}
+
+/// The file without its last records from an opcode on, and without the end magic.
+fn cut_before(bytes: &[u8], opcode: u8) -> Vec<u8> {
+    let mut at = mcap::MAGIC.len();
+    while bytes[at] != opcode {
+        let length = u64::from_le_bytes(bytes[at + 1..at + 9].try_into().unwrap());
+        at += 9 + length as usize;
+    }
+    bytes[..at].to_vec()
+}
+
+#[test]
+fn skips_what_the_format_may_add() {
+    let padded = |compression| [&chunk_body(compression)[..], &PADDING].concat();
+    let hidden = record(op::CHUNK, &chunk_body(""));
+    let in_chunk = |opcode| {
+        chunk(
+            times(),
+            "zstd",
+            &[eleven(), record(opcode, b"more")].concat(),
+        )
+    };
+    let chunk_record = record(op::CHUNK, &chunk_body("zstd"));
+    let padded_header = record(op::HEADER, &[&other()[9..], &PADDING].concat());
+    let padded_attachment = [&attachment("notes", b"text")[..], &PADDING].concat();
+    let cases: [(&str, Vec<u8>); 10] = [
+        ("nothing", chunk_record.clone()),
+        ("padded chunk", record(op::CHUNK, &padded(""))),
+        ("padded zstd chunk", record(op::CHUNK, &padded("zstd"))),
+        (
+            "reserved record",
+            [record(0x10, b"later"), chunk_record.clone()].concat(),
+        ),
+        (
+            "private record",
+            [record(0x80, b"mine"), chunk_record.clone()].concat(),
+        ),
+        (
+            "chunk in a reserved record",
+            [record(0x10, &hidden), chunk_record.clone()].concat(),
+        ),
+        (
+            "chunk in a private record",
+            [record(0xfe, &hidden), chunk_record.clone()].concat(),
+        ),
+        (
+            "reserved record in a chunk",
+            record(op::CHUNK, &in_chunk(0x7f)),
+        ),
+        (
+            "private record in a chunk",
+            record(op::CHUNK, &in_chunk(0xff)),
+        ),
+        (
+            "padded attachment",
+            [record(op::ATTACHMENT, &padded_attachment), chunk_record].concat(),
+        ),
+    ];
+    let folder = Folder::new();
+    for (name, records) in &cases {
+        for head in [&other(), &padded_header] {
+            let path = folder.write("a.mcap", file(&[head, records]));
+            let overview = Overview::read(&path).unwrap();
+            assert_eq!(overview.losses, [], "{name}");
+            assert_eq!(overview.condition, Condition::Foreign, "{name}");
+            assert_eq!(overview.messages(), 11, "{name}");
+        }
+    }
+}
+
+/// An unknown record may be a known one whose opcode is damaged: the checksum of the data decides.
+#[test]
+fn reports_records_whose_opcode_is_damaged() {
+    let folder = Folder::new();
+    let mut bytes = file(&[&other(), &record(op::CHUNK, &chunk_body("zstd"))]);
+    let chunk = mcap::MAGIC.len() + other().len();
+    bytes[chunk] ^= 0x10;
+    let overview = Overview::read(&folder.write("a.mcap", bytes)).unwrap();
+    assert_eq!(overview.condition, Condition::Damaged);
+    assert_contains(&overview.losses[0].reason, "unknown opcode 0x16");
+}
+
+#[test]
+fn files_of_others_are_whole_or_interrupted_or_damaged() {
+    let chunk = record(op::CHUNK, &chunk_body("zstd"));
+    let whole = file(&[&other(), &chunk]);
+    let attached = |is_damaged| {
+        let mut body = attachment("notes", b"text");
+        let at = body.len() - 6;
+        body[at] ^= u8::from(is_damaged);
+        file(&[&other(), &record(op::ATTACHMENT, &body), &chunk])
+    };
+    let in_record = whole[..whole.len() - 50].to_vec();
+    let mut flipped = whole.clone();
+    flipped[20] ^= 1;
+    let cases = [
+        ("whole", whole.clone(), Condition::Foreign, 0),
+        (
+            "cut before the end of the data",
+            cut_before(&whole, op::DATA_END),
+            Condition::Interrupted,
+            3,
+        ),
+        (
+            "cut before the footer",
+            cut_before(&whole, op::FOOTER),
+            Condition::Interrupted,
+            3,
+        ),
+        ("cut in a record", in_record, Condition::Interrupted, 3),
+        ("attachment", attached(false), Condition::Foreign, 0),
+        (
+            "attachment with a wrong checksum",
+            attached(true),
+            Condition::Damaged,
+            3,
+        ),
+        ("a bit of the header", flipped, Condition::Damaged, 3),
+    ];
+    let folder = Folder::new();
+    for (name, bytes, condition, code) in cases {
+        let path = folder.write("a.mcap", bytes);
+        let overview = Overview::read(&path).unwrap();
+        assert_eq!(
+            overview.condition, condition,
+            "{name}: {:?}",
+            overview.losses
+        );
+        let printed = folder.toprise("info a.mcap", code);
+        assert_contains(&printed.stdout, condition.name());
+    }
+}
+
+#[test]
+fn span_and_rate_come_from_the_earliest_and_latest_time() {
+    let folder = Folder::new();
+    let chunk_record = record(op::CHUNK, &chunk_body("zstd"));
+    folder.write("a.mcap", file(&[&other(), &chunk_record]));
+    let printed = folder.toprise("info a.mcap", 0).stdout;
+    let line = |name: &str| {
+        let found = printed
+            .lines()
+            .find(|line| line.trim_start().starts_with(name));
+        found
+            .unwrap_or_else(|| panic!("no {name} in\n{printed}"))
+            .split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" ")
+    };
+    assert_eq!(line("span"), "span 1 s");
+    assert_contains(&line("/a"), "10.0 Hz");
+    // A message at time 0 that comes last.
+    let late = record(op::CHUNK, &chunk((0, 0), "", &message(1, 11, 0, b"{}")));
+    let path = folder.write("late.mcap", file(&[&other(), &chunk_record, &late]));
+    let overview = Overview::read(&path).unwrap();
+    assert_eq!((overview.first_ns(), overview.last_ns()), (0, times().1));
+    let channel = &overview.channels[0];
+    assert_eq!((channel.first_ns, channel.last_ns), (0, times().1));
+    // Ten intervals' worth of messages in the whole span.
+    let rate = 11.0 * 1e9 / times().1 as f64;
+    assert!((channel.rate_hz.unwrap() - rate).abs() <= f64::EPSILON * rate);
+}
+
+/// A short run, and the same with a chunk for each topic, as `mcap sort --order topic` writes it.
+fn by_topic(form: Form) -> (Vec<u8>, Vec<u8>) {
+    let scenario = scenario(
+        "paper",
+        &[("stop.duration", "0.6"), ("sampling.period", "0.002")],
+    );
+    let original = recorded(&scenario, &[], form);
+    let mut file = Forgery::of(&original);
+    let is_chunk = |record: &Record| matches!(record, Record::Chunk(_));
+    let first = file.records.iter().position(is_chunk).unwrap();
+    let mut content = Vec::new();
+    file.records.retain_mut(|record| match record {
+        Record::Chunk(records) => {
+            content.append(records);
+            false
+        }
+        _ => true,
+    });
+    let mut ids = Vec::new();
+    for record in &content {
+        if let Record::Channel(Channel { id, .. }) = record {
+            ids.push(*id);
+        }
+    }
+    let definitions = content
+        .iter()
+        .filter(|r| matches!(r, Record::Schema(..) | Record::Channel(_)));
+    let mut chunks = vec![Record::Chunk(definitions.cloned().collect())];
+    // The last topic first, so that nothing is in order by chance.
+    for id in ids.into_iter().rev() {
+        let of_topic = |r: &&Record| matches!(r, Record::Message(m, _) if m.channel_id == id);
+        chunks.push(Record::Chunk(
+            content.iter().filter(of_topic).cloned().collect(),
+        ));
+    }
+    file.records.splice(first..first, chunks);
+    (original, file.bytes())
+}
+
+fn open(path: &Path) -> Recording {
+    Recording::open(path).unwrap()
+}
+
+#[test]
+fn recordings_ordered_by_topic_lose_nothing() {
+    let folder = Folder::new();
+    let (original, sorted) = by_topic(Form::default());
+    let original = open(&folder.write("run.mcap", original));
+    let path = folder.write("sorted.mcap", sorted);
+    let sorted = open(&path);
+    let report = verified(&path);
+    assert_eq!(report.verdict, Verdict::PackedOtherwise, "{report:#?}");
+    assert_eq!(report.equal, Some(Overview::of(&original).messages()));
+    let stories = [&original, &sorted].map(|recording| {
+        let mut story = explain(recording).unwrap();
+        story.title.clear();
+        format!("{story:?}").replace("sorted", "run")
+    });
+    assert_eq!(stories[0], stories[1]);
+    let figure = Figure::find("figure-2").unwrap();
+    let drawn = [&original, &sorted].map(|recording| {
+        let run = Run::read(recording, "run", &[figure], &|_| {});
+        assert_eq!(run.losses, Vec::<String>::new());
+        figure.draw(&[&run], 85.0).svg()
+    });
+    assert!(drawn[0] == drawn[1]);
+    folder.toprise("diff run.mcap sorted.mcap --no-floor", 0);
+}
+
+#[test]
+fn reads_topics_and_times_of_sorted_files_in_order() {
+    let folder = Folder::new();
+    let (original, sorted) = by_topic(Form::default());
+    let read = |path: PathBuf, topics: &[&str]| {
+        let recording = open(&path);
+        let topics = topics.iter().map(|topic| (*topic).to_owned()).collect();
+        let selection = Selection {
+            topics: Topics::Only(topics),
+            from_ns: Some(100_000_000),
+            to_ns: Some(300_000_000),
+        };
+        let mut reader = recording.reader(selection).in_order_of_time();
+        let mut found = Vec::new();
+        while let Some(message) = reader.next_undecoded() {
+            found.push((
+                message.log_time,
+                message.channel.topic.clone(),
+                message.sequence,
+            ));
+        }
+        found
+    };
+    let topics = ["/top/energy", "/events"];
+    let mut expected = read(folder.write("run.mcap", original), &topics);
+    let found = read(folder.write("sorted.mcap", sorted), &topics);
+    assert!(found.is_sorted_by_key(|message| message.0));
+    expected.sort();
+    let mut sorted = found;
+    sorted.sort();
+    assert_eq!(sorted, expected);
+    assert!(sorted.len() > 100);
+}
+
+#[test]
+fn one_changed_number_is_different_and_nothing_is_missing() {
+    let scenario = scenario("paper", &[("stop.duration", "0.05")]);
+    let mut file = Forgery::of(&recorded(&scenario, &[], Form::default()));
+    file.edit("/top/state", 7, |text| {
+        text.replacen("\"theta\":0.", "\"theta\":0.1", 1)
+    });
+    let folder = Folder::new();
+    let report = verified(&folder.write("a.mcap", file.bytes()));
+    assert_eq!((report.verdict, report.missing), (Verdict::Different, 0));
+}
+
+#[test]
+fn a_damaged_scenario_is_damage() {
+    let scenario = scenario("paper", &[("stop.duration", "0.05")]);
+    let mut bytes = recorded(&scenario, &[], Form::default());
+    let name = b"name = \"paper\"";
+    let at = bytes
+        .windows(name.len())
+        .position(|found| found == name)
+        .unwrap();
+    bytes[at + 8] ^= 1;
+    let folder = Folder::new();
+    let report = verified(&folder.write("a.mcap", bytes));
+    assert_eq!(
+        (report.verdict, report.state),
+        (Verdict::Incomplete, Condition::Damaged)
+    );
+    assert_contains(
+        &report.losses[0].reason,
+        "\"scenario.toml\" has a wrong checksum",
+    );
+    for line in [
+        "info a.mcap",
+        "verify a.mcap",
+        "diff a.mcap a.mcap --no-floor",
+    ] {
+        let printed = folder.toprise(line, 3);
+        assert_contains(&printed.stdout, "wrong checksum");
+    }
+}
+
+#[test]
+fn verifying_files_of_others_is_an_error() {
+    let folder = Folder::new();
+    let chunk = record(op::CHUNK, &chunk_body(""));
+    let path = folder.write("a.mcap", file(&[&other(), &chunk]));
+    assert!(verify(&open(&path), &|_| {}).is_err());
+    let printed = folder.toprise("verify a.mcap", 2);
+    assert_contains(&printed.stderr, "no scenario in it");
+}
+
+#[test]
+fn runs_that_were_merged_are_refused() {
+    let scenario = scenario("paper", &[("stop.duration", "0.05")]);
+    let mut file = Forgery::of(&recorded(&scenario, &[], Form::default()));
+    let run = file
+        .records
+        .iter()
+        .find(|record| named(RUN)(record))
+        .unwrap()
+        .clone();
+    file.records.push(run);
+    let folder = Folder::new();
+    let path = folder.write("a.mcap", file.bytes());
+    let error = Recording::open(&path).unwrap_err();
+    assert!(matches!(error, RecordingError::MergedRuns(2)), "{error}");
+    let printed = folder.toprise("info a.mcap", 2);
+    assert_contains(&printed.stderr, "it holds 2 runs");
+}
+
+/// Chunks that all span the whole time, and loose messages between them, are read in order of time.
+#[test]
+fn overlapping_chunks_are_read_in_order() {
+    let messages: Vec<_> = (0..1000_u64).map(|n| (n * 7919 % 500, n as u32)).collect();
+    let mut records = vec![other(), record(op::CHANNEL, &channel(1, "/a"))];
+    for (index, part) in messages.chunks(100).enumerate() {
+        let part = part.iter().map(|(time, n)| message(1, *n, *time, b"{}"));
+        let content = part.collect::<Vec<_>>().concat();
+        records.push(match index % 3 {
+            0 => content,
+            _ => record(op::CHUNK, &chunk((0, 499), "zstd", &content)),
+        });
+    }
+    let records: Vec<&[u8]> = records.iter().map(Vec::as_slice).collect();
+    let folder = Folder::new();
+    let recording = open(&folder.write("a.mcap", file(&records)));
+    let mut reader = recording.reader(Selection::default()).in_order_of_time();
+    let mut found = Vec::new();
+    while let Some(message) = reader.next_undecoded() {
+        found.push((message.log_time, message.sequence));
+    }
+    assert_eq!(reader.losses(), []);
+    let mut expected = messages;
+    // Messages of the same time keep the order of the file.
+    expected.sort_by_key(|message| message.0);
+    assert_eq!(found, expected);
+    fs::remove_file(recording.path()).unwrap();
+}

@@ -1,0 +1,94 @@
+//! MCAP files byte by byte, for what writers do that the `mcap` crate's doesn't.
+
+use mcap::records::op;
+
+/// Bytes that a newer version of the format could add to a record.
+pub const PADDING: [u8; 3] = [0x01, 0xff, 0xff];
+
+/// A record.
+pub fn record(opcode: u8, body: &[u8]) -> Vec<u8> {
+    [&[opcode], &(body.len() as u64).to_le_bytes()[..], body].concat()
+}
+
+/// Bytes preceded by their length.
+pub fn counted(bytes: &[u8]) -> Vec<u8> {
+    [&(bytes.len() as u32).to_le_bytes()[..], bytes].concat()
+}
+
+pub fn text(text: &str) -> Vec<u8> {
+    counted(text.as_bytes())
+}
+
+/// Pairs of texts.
+pub fn map(pairs: &[(&str, &str)]) -> Vec<u8> {
+    let pairs = pairs.iter();
+    let pairs: Vec<u8> = pairs
+        .flat_map(|(key, value)| [text(key), text(value)].concat())
+        .collect();
+    counted(&pairs)
+}
+
+pub fn header(library: &str) -> Vec<u8> {
+    record(op::HEADER, &[text(""), text(library)].concat())
+}
+
+/// Body of a channel without schema.
+pub fn channel(id: u16, topic: &str) -> Vec<u8> {
+    let ids = [id.to_le_bytes(), [0; 2]].concat();
+    [ids, text(topic), text("json"), map(&[])].concat()
+}
+
+/// A message in channel 1 or another.
+pub fn message(channel: u16, sequence: u32, time_ns: u64, data: &[u8]) -> Vec<u8> {
+    let times = [time_ns.to_le_bytes(), time_ns.to_le_bytes()].concat();
+    let body = [
+        &channel.to_le_bytes(),
+        &sequence.to_le_bytes()[..],
+        &times,
+        data,
+    ]
+    .concat();
+    record(op::MESSAGE, &body)
+}
+
+/// Body of a chunk with these times, compressed with zstd or not at all.
+pub fn chunk((first, last): (u64, u64), compression: &str, records: &[u8]) -> Vec<u8> {
+    let data = match compression {
+        "zstd" => zstd::bulk::compress(records, 1).unwrap(),
+        _ => records.to_vec(),
+    };
+    [
+        &first.to_le_bytes()[..],
+        &last.to_le_bytes(),
+        &(records.len() as u64).to_le_bytes(),
+        &crc32fast::hash(records).to_le_bytes(),
+        &text(compression),
+        &(data.len() as u64).to_le_bytes(),
+        &data,
+    ]
+    .concat()
+}
+
+/// Body of an attachment with a checksum.
+pub fn attachment(name: &str, data: &[u8]) -> Vec<u8> {
+    let times = [2_u64.to_le_bytes(), 1_u64.to_le_bytes()].concat();
+    let length = (data.len() as u64).to_le_bytes();
+    let body = [
+        &times,
+        &text(name),
+        &text("application/octet-stream"),
+        &length[..],
+        data,
+    ]
+    .concat();
+    let checksum = crc32fast::hash(&body).to_le_bytes();
+    [&body[..], &checksum].concat()
+}
+
+/// A complete file of these records, without a summary.
+pub fn file(records: &[&[u8]]) -> Vec<u8> {
+    let data = [&mcap::MAGIC[..], &records.concat()].concat();
+    let end = record(op::DATA_END, &crc32fast::hash(&data).to_le_bytes());
+    let footer = record(op::FOOTER, &[0; 20]);
+    [&data[..], &end, &footer, mcap::MAGIC].concat()
+}
