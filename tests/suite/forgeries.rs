@@ -663,7 +663,7 @@ fn rejects_containers_that_readers_see_differently() {
             a.caught(name, |f| f.twice_in_summary(opcode));
         }
         a.repacked("equal statistics twice", |f| {
-            f.twice_in_summary(op::STATISTICS)
+            f.twice_in_summary(op::STATISTICS);
         });
         for (name, opcode) in [
             ("a chunk not indexed", op::CHUNK_INDEX),

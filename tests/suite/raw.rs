@@ -87,7 +87,7 @@ pub fn attachment(name: &str, data: &[u8]) -> Vec<u8> {
 
 /// A complete file of these records, without a summary.
 pub fn file(records: &[&[u8]]) -> Vec<u8> {
-    let data = [&mcap::MAGIC[..], &records.concat()].concat();
+    let data = [mcap::MAGIC, &records.concat()].concat();
     let end = record(op::DATA_END, &crc32fast::hash(&data).to_le_bytes());
     let footer = record(op::FOOTER, &[0; 20]);
     [&data[..], &end, &footer, mcap::MAGIC].concat()

@@ -1,6 +1,6 @@
 //! Campaigns, their trials, and random numbers that follow from a seed.
 
-use crate::{bombs, damage, environments, interruptions, scenarios};
+use crate::{bombs, damage, environments, interruptions, overlaps, scenarios};
 use clap::Parser;
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook};
@@ -60,6 +60,12 @@ pub const CAMPAIGNS: &[Campaign] = &[
         sample: 12,
         full: 300,
         prepare: bombs::bombs,
+    },
+    Campaign {
+        name: "overlaps",
+        sample: 1,
+        full: 1,
+        prepare: overlaps::overlaps,
     },
     Campaign {
         name: "kills",

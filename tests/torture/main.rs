@@ -36,6 +36,8 @@ mod interruptions;
 #[cfg(unix)]
 mod material;
 #[cfg(unix)]
+mod overlaps;
+#[cfg(unix)]
 mod program;
 #[cfg(unix)]
 mod scenarios;
