@@ -17,19 +17,22 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod batch;
 mod condition;
 mod file;
 mod loader;
 mod order;
 mod overview;
 mod reader;
+mod selection;
 mod windows;
 
 pub use self::condition::Condition;
 pub use self::file::Recording;
 pub use self::order::Misplaced;
 pub use self::overview::{ChannelOverview, EventOverview, Overview};
-pub use self::reader::{Reader, Selection, Undecoded};
+pub use self::reader::{Reader, Undecoded};
+pub use self::selection::Selection;
 pub use crate::archive::container::channels::{FileChannel, FileSchema};
 pub use crate::archive::container::loss::Loss;
 pub use crate::archive::error::{MessageError, RecordingError};

@@ -11,7 +11,7 @@ use toprise::archive::sink::{Sink, record};
 use toprise::run::simulation::Simulation;
 use toprise::telemetry::digest::ContentDigest;
 use toprise::telemetry::encoding::{Encoder, Encoding};
-use toprise::telemetry::fields::{EVENTS, NUTATION, STATE, nutation};
+use toprise::telemetry::fields::{EVENTS, NUTATION, STATE, TORQUE, nutation, torque};
 use toprise::telemetry::protobuf::{proto_file, proto_file_name};
 use toprise::telemetry::schema::{file_name, json_schema};
 use toprise::telemetry::views::{VIEW_CHANNELS, Views};
@@ -60,6 +60,82 @@ fn views_tell_the_range_in_the_last_nutation() {
         let [least, greatest] = range.unwrap_or([value; 2]);
         assert_eq!(values, [value, least, greatest]);
     }
+}
+
+/// The three arrays of a `JointState` in CDR, whose names and numbers are counted.
+fn joint_arrays(bytes: &[u8]) -> (usize, [Vec<f64>; 3]) {
+    // Alignment counts from behind the encapsulation.
+    let body = &bytes[4..];
+    let mut at = 0;
+    let mut number = |at: &mut usize| {
+        *at = at.next_multiple_of(4);
+        *at += 4;
+        u32::from_le_bytes(body[*at - 4..*at].try_into().unwrap()) as usize
+    };
+    // Two numbers of the time stamp, and the frame.
+    for _ in 0..2 {
+        number(&mut at);
+    }
+    at += number(&mut at);
+    let names = number(&mut at);
+    for _ in 0..names {
+        at += number(&mut at);
+    }
+    let arrays = [(); 3].map(|()| {
+        let count = number(&mut at);
+        at = if count > 0 {
+            at.next_multiple_of(8)
+        } else {
+            at
+        };
+        let values = body[at..at + 8 * count].chunks(8);
+        at += 8 * count;
+        values
+            .map(|bytes| f64::from_le_bytes(bytes.try_into().unwrap()))
+            .collect()
+    });
+    assert_eq!(at, body.len());
+    (names, arrays)
+}
+
+/// ROS 2 demands that all arrays of a joint state have one length. The torque's range is that of its samples in the last
+/// nutation.
+#[test]
+fn joint_states_have_arrays_of_one_length() {
+    let scenario = scenario("paper", &[("stop.duration", "0.3")]);
+    let messages = in_memory(&scenario).0.messages;
+    let mut views = Views::new(&scenario, |_| true);
+    let is_view = |index: usize| VIEW_CHANNELS[index].topic == "/view/inclination";
+    let (mut samples, mut range, mut checked) = (Vec::new(), None, 0);
+    for message in &messages {
+        let message = message.as_message();
+        if message.topic() == TORQUE {
+            samples.push(torque::TOTAL_NODE.x().of(&message));
+        }
+        if message.topic() == NUTATION {
+            let last = std::mem::take(&mut samples);
+            let least = last.iter().copied().reduce(f64::min);
+            let greatest = last.iter().copied().reduce(f64::max);
+            range = least.zip(greatest);
+        }
+        views.process(&message, |view, _, bytes| {
+            if !is_view(view) {
+                return;
+            }
+            let (names, arrays) = joint_arrays(bytes);
+            assert_eq!(arrays.each_ref().map(Vec::len), [names; 3]);
+            let effort = &arrays[2];
+            assert_eq!(effort[0], torque::TOTAL_NODE.x().of(&message));
+            if let Some((least, greatest)) = range {
+                assert!(least < greatest);
+                assert_eq!(effort[1..], [least, greatest]);
+                checked += 1;
+            } else {
+                assert_eq!(effort[1..], [effort[0]; 2]);
+            }
+        });
+    }
+    assert!(checked > 10, "{checked}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Content of a recording except its messages: header, metadata, attachments, channels.
 
 use super::difference::Difference;
-use crate::archive::container::attachment::AttachmentHeader;
+use crate::archive::container::record::AttachmentHeader;
 use crate::archive::format::{CONTENT_DIGEST, END_RECORD, Entries, RUN_RECORD};
 use crate::archive::recording::Recording;
 use crate::archive::writer::Opening;

@@ -36,6 +36,9 @@ pub(super) fn difference(recording: &Recording) -> Result<Option<Difference>, Ve
     if found.is_some() {
         return Ok(found);
     }
+    if let Some(difference) = check_footer(recording)? {
+        return Ok(Some(difference));
+    }
     let summary = match read_summary(&recording.source) {
         Ok(Some(summary)) => summary,
         // Readers then use the order of the file.
@@ -50,7 +53,7 @@ pub(super) fn difference(recording: &Recording) -> Result<Option<Difference>, Ve
     if summary.chunk_indexes.is_empty() && chunks.is_empty() {
         return Ok(None);
     }
-    check_overlap(&chunks)?;
+    check_overlap(&chunks, MAX_OVERLAP)?;
     Ok(match read_through_index(&recording.source, &summary) {
         Ok((indexed, true)) => between(recording, "the index", &indexed, &own),
         Ok((_, false)) => Some(Difference::of(
@@ -60,6 +63,19 @@ pub(super) fn difference(recording: &Recording) -> Result<Option<Difference>, Ve
         )),
         Err(error) => Some(unreadable("the index", &error)),
     })
+}
+
+/// Checks that the footer leads to the start of the summary: behind the data. The summary's records were found from
+/// there, so its reader meets no others.
+fn check_footer(recording: &Recording) -> Result<Option<Difference>, VerifyError> {
+    let layout = &recording.layout;
+    let (Some(end), Some(start)) = (&layout.data_end, layout.summary_start(&recording.source)?)
+    else {
+        return Ok(None);
+    };
+    let texts = [start, end.end()].map(|offset| Some(offset.to_string()));
+    let is_right = start == end.end();
+    Ok((!is_right).then(|| Difference::of("the footer", "start of the summary", texts)))
 }
 
 fn unreadable(place: &str, error: &mcap::McapError) -> Difference {
@@ -165,8 +181,8 @@ fn read_through_index(source: &Source, summary: &Summary) -> McapResult<(Fingerp
     Ok((found, is_in_order))
 }
 
-/// Checks how much memory it takes to read the chunks in order of time.
-fn check_overlap(chunks: &Chunks) -> Result<(), VerifyError> {
+/// Checks that reading the chunks in order of time takes at most `limit` MiB of memory.
+fn check_overlap(chunks: &Chunks, limit: u64) -> Result<(), VerifyError> {
     // A chunk is in memory from its first message to its last.
     let mut changes: Vec<(u64, bool, u64)> = Vec::new();
     for chunk in chunks.values() {
@@ -184,9 +200,34 @@ fn check_overlap(chunks: &Chunks) -> Result<(), VerifyError> {
         }
     }
     let needed = most.div_ceil(1 << 20);
-    if needed > MAX_OVERLAP {
-        let limit = MAX_OVERLAP;
+    if needed > limit {
         return Err(VerifyError::Overlap { needed, limit });
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::index::Chunk;
+    use super::*;
+
+    fn chunks(times: [(u64, u64); 3]) -> Chunks {
+        let size = 3 << 20;
+        let chunk = |(first, last)| Chunk { first, last, size };
+        (0..).zip(times.map(chunk)).collect()
+    }
+
+    #[test]
+    fn refuses_chunks_that_overlap_too_much() {
+        let followed = chunks([(0, 9), (10, 19), (20, 29)]);
+        assert!(check_overlap(&followed, 3).is_ok());
+        assert!(check_overlap(&followed, 2).is_err());
+        // Two of three overlap, in an instant or longer.
+        for times in [[(0, 9), (9, 19), (20, 29)], [(0, 25), (10, 19), (20, 29)]] {
+            assert!(check_overlap(&chunks(times), 6).is_ok());
+            let error = check_overlap(&chunks(times), 5).unwrap_err().to_string();
+            assert!(error.contains("takes 6 MiB of memory"), "{error}");
+            assert!(error.contains("sort it by log time first"), "{error}");
+        }
+    }
 }

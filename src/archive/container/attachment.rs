@@ -1,6 +1,6 @@
 //! Attachments: their headers, and their data read in constant memory.
 
-use super::record::{HEAD, RecordSpan, attachment_fields};
+use super::record::{AttachmentHeader, HEAD, RecordSpan, attachment_fields};
 use super::source::Source;
 use sha2::{Digest as _, Sha256};
 use std::io;
@@ -10,17 +10,6 @@ pub(crate) const MAX_NAMES: u64 = 1 << 16;
 
 /// Number of bytes that are read at a time.
 const PIECE: u64 = 1 << 20;
-
-/// Header of an attachment.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct AttachmentHeader {
-    pub(crate) name: String,
-    pub(crate) media_type: String,
-    /// Time of logging, ns.
-    pub(crate) log_time: u64,
-    /// Time of creation, ns.
-    pub(crate) create_time: u64,
-}
 
 /// An attachment of a file, without its data.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -97,5 +86,58 @@ impl AttachmentHeader {
             "{} of {length} bytes (SHA-256 {sha256}), logged at {} ns, created at {} ns",
             self.media_type, self.log_time, self.create_time
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mcap::records::op;
+
+    /// A file that is a large attachment, with another checksum if it is damaged.
+    fn attachment(data: &[u8], is_damaged: bool) -> (Attachment, String) {
+        let mut body = [7_u64.to_le_bytes(), 8_u64.to_le_bytes()].concat();
+        for name in ["a.bin", "image/x"] {
+            body.extend((name.len() as u32).to_le_bytes());
+            body.extend(name.as_bytes());
+        }
+        body.extend((data.len() as u64).to_le_bytes());
+        body.extend(data);
+        let checksum = crc32fast::hash(&body) ^ u32::from(is_damaged);
+        body.extend(checksum.to_le_bytes());
+        // What a newer version of the format may add.
+        body.extend([1, 2, 3]);
+        let path = tempfile::NamedTempFile::new().unwrap().into_temp_path();
+        let length = body.len() as u64;
+        let record = [&[op::ATTACHMENT], &length.to_le_bytes()[..], &body].concat();
+        std::fs::write(&path, &record).unwrap();
+        let source = Source::open(&path).unwrap();
+        let place = RecordSpan {
+            opcode: op::ATTACHMENT,
+            offset: 0,
+            length: record.len() as u64,
+        };
+        let attachment = Attachment::read(&place, &source).unwrap();
+        assert_eq!(attachment.data(&source).unwrap(), data);
+        let description = attachment.describe(&source).unwrap();
+        (attachment, description)
+    }
+
+    #[test]
+    fn reads_large_attachments_in_pieces() {
+        let mut data = vec![9; 2 * PIECE as usize + 1];
+        let digest = format!("{:x}", Sha256::digest(&data));
+        let (whole, description) = attachment(&data, false);
+        assert_eq!(whole.header.name, "a.bin");
+        assert!(whole.is_intact);
+        let length = data.len();
+        let expected = format!(
+            "image/x of {length} bytes (SHA-256 {digest}), logged at 7 ns, created at 8 ns"
+        );
+        assert_eq!(description, expected);
+        // The last byte counts.
+        data[2 * PIECE as usize] ^= 1;
+        assert_ne!(attachment(&data, false).1, expected);
+        assert!(!attachment(&data, true).0.is_intact);
     }
 }

@@ -1,6 +1,5 @@
 //! The checksums of a file's two sections.
 
-use super::layout::Layout;
 use super::loss::Loss;
 use super::record::{HEAD, RecordSpan, parse};
 use super::source::Source;
@@ -17,11 +16,8 @@ pub(crate) struct Checksum {
 }
 
 impl Checksum {
-    /// Checksum of the data section; `None` if it was not computed.
-    pub(crate) fn of_data(layout: &Layout, source: &Source) -> io::Result<Option<Self>> {
-        let Some(place) = &layout.data_end else {
-            return Ok(None);
-        };
+    /// Checksum of the data section, which `place` ends; `None` if it was not computed.
+    pub(crate) fn of_data(place: &RecordSpan, source: &Source) -> io::Result<Option<Self>> {
         let mut bytes = Vec::new();
         Ok(match read(place, source, &mut bytes)? {
             Some(Record::DataEnd(end)) if end.data_section_crc != 0 => Some(Self {
@@ -33,17 +29,18 @@ impl Checksum {
         })
     }
 
-    /// Checksum of the summary; `None` if it was not computed.
-    pub(crate) fn of_summary(layout: &Layout, source: &Source) -> io::Result<Option<Self>> {
-        let (Some(end), Some(place)) = (&layout.data_end, &layout.footer) else {
-            return Ok(None);
-        };
+    /// Checksum of the summary, from the end of the data to the footer; `None` if it was not computed.
+    pub(crate) fn of_summary(
+        data_end: &RecordSpan,
+        place: &RecordSpan,
+        source: &Source,
+    ) -> io::Result<Option<Self>> {
         let mut bytes = Vec::new();
         Ok(match read(place, source, &mut bytes)? {
             Some(Record::Footer(footer)) if footer.summary_crc != 0 => {
                 // Without a summary the footer itself has a checksum.
                 let start = match footer.summary_start {
-                    0 => end.end(),
+                    0 => data_end.end(),
                     start => start,
                 };
                 Some(Self {

@@ -213,7 +213,7 @@ impl Layout {
         let Some(place) = self.unspecified.clone() else {
             return Ok(());
         };
-        let is_explained = match Checksum::of_data(self, source)? {
+        let is_explained = match self.data_checksum(source)? {
             Some(checksum) => checksum.is_right(source)?,
             None => !self.is_ours(),
         };
@@ -222,6 +222,34 @@ impl Layout {
             self.lose(place.offset..place.end(), &reason);
         }
         Ok(())
+    }
+
+    /// The checksum of the data; `None` if it was not computed.
+    fn data_checksum(&self, source: &Source) -> io::Result<Option<Checksum>> {
+        match &self.data_end {
+            Some(data_end) => Checksum::of_data(data_end, source),
+            None => Ok(None),
+        }
+    }
+
+    /// The checksums of the data and of the summary, as far as they were computed.
+    pub(crate) fn checksums(&self, source: &Source) -> io::Result<Vec<Checksum>> {
+        let mut checksums = Vec::from_iter(self.data_checksum(source)?);
+        if let (Some(data_end), Some(footer)) = (&self.data_end, &self.footer) {
+            checksums.extend(Checksum::of_summary(data_end, footer, source)?);
+        }
+        Ok(checksums)
+    }
+
+    /// Start of the summary according to the footer; `None` without a summary.
+    pub(crate) fn summary_start(&self, source: &Source) -> io::Result<Option<u64>> {
+        let Some(place) = &self.footer else {
+            return Ok(None);
+        };
+        let mut bytes = Vec::new();
+        source.read(place.offset + HEAD, 8, &mut bytes)?;
+        let start = bytes.as_slice().try_into().map_or(0, u64::from_le_bytes);
+        Ok((start != 0).then_some(start))
     }
 
     /// Finds the channels in the data. toprise writes them to the first chunk, so the other chunks are not searched if

@@ -1,6 +1,5 @@
 //! MCAP records: position and content.
 
-use super::attachment::AttachmentHeader;
 use mcap::records::{Record, op};
 use mcap::{McapError, McapResult};
 use std::collections::BTreeSet;
@@ -121,6 +120,17 @@ pub(crate) fn fields_length(opcode: u8, start: &[u8]) -> Option<u64> {
         };
     }
     Some(at)
+}
+
+/// Header of an attachment.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct AttachmentHeader {
+    pub(crate) name: String,
+    pub(crate) media_type: String,
+    /// Time of logging, ns.
+    pub(crate) log_time: u64,
+    /// Time of creation, ns.
+    pub(crate) create_time: u64,
 }
 
 /// Header of an attachment, and position and length of its data in the record's body.

@@ -1,8 +1,8 @@
 //! A recording as an open file.
 
 use super::condition::Condition;
+use crate::archive::container::attachment::Attachment;
 use crate::archive::container::channels::FileChannel;
-use crate::archive::container::checksum::Checksum;
 use crate::archive::container::layout::Layout;
 use crate::archive::container::loss::Loss;
 use crate::archive::container::source::Source;
@@ -61,9 +61,14 @@ impl Recording {
     /// Number of runs of toprise that it holds.
     fn runs(&self) -> usize {
         let records = self.layout.metadata.iter();
-        records
-            .filter(|(_, record)| record.name == RUN_RECORD)
-            .count()
+        let records = records.filter(|(_, record)| record.name == RUN_RECORD);
+        records.count().max(self.scenarios().count())
+    }
+
+    /// The attached scenarios.
+    fn scenarios(&self) -> impl Iterator<Item = &Attachment> {
+        let attachments = self.layout.attachments.iter();
+        attachments.filter(|attachment| attachment.header.name == SCENARIO_ATTACHMENT)
     }
 
     /// Its path.
@@ -213,10 +218,8 @@ impl Recording {
     /// # Errors
     /// [`RecordingError`] if it has none, or it is damaged.
     pub fn scenario_text(&self) -> Result<String, RecordingError> {
-        let mut attached = self.layout.attachments.iter();
-        let scenario = attached
-            .find(|attachment| attachment.header.name == SCENARIO_ATTACHMENT)
-            .ok_or(RecordingError::NoScenario)?;
+        let scenario = self.scenarios().next();
+        let scenario = scenario.ok_or(RecordingError::NoScenario)?;
         if scenario.data_length > LONGEST_SCENARIO {
             return Err(RecordingError::LongScenario(LONGEST_SCENARIO));
         }
@@ -243,13 +246,8 @@ impl Recording {
     /// # Errors
     /// The error of reading the file.
     pub(crate) fn wrong_checksum(&self) -> io::Result<Option<Loss>> {
-        for checksum in [
-            Checksum::of_data(&self.layout, &self.source)?,
-            Checksum::of_summary(&self.layout, &self.source)?,
-        ] {
-            if let Some(checksum) = checksum
-                && !checksum.is_right(&self.source)?
-            {
+        for checksum in self.layout.checksums(&self.source)? {
+            if !checksum.is_right(&self.source)? {
                 return Ok(Some(checksum.loss()));
             }
         }

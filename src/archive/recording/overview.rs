@@ -2,7 +2,7 @@
 
 use super::condition::Condition;
 use super::file::Recording;
-use super::reader::Selection;
+use super::selection::Selection;
 use crate::archive::container::channels::FileChannel;
 use crate::archive::container::loss::Loss;
 use crate::archive::error::RecordingError;

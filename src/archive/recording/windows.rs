@@ -5,7 +5,7 @@
 //! reads all sections that overlap it. A window is as long as its messages fit into memory, so the sections are read
 //! as often as their messages are larger than a window: once, in most files.
 
-use super::loader::Batch;
+use super::batch::Batch;
 use std::vec;
 
 /// The times of the first and last message of a section, ns.
@@ -161,7 +161,7 @@ impl Windows {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::archive::recording::loader::Entry;
+    use crate::archive::recording::batch::Entry;
     use mcap::records::op;
     use proptest::prelude::*;
 
