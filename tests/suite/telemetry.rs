@@ -62,32 +62,30 @@ fn views_tell_the_range_in_the_last_nutation() {
     }
 }
 
-/// The three arrays of a `JointState` in CDR, whose names and numbers are counted.
+/// The next number of four bytes, which is aligned.
+fn next_number(body: &[u8], at: &mut usize) -> usize {
+    *at = at.next_multiple_of(4) + 4;
+    u32::from_le_bytes(body[*at - 4..*at].try_into().unwrap()) as usize
+}
+
+/// Number of names, and the three arrays of a `JointState` in CDR.
 fn joint_arrays(bytes: &[u8]) -> (usize, [Vec<f64>; 3]) {
     // Alignment counts from behind the encapsulation.
     let body = &bytes[4..];
-    let mut at = 0;
-    let mut number = |at: &mut usize| {
-        *at = at.next_multiple_of(4);
-        *at += 4;
-        u32::from_le_bytes(body[*at - 4..*at].try_into().unwrap()) as usize
-    };
-    // Two numbers of the time stamp, and the frame.
-    for _ in 0..2 {
-        number(&mut at);
-    }
-    at += number(&mut at);
-    let names = number(&mut at);
+    // The two numbers of the time stamp stand first, then the frame.
+    let mut at = 8;
+    let frame = next_number(body, &mut at);
+    at += frame;
+    let names = next_number(body, &mut at);
     for _ in 0..names {
-        at += number(&mut at);
+        let length = next_number(body, &mut at);
+        at += length;
     }
     let arrays = [(); 3].map(|()| {
-        let count = number(&mut at);
-        at = if count > 0 {
-            at.next_multiple_of(8)
-        } else {
-            at
-        };
+        let count = next_number(body, &mut at);
+        if count > 0 {
+            at = at.next_multiple_of(8);
+        }
         let values = body[at..at + 8 * count].chunks(8);
         at += 8 * count;
         values
