@@ -56,11 +56,10 @@ pub(super) fn difference(recording: &Recording) -> Result<Option<Difference>, Ve
     check_overlap(&chunks, MAX_OVERLAP)?;
     Ok(match read_through_index(&recording.source, &summary) {
         Ok((indexed, true)) => between(recording, "the index", &indexed, &own),
-        Ok((_, false)) => Some(Difference::of(
-            "the index",
-            "order of messages",
-            [None, None],
-        )),
+        Ok((_, false)) => {
+            let texts = ["not by time", "by time"].map(|text| Some(text.to_owned()));
+            Some(Difference::of("the index", "order of messages", texts))
+        }
         Err(error) => Some(unreadable("the index", &error)),
     })
 }

@@ -98,24 +98,31 @@ impl Recording {
 
     /// State of the file.
     pub fn condition(&self) -> Condition {
-        let is_ours = self.is_ours();
-        let is_finished = if is_ours {
-            self.end().is_some()
-        } else {
-            self.layout.is_ended
-        };
-        // The last, incompletely written record of an interrupted file.
-        let is_tail = |loss: &Loss| !is_finished && self.layout.cut == Some(loss.offset);
-        let is_damaged = self.layout.losses.iter().any(|loss| !is_tail(loss));
+        let is_finished = self.is_finished();
+        let is_damaged = self.layout.losses.iter().any(|loss| !self.is_tail(loss));
         if is_damaged || (is_finished && !self.layout.is_ended) {
             Condition::Damaged
         } else if !is_finished {
             Condition::Interrupted
-        } else if is_ours {
+        } else if self.is_ours() {
             Condition::Whole
         } else {
             Condition::Foreign
         }
+    }
+
+    /// Whether its writer came to the end.
+    fn is_finished(&self) -> bool {
+        if self.is_ours() {
+            self.end().is_some()
+        } else {
+            self.layout.is_ended
+        }
+    }
+
+    /// Whether a loss is only the last, incompletely written record of an unfinished file.
+    fn is_tail(&self, loss: &Loss) -> bool {
+        !self.is_finished() && self.layout.cut == Some(loss.offset)
     }
 
     /// The entries of the `toprise.run` record.

@@ -17,15 +17,6 @@ use std::ops::Range;
 const MIN_CONTENT: u64 = 1 << 26;
 const MAX_GROWTH: u64 = 1000;
 
-/// Order of messages.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Sequence {
-    /// The order of the file.
-    File,
-    /// The order of log times.
-    Time,
-}
-
 /// Loads messages in batches.
 #[derive(Debug)]
 pub(super) struct Loader<'r> {
@@ -33,7 +24,8 @@ pub(super) struct Loader<'r> {
     selection: Selection,
     /// For each channel of the file, whether its messages are selected.
     is_wanted: Vec<bool>,
-    pub(super) sequence: Sequence,
+    /// Whether messages are sorted by their log times; otherwise they keep the order of the file.
+    is_sorted: bool,
     plan: Plan,
     buffers: Buffers,
     batch: Batch,
@@ -76,7 +68,7 @@ impl<'r> Loader<'r> {
             plan: Plan::Sections(0..recording.layout.sections.len()),
             recording,
             selection,
-            sequence: Sequence::File,
+            is_sorted: false,
             buffers: Buffers::default(),
             batch: Batch::default(),
             returned: 0,
@@ -89,7 +81,7 @@ impl<'r> Loader<'r> {
 
     /// Loads the messages in order of time. Overlapping sections are sorted in windows of at most `max_window` bytes.
     pub(super) fn sort_by_time(&mut self, max_window: usize) {
-        self.sequence = Sequence::Time;
+        self.is_sorted = true;
         if !self.are_sections_in_order() {
             let spans = self.find_spans();
             self.plan = Plan::Windows(Windows::new(spans, max_window));
@@ -168,7 +160,7 @@ impl<'r> Loader<'r> {
             }
             Plan::Windows(_) => self.load_window()?,
         }
-        if self.sequence == Sequence::Time {
+        if self.is_sorted {
             self.sort(order);
         }
         Some(())
@@ -237,18 +229,21 @@ impl<'r> Loader<'r> {
         // Sections of a window are not in the order of the file.
         let is_window = matches!(self.plan, Plan::Windows(_));
         if is_window || !entries.is_sorted_by_key(|entry| entry.time_ns) {
-            let channels = &self.recording.layout.channels;
-            let rank = |entry: &Entry| {
-                let message = self.batch.message(entry)?;
-                let channel = channels.position(message.channel_id)?;
-                Some(order?.rank(channel, &message))
-            };
             entries.sort_unstable_by(|a, b| {
                 let of_time = a.time_ns.cmp(&b.time_ns);
-                of_time.then_with(|| (rank(a), a).cmp(&(rank(b), b)))
+                let ranks = || (self.rank(order, a), a).cmp(&(self.rank(order, b), b));
+                of_time.then_with(ranks)
             });
         }
         self.batch.entries = entries;
+    }
+
+    /// Rank of a message among those of the same time; all are equal without an order.
+    fn rank(&self, order: Option<&Order>, entry: &Entry) -> Option<(u64, usize, u32)> {
+        let message = self.batch.message(entry)?;
+        let channels = &self.recording.layout.channels;
+        let channel = channels.position(message.channel_id)?;
+        Some(order?.rank(channel, &message))
     }
 
     /// Loads a section for the first time, within the limit of content. Returns whether it can be read.
