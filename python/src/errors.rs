@@ -39,7 +39,12 @@ pub fn recording(path: &Path, error: &CannotRead) -> PyErr {
 fn of_recording(error: &CannotRead, text: String) -> PyErr {
     match error {
         CannotRead::Io(reason) => io(reason, text),
-        CannotRead::Unusable(_) => RecordingError::new_err(text),
+        CannotRead::AmbiguousTopic(_)
+        | CannotRead::MergedRuns(_)
+        | CannotRead::NoScenario
+        | CannotRead::DamagedScenario
+        | CannotRead::LongScenario(_)
+        | CannotRead::Unusable(_) => RecordingError::new_err(text),
     }
 }
 
