@@ -4,7 +4,8 @@
 //! phase; then differences at equal times are meaningless. The [`Report`] therefore contains averages over the
 //! nutation, compares the models at equal states, and estimates the integration errors.
 //!
-//! Messages of files not written by toprise are compared byte by byte.
+//! Messages of files not written by toprise are compared as they stand in the files. JSON that is only spelled
+//! differently has the same values.
 //!
 //! ```
 //! use toprise::analysis::diff::{Options, Verdict, compare};
@@ -36,6 +37,7 @@ mod others;
 mod pairing;
 mod report;
 mod setup;
+mod spelling;
 mod tolerance;
 mod topic;
 
@@ -54,8 +56,8 @@ pub use self::topic::{ChannelDifference, FirstDifference};
 pub use crate::analysis::history::{PegSummary, RunSummary};
 pub use crate::analysis::subject::Subject;
 
-use self::pairing::read_both;
-use crate::archive::recording::FileChannel;
+use self::pairing::{Paired, read_both};
+use crate::archive::recording::{FileChannel, Recording};
 use crate::run::scenario::Scenario;
 use crate::run::time::seconds;
 use std::collections::BTreeSet;
@@ -105,37 +107,30 @@ fn compare_runs(
     let [a, b] = inputs;
     let runs = [a, again.as_ref().map_or(b, Subject::Scenario)];
     let topics = runs.map(Subject::topics);
-    let fields = topics.iter().flatten().flat_map(|topic| topic.numbers());
-    let fields = fields.map(|field| field.to_string());
+    let mut fields = Vec::new();
+    for topic in topics.iter().flatten() {
+        fields.extend(topic.numbers().map(|field| field.to_string()));
+    }
     let others = runs.into_iter().flat_map(|run| foreign_topics(run, true));
-    let known: Vec<_> = fields.chain(others).collect();
-    options.tolerances.match_any_of(&known)?;
+    options
+        .tolerances
+        .check_names(&fields, &Vec::from_iter(others))?;
     let names = topics.map(|of_run| of_run.iter().map(ToString::to_string).collect());
-    let (common, only_in) = common_topics(&names, options)?;
+    let (common, mut only_in) = common_topics(&names, options)?;
+    if options.topics.is_empty() {
+        add_foreign_topics(&mut only_in, runs, options);
+    }
     let setup = setup::compare(inputs, only_in);
     let carry_on = observer.carry_on();
     let paired = read_both(runs, &common, options, observer, &carry_on)?;
-    for (run, side) in paired.runs.iter().zip(["A", "B"]) {
-        if run.history.messages == 0 && paired.runs.iter().any(|run| run.history.messages > 0) {
-            let losses = match run.losses.join("; ").as_str() {
-                "" => String::new(),
-                losses => format!(" ({losses})"),
-            };
-            let reason = format!("{side} has no readable messages{losses}");
-            return Err(DiffError::Refused(reason));
-        }
-    }
+    check_messages(&paired)?;
     let floor = match paired.common_end() {
         Some(end) if options.floor => floor::compute(runs, seconds(end), &carry_on),
         _ => None,
     };
     let others = match runs {
         [Subject::Recording(a), Subject::Recording(b)] if options.topics.is_empty() => {
-            // View channels are derived; compare them only if everything else is equal.
-            let with_views = a.encoding() == b.encoding() && paired.is_identical();
-            let [mut common, of_b] = runs.map(|run| foreign_topics(run, with_views));
-            common.retain(|topic| of_b.contains(topic) && !options.tolerances.ignores(topic));
-            others::compare([a, b], &Vec::from_iter(common), &mut |_| {}).0
+            compare_bytes([a, b], &paired, &common, options)
         }
         _ => Vec::new(),
     };
@@ -144,6 +139,59 @@ fn compare_runs(
         report.note_resampling();
     }
     Ok(report)
+}
+
+/// Checks that both runs have messages if one has, and that a damaged or interrupted run shares some with the other.
+fn check_messages(paired: &Paired) -> Result<(), DiffError> {
+    let has_messages = paired.runs.each_ref().map(|run| run.history.messages > 0);
+    for (run, side) in paired.runs.iter().zip(["A", "B"]) {
+        if run.history.messages == 0 && has_messages != [false; 2] {
+            let losses = match run.losses.join("; ").as_str() {
+                "" => String::new(),
+                losses => format!(" ({losses})"),
+            };
+            let reason = format!("{side} has no readable messages{losses}");
+            return Err(DiffError::Refused(reason));
+        }
+    }
+    let is_whole = paired.runs.iter().all(|run| run.losses.is_empty());
+    if is_whole || paired.pairs() > 0 {
+        Ok(())
+    } else {
+        Err(DiffError::NothingInCommon)
+    }
+}
+
+/// Adds the topics that are not in the telemetry table and that only one of the runs has. View topics are left out:
+/// they repeat what other topics have.
+fn add_foreign_topics(only_in: &mut [Vec<String>; 2], runs: [Subject<'_>; 2], options: &Options) {
+    let foreign = runs.map(|run| foreign_topics(run, false));
+    for (side, only) in only_in.iter_mut().enumerate() {
+        let lonely = foreign[side].difference(&foreign[1 - side]);
+        only.extend(
+            lonely
+                .filter(|topic| !options.tolerances.ignores(topic))
+                .cloned(),
+        );
+    }
+}
+
+/// Compares the messages of two recordings as they stand in the files: those of foreign topics, and if the values of
+/// the compared topics are identical and equally encoded, those of all topics.
+fn compare_bytes(
+    [a, b]: [&Recording; 2],
+    paired: &Paired,
+    compared: &[String],
+    options: &Options,
+) -> Vec<TopicBytes> {
+    let is_identical = a.encoding() == b.encoding() && paired.is_identical();
+    let [mut topics, of_b] =
+        [a, b].map(|recording| foreign_topics(Subject::Recording(recording), is_identical));
+    topics.retain(|topic| of_b.contains(topic) && !options.tolerances.ignores(topic));
+    if is_identical && options.tolerances.ignored.is_empty() {
+        topics.extend(compared.iter().cloned());
+    }
+    others::compare([a, b], &Vec::from_iter(topics), &mut |_| {}).0
 }
 
 /// B with A's sampling period, if the periods are incommensurate.
@@ -217,7 +265,10 @@ fn compare_files(
         let topics: BTreeSet<_> = channels.map(|channel| channel.topic.clone()).collect();
         Vec::from_iter(topics)
     });
-    options.tolerances.match_any_of(&topics.concat())?;
+    if options.tolerances.are_set() {
+        return Err(DiffError::TolerancesNeedFields);
+    }
+    options.tolerances.check_names(&[], &topics.concat())?;
     let is_ignored = |topic: &String| options.tolerances.ignores(topic);
     let (common, only_in) = if options.topics.is_empty() && topics.iter().flatten().all(is_ignored)
     {
@@ -226,6 +277,10 @@ fn compare_files(
         common_topics(&topics, options)?
     };
     let (others, losses) = others::compare([a, b], &common, &mut |bytes| observer.progress(bytes));
+    let is_cut = losses.iter().any(|losses| !losses.is_empty());
+    if is_cut && others.iter().all(|topic| topic.pairs() == 0) {
+        return Err(DiffError::NothingInCommon);
+    }
     let setup = setup::compare(runs, only_in);
     Ok(Report::of_files(runs, setup, others, &losses))
 }

@@ -286,6 +286,55 @@ fn a_changed_event_is_different_whatever_the_tolerance() {
     assert_eq!((&first.a, first.b.as_str()), (&names[0], "other"));
 }
 
+/// Every number agrees within the tolerance; the digits in the descriptions of events follow the numbers.
+#[test]
+fn tolerances_decide_about_numbers_in_descriptions() {
+    let b = short(&[("friction.k", "0.030001")]);
+    let mut options = quick();
+    options.tolerances.general.abs = 1e-2;
+    let report = compare(&short(&[]), &b, &options).unwrap();
+    assert_eq!(report.verdict, Verdict::Equal);
+    assert_eq!(report.setup.scenario.len(), 1);
+    // A description that differs though the numbers are identical has been changed.
+    let folder = Folder::new();
+    let scenario = short(&[]);
+    let changed = rewritten(&folder, "b.mcap", &scenario, |message| {
+        if message.channel == EVENTS.index() && message.sequence == 3 {
+            message.texts[1].push('!');
+        }
+    });
+    let report = compare(&scenario, &changed, &options).unwrap();
+    assert_eq!(report.verdict, Verdict::Different);
+}
+
+/// A derived angle is beyond the tolerance only where a field that it is derived from is.
+#[test]
+fn derived_angles_agree_with_the_verdict() {
+    let b = short(&[("friction.k", "0.030001")]);
+    for (abs, verdict) in [(1e-2, Verdict::Equal), (1e-9, Verdict::Different)] {
+        let mut options = quick();
+        options.tolerances.general.abs = abs;
+        let report = compare(&short(&[]), &b, &options).unwrap();
+        assert_eq!(report.verdict, verdict);
+        let fields = report.channels.iter().flat_map(|channel| &channel.fields);
+        let (derived, own): (Vec<_>, Vec<_>) = fields.partition(|field| field.is_derived);
+        assert_eq!(derived.len(), 4);
+        let is_beyond = |fields: &[&FieldDifference]| fields.iter().any(|f| f.beyond > 0);
+        assert_eq!(is_beyond(&own), verdict == Verdict::Different);
+        assert_eq!(is_beyond(&derived), verdict == Verdict::Different);
+        assert!(
+            derived
+                .iter()
+                .all(|field| field.largest != 0.0 && field.tolerance.abs == abs)
+        );
+    }
+    // Without the field there is nothing to derive.
+    let report = compare(&short(&[]), &b, &ignoring("/top/state.phi")).unwrap();
+    let state = channel(&report, "/top/state").fields.iter();
+    let derived: Vec<_> = state.filter(|field| field.is_derived).collect();
+    assert_eq!(derived.len(), 1, "{derived:?}");
+}
+
 #[test]
 fn what_matches_nothing_is_an_error() {
     let scenario = short(&[("stop.duration", "0.1")]);

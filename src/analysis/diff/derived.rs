@@ -1,7 +1,7 @@
 //! Angles between two directions or orientations, which no single field contains.
 
 use super::field::{FieldDifference, FieldTally};
-use super::tolerance::Tolerance;
+use super::tolerance::{Tolerance, Tolerances};
 use crate::physics::math::{atan2, unwrap_near};
 use crate::telemetry::fields::{NumberField, POSE, STATE, pose, state};
 use crate::telemetry::{Message, Topic};
@@ -10,16 +10,41 @@ use nalgebra::{Quaternion, Vector3};
 /// The angle from A's message to B's, rad.
 type Angle = fn(&Message<'_>, &Message<'_>) -> f64;
 
-/// The angles of topics, with their names.
-const ANGLES: [(Topic, &str, Angle); 4] = [
-    (STATE, "φ modulo 2π", |a, b| turn(state::PHI, a, b)),
-    (STATE, "ψ as a direction", |a, b| turn(state::PSI, a, b)),
-    (POSE, "angle between orientations", |a, b| {
-        between_orientations(pose::ORIENTATION.of(a), pose::ORIENTATION.of(b))
-    }),
-    (POSE, "angle between axes", |a, b| {
-        between_directions(&pose::AXIS.of(a), &pose::AXIS.of(b))
-    }),
+/// A kind of derived difference.
+struct Kind {
+    topic: Topic,
+    name: &'static str,
+    /// The fields that it is derived from.
+    sources: fn() -> Vec<NumberField>,
+    angle: Angle,
+}
+
+/// The angles of topics.
+static ANGLES: [Kind; 4] = [
+    Kind {
+        topic: STATE,
+        name: "φ modulo 2π",
+        sources: || vec![state::PHI],
+        angle: |a, b| turn(state::PHI, a, b),
+    },
+    Kind {
+        topic: STATE,
+        name: "ψ as a direction",
+        sources: || vec![state::PSI],
+        angle: |a, b| turn(state::PSI, a, b),
+    },
+    Kind {
+        topic: POSE,
+        name: "angle between orientations",
+        sources: || pose::ORIENTATION.components().to_vec(),
+        angle: |a, b| between_orientations(pose::ORIENTATION.of(a), pose::ORIENTATION.of(b)),
+    },
+    Kind {
+        topic: POSE,
+        name: "angle between axes",
+        sources: || pose::AXIS.components().to_vec(),
+        angle: |a, b| between_directions(&pose::AXIS.of(a), &pose::AXIS.of(b)),
+    },
 ];
 
 /// The angle between two directions in a plane, ignoring whole turns.
@@ -37,30 +62,51 @@ fn between_directions(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
 }
 
 /// A derived difference: the angle between two directions or orientations.
+///
+/// It has no tolerance of its own: an angle is beyond the tolerance where a field that it is derived from is.
 #[derive(Clone, Debug)]
 pub(super) struct Derived {
     name: &'static str,
+    /// The fields that it is derived from, with their tolerances.
+    sources: Vec<(NumberField, Tolerance)>,
     angle: Angle,
     tally: FieldTally,
 }
 
 impl Derived {
     /// The derived numbers of a topic.
-    pub(super) fn of(topic: Topic) -> Vec<Self> {
-        let of_topic = ANGLES.iter().filter(|angle| angle.0 == topic);
-        let derived = of_topic.map(|(_, name, angle)| Self {
-            name,
-            angle: *angle,
-            tally: FieldTally::new(Tolerance::default()),
-        });
-        derived.collect()
+    pub(super) fn of(topic: Topic, tolerances: &Tolerances) -> Vec<Self> {
+        let mut derived = Vec::new();
+        for kind in ANGLES.iter().filter(|kind| kind.topic == topic) {
+            let mut sources = Vec::new();
+            for field in (kind.sources)() {
+                sources.push((field, tolerances.of(topic.name(), field.path())));
+            }
+            let first = sources.first().map(|(_, tolerance)| *tolerance);
+            derived.push(Self {
+                name: kind.name,
+                sources,
+                angle: kind.angle,
+                tally: FieldTally::new(first.unwrap_or_default()),
+            });
+        }
+        derived
+    }
+
+    /// The fields that it is derived from.
+    pub(super) fn sources(&self) -> impl Iterator<Item = &NumberField> {
+        self.sources.iter().map(|(field, _)| field)
     }
 
     /// Adds a pair of messages.
     pub(super) fn add(&mut self, a: &Message<'_>, b: &Message<'_>) {
         let is_same = a.numbers == b.numbers;
         let angle = if is_same { 0.0 } else { (self.angle)(a, b) };
-        self.tally.add(a.time_ns, 0.0, angle);
+        let is_beyond = |(field, tolerance): &(NumberField, Tolerance)| {
+            !tolerance.allows(field.of(a), field.of(b))
+        };
+        let is_beyond = !is_same && self.sources.iter().any(is_beyond);
+        self.tally.add_derived(a.time_ns, angle, is_beyond);
     }
 
     /// The differences so far.

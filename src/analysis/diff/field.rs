@@ -26,9 +26,10 @@ pub struct FieldDifference {
     pub scale: f64,
     /// Time of the first pair that is not bit-identical, s; absent if there is none.
     pub first_different: Option<f64>,
-    /// Number of pairs that differ by more than the tolerance.
+    /// Number of pairs that differ by more than the tolerance; of a derived quantity: pairs in which a field that it is
+    /// derived from does.
     pub beyond: u64,
-    /// The tolerance.
+    /// The tolerance; of a derived quantity: that of the first field that it is derived from.
     pub tolerance: Tolerance,
     /// Combined integration error of A and B; absent if unknown.
     pub floor: Option<f64>,
@@ -69,14 +70,24 @@ impl FieldTally {
             self.found.scale = self.found.scale.max(a.abs());
         }
         if a.to_bits() != b.to_bits() {
-            self.add_different(time_ns, a, b);
+            let is_beyond = !self.found.tolerance.allows(a, b);
+            self.add_different(time_ns, a, b, is_beyond);
         }
     }
 
-    fn add_different(&mut self, time_ns: u64, a: f64, b: f64) {
+    /// Adds a derived difference, of which the fields that it is derived from decide whether it is beyond the
+    /// tolerance.
+    pub(super) fn add_derived(&mut self, time_ns: u64, difference: f64, is_beyond: bool) {
+        self.found.count += 1;
+        if difference != 0.0 {
+            self.add_different(time_ns, 0.0, difference, is_beyond);
+        }
+    }
+
+    fn add_different(&mut self, time_ns: u64, a: f64, b: f64, is_beyond: bool) {
         let found = &mut self.found;
         found.first_different.get_or_insert(seconds(time_ns));
-        found.beyond += u64::from(!found.tolerance.allows(a, b));
+        found.beyond += u64::from(is_beyond);
         if !(a.is_finite() && b.is_finite()) {
             return;
         }

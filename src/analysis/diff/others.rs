@@ -1,5 +1,6 @@
-//! Foreign topics, compared by time and bytes.
+//! Topics compared as they stand in the files: time, sequence number, bytes.
 
+use super::spelling::is_same_json;
 use crate::analysis::subject;
 use crate::archive::recording::{FileChannel, Recording, Selection};
 use crate::run::time::seconds;
@@ -15,12 +16,18 @@ pub struct TopicBytes {
     pub topic: String,
     /// Messages with the same time and the same bytes.
     pub equal: u64,
-    /// Messages with the same time and other bytes.
+    /// Messages with the same time and the same values, but other bytes: JSON that is spelled differently.
+    pub respelled: u64,
+    /// Messages with the same time and other values.
     pub different: u64,
     /// Unmatched messages of A and of B.
     pub unmatched: [u64; 2],
     /// Time of the first message that differs or is unmatched, s; absent if there is none.
     pub first: Option<f64>,
+    /// Messages with the same values and another publish time.
+    pub other_publish_times: u64,
+    /// Messages with the same values and another sequence number.
+    pub other_sequences: u64,
     /// Whether encoding or schema differ.
     pub is_described_differently: bool,
 }
@@ -31,23 +38,50 @@ impl TopicBytes {
         self.different == 0 && self.unmatched == [0; 2] && !self.is_described_differently
     }
 
-    /// Counts a pair of messages, or one that is unmatched.
-    fn count(&mut self, time_ns: u64, messages: [Option<Box<[u8]>>; 2]) {
-        let count = match messages {
-            [Some(a), Some(b)] if a == b => {
-                self.equal += 1;
-                return;
-            }
-            [Some(_), Some(_)] => &mut self.different,
-            [a, _] => &mut self.unmatched[usize::from(a.is_none())],
-        };
-        *count += 1;
+    /// Whether the messages are the same in every respect.
+    pub fn is_identical(&self) -> bool {
+        let has_other_heads = self.other_publish_times > 0 || self.other_sequences > 0;
+        self.is_equal() && self.respelled == 0 && !has_other_heads
+    }
+
+    /// Number of messages of A and B that were compared with each other.
+    pub(super) fn pairs(&self) -> u64 {
+        self.equal + self.respelled + self.different
+    }
+
+    /// Compares two messages of the same time.
+    fn add(&mut self, time_ns: u64, a: &Foreign, b: &Foreign) {
+        if a.data == b.data {
+            self.equal += 1;
+        } else if a.is_json && b.is_json && is_same_json(&a.data, &b.data) {
+            self.respelled += 1;
+        } else {
+            self.different += 1;
+            self.first.get_or_insert(seconds(time_ns));
+            return;
+        }
+        self.other_publish_times += u64::from(a.publish_time != b.publish_time);
+        self.other_sequences += u64::from(a.sequence != b.sequence);
+    }
+
+    fn add_unmatched(&mut self, time_ns: u64, side: usize) {
+        self.unmatched[side] += 1;
         self.first.get_or_insert(seconds(time_ns));
     }
 }
 
-/// A message: its time (ns), the index of its topic, and its bytes.
-type Foreign = (u64, usize, Box<[u8]>);
+/// A message as it stands in a file.
+#[derive(Clone, Debug)]
+struct Foreign {
+    /// Log time, ns.
+    time_ns: u64,
+    /// Index of its topic among those compared.
+    topic: usize,
+    publish_time: u64,
+    sequence: u32,
+    is_json: bool,
+    data: Box<[u8]>,
+}
 
 /// Compares topics that both files have, which are sorted; also returns the losses of A and B.
 pub(super) fn compare(
@@ -66,23 +100,26 @@ pub(super) fn compare(
     let mut a = messages(a, topics, of_a).peekable();
     let mut b = messages(b, topics, of_b).peekable();
     // A's messages at one time, by topic.
-    let mut waiting = vec![VecDeque::new(); topics.len()];
+    let mut waiting: Vec<VecDeque<Foreign>> = vec![VecDeque::new(); topics.len()];
     loop {
         let next = [a.peek(), b.peek()].into_iter().flatten();
-        let Some(time_ns) = next.map(|message| message.0).min() else {
+        let Some(time_ns) = next.map(|message| message.time_ns).min() else {
             break;
         };
-        while let Some((_, topic, data)) = a.next_if(|message| message.0 == time_ns) {
-            progress(data.len() as u64);
-            waiting[topic].push_back(data);
+        while let Some(of_a) = a.next_if(|message| message.time_ns == time_ns) {
+            progress(of_a.data.len() as u64);
+            waiting[of_a.topic].push_back(of_a);
         }
-        while let Some((_, topic, data)) = b.next_if(|message| message.0 == time_ns) {
-            progress(data.len() as u64);
-            found[topic].count(time_ns, [waiting[topic].pop_front(), Some(data)]);
+        while let Some(of_b) = b.next_if(|message| message.time_ns == time_ns) {
+            progress(of_b.data.len() as u64);
+            match waiting[of_b.topic].pop_front() {
+                Some(of_a) => found[of_b.topic].add(time_ns, &of_a, &of_b),
+                None => found[of_b.topic].add_unmatched(time_ns, 1),
+            }
         }
         for (found, alone) in found.iter_mut().zip(&mut waiting) {
-            for data in alone.drain(..) {
-                found.count(time_ns, [Some(data), None]);
+            for _ in alone.drain(..) {
+                found.add_unmatched(time_ns, 0);
             }
         }
     }
@@ -103,15 +140,21 @@ fn messages<'r>(
     let mut reader = recording.reader(selection).in_order_of_time();
     std::iter::from_fn(move || {
         if let Some(raw) = reader.next_undecoded() {
-            let topic = topics.binary_search(&raw.channel.topic).ok()?;
-            return Some((raw.log_time, topic, raw.data.into()));
+            return Some(Foreign {
+                time_ns: raw.log_time,
+                topic: topics.binary_search(&raw.channel.topic).ok()?,
+                publish_time: raw.publish_time,
+                sequence: raw.sequence,
+                is_json: raw.channel.encoding == "json",
+                data: raw.data.into(),
+            });
         }
         losses.extend(subject::losses(recording, &reader));
         None
     })
 }
 
-/// The encodings and schemas of a topic's channels.
+/// The encodings and schemas of a topic's channels, each once: a topic may have several publishers.
 fn description(recording: &Recording, topic: &str) -> Vec<(String, Option<String>, Vec<u8>)> {
     let channels = recording.channels().iter().filter(|c| c.topic == topic);
     let describe = |channel: &FileChannel| {
@@ -122,5 +165,44 @@ fn description(recording: &Recording, topic: &str) -> Vec<(String, Option<String
     };
     let mut all: Vec<_> = channels.map(describe).collect();
     all.sort();
+    all.dedup();
     all
+}
+
+/// Sentences about what differs besides the values, for all topics together.
+pub(super) fn notes(topics: &[TopicBytes]) -> Vec<String> {
+    let count_all = |count: fn(&TopicBytes) -> u64| {
+        topics
+            .iter()
+            .map(move |topic| (topic.topic.as_str(), count(topic)))
+    };
+    let notes = [
+        note(
+            "Publish times differ",
+            count_all(|topic| topic.other_publish_times),
+        ),
+        note(
+            "Sequence numbers differ",
+            count_all(|topic| topic.other_sequences),
+        ),
+        note(
+            "JSON is spelled differently",
+            count_all(|topic| topic.respelled),
+        ),
+    ];
+    notes.into_iter().flatten().collect()
+}
+
+/// A sentence about a kind of difference, from its topics and the number of messages of each.
+pub(super) fn note<'t>(what: &str, counts: impl Iterator<Item = (&'t str, u64)>) -> Option<String> {
+    let counts: Vec<_> = counts.filter(|(_, count)| *count > 0).collect();
+    let (first, _) = counts.first()?;
+    let total: u64 = counts.iter().map(|(_, count)| count).sum();
+    let messages = if total == 1 { "message" } else { "messages" };
+    let others = match counts.len() - 1 {
+        0 => String::new(),
+        1 => " and one more topic".to_owned(),
+        more => format!(" and {more} more topics"),
+    };
+    Some(format!("{what} in {total} {messages} of {first}{others}."))
 }

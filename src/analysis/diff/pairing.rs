@@ -65,6 +65,11 @@ impl Paired {
         is_whole && self.compared().all(TopicTally::is_identical)
     }
 
+    /// Number of messages of A and B that were compared with each other.
+    pub(super) fn pairs(&self) -> u64 {
+        self.compared().map(TopicTally::pairs).sum()
+    }
+
     /// The time up to which both runs have messages, ns.
     pub(super) fn common_end(&self) -> Option<u64> {
         let [a, b] = &self.runs;

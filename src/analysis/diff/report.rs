@@ -6,7 +6,7 @@ use super::averages::{self, Averaged};
 use super::discrepancy::{Discrepancy, Residuals};
 use super::findings::{Evidence, Finding, findings};
 use super::floor::Floor;
-use super::others::TopicBytes;
+use super::others::{self, TopicBytes};
 use super::pairing::{Paired, RunData};
 use super::setup::{KeyDifference, SetupDifferences};
 use super::topic::{ChannelDifference, TopicTally};
@@ -35,7 +35,7 @@ pub struct Report {
     pub findings: Vec<Finding>,
     /// The topics of toprise, message by message.
     pub channels: Vec<ChannelDifference>,
-    /// Foreign topics, compared byte by byte.
+    /// Topics compared byte by byte: foreign ones, and all if the values of the others are identical.
     pub others: Vec<TopicBytes>,
     /// The differences of the averaged motions; absent without nutations in common.
     pub averaged: Option<Averaged>,
@@ -51,9 +51,10 @@ pub struct Report {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// Messages are bit-identical and nothing else differs.
+    /// Messages are bit-identical, with their times and sequence numbers, and nothing else differs.
     Identical,
-    /// All values are bit-identical, but encoding, attachments, metadata or the scenario name differ.
+    /// All values are bit-identical, but encoding, the spelling of JSON, publish times, sequence numbers, attachments,
+    /// metadata or the scenario name differ.
     SameValues,
     /// All compared messages agree within the tolerances.
     Equal,
@@ -140,6 +141,14 @@ impl Report {
             }
             Subject::Scenario(_) => None,
         });
+        let mut notes: Vec<String> = notes.collect();
+        if others.iter().all(|topic| topic.other_sequences == 0) {
+            let sequences = paired
+                .compared()
+                .map(|topic| (topic.name(), topic.other_sequences()));
+            notes.extend(others::note("Sequence numbers differ", sequences));
+        }
+        notes.extend(others::notes(&others));
         Self {
             verdict: verdict(paired, &others, &setup, is_cut),
             is_complete: is_cut == [false; 2],
@@ -150,7 +159,7 @@ impl Report {
             averaged,
             discrepancy,
             floor,
-            notes: notes.collect(),
+            notes,
             a,
             b,
         }
@@ -166,20 +175,28 @@ impl Report {
         let [a, b] = [0, 1].map(|side| {
             let messages = others
                 .iter()
-                .map(|topic| topic.equal + topic.different + topic.unmatched[side]);
+                .map(|topic| topic.pairs() + topic.unmatched[side]);
             ComparedRun {
                 messages: messages.sum(),
                 ..ComparedRun::of(runs[side], &losses[side])
             }
         });
-        let is_equal = others.iter().all(TopicBytes::is_equal);
-        let has_same_topics = setup.topics_only_in.iter().all(Vec::is_empty);
-        let is_complete = a.losses.is_empty() && b.losses.is_empty();
-        let verdict = if !is_equal || !has_same_topics {
+        let is_cut = [&a, &b].map(|run| !run.losses.is_empty());
+        let is_complete = is_cut == [false; 2];
+        let has_more = [Side::A, Side::B].into_iter().any(|side| {
+            let at = side.index();
+            let lacks = !setup.topics_only_in[at].is_empty()
+                || others.iter().any(|topic| topic.unmatched[at] > 0);
+            lacks && !is_cut[side.other().index()]
+        });
+        let agrees = others
+            .iter()
+            .all(|topic| topic.different == 0 && !topic.is_described_differently);
+        let verdict = if has_more || !agrees {
             Verdict::Different
         } else if !is_complete {
             Verdict::Agreeing
-        } else if setup.files.is_empty() {
+        } else if setup.files.is_empty() && others.iter().all(TopicBytes::is_identical) {
             Verdict::Identical
         } else {
             Verdict::SameValues
@@ -190,6 +207,7 @@ impl Report {
             verdict,
             is_complete,
             setup,
+            notes: others::notes(&others),
             others,
             ..Self::default()
         }
@@ -236,9 +254,10 @@ fn verdict(
     if is_cut != [false; 2] || is_thinned || !is_whole {
         return Verdict::Agreeing;
     }
+    let has_same_sequences = paired.compared().all(|topic| topic.other_sequences() == 0);
     if !paired.compared().all(TopicTally::is_identical) {
         Verdict::Equal
-    } else if setup.files.is_empty() && setup.scenario.is_empty() {
+    } else if setup.is_same() && has_same_sequences && others.iter().all(TopicBytes::is_identical) {
         Verdict::Identical
     } else {
         Verdict::SameValues

@@ -22,6 +22,13 @@ pub struct SetupDifferences {
     pub fields_only_in: [Vec<String>; 2],
 }
 
+impl SetupDifferences {
+    /// Whether neither scenarios nor files differ, except in messages.
+    pub(super) fn is_same(&self) -> bool {
+        self.files.is_empty() && self.scenario.is_empty()
+    }
+}
+
 /// A key that differs.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct KeyDifference {

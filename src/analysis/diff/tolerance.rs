@@ -106,29 +106,49 @@ impl Tolerances {
         self.ignored.iter().any(|pattern| matches(pattern, name))
     }
 
-    /// Whether each pattern matches one of the fields or topics.
+    /// Whether any tolerance is set.
+    pub(super) fn are_set(&self) -> bool {
+        self.general != Tolerance::default() || !self.fields.is_empty()
+    }
+
+    /// Checks that each tolerance matches a field, and each ignored pattern a field or one of the other topics.
     ///
     /// # Errors
     /// [`DiffError`] with the first pattern that doesn't, and similar names.
-    pub(super) fn match_any_of(&self, fields: &[String]) -> Result<(), DiffError> {
-        let is_idle = |pattern: &&String| !fields.iter().any(|field| matches(pattern, field));
-        let of_fields = self.fields.iter().map(|(pattern, _)| pattern);
-        let Some(pattern) = of_fields.chain(&self.ignored).find(is_idle) else {
-            return Ok(());
-        };
-        let likeness = |field: &String| strsim::jaro_winkler(pattern, field);
-        let mut near = fields.to_vec();
-        near.sort();
-        near.dedup();
-        near.sort_by(|x, y| likeness(y).total_cmp(&likeness(x)));
-        near.truncate(3);
-        let near = match near.join(", ").as_str() {
-            "" => "there are no fields".to_owned(),
-            near => format!("did you mean {near}?"),
-        };
-        let reason = format!("no field matches {pattern:?}; {near}");
-        Err(DiffError::Refused(reason))
+    pub(super) fn check_names(
+        &self,
+        fields: &[String],
+        other_topics: &[String],
+    ) -> Result<(), DiffError> {
+        for (pattern, _) in &self.fields {
+            check_name(pattern, fields)?;
+        }
+        let names = [fields, other_topics].concat();
+        for pattern in &self.ignored {
+            check_name(pattern, &names)?;
+        }
+        Ok(())
     }
+}
+
+fn check_name(pattern: &str, names: &[String]) -> Result<(), DiffError> {
+    /// Maximum number of similar names in the message.
+    const MAX_SIMILAR: usize = 3;
+    if names.iter().any(|name| matches(pattern, name)) {
+        return Ok(());
+    }
+    let mut similar = names.to_vec();
+    similar.sort();
+    similar.dedup();
+    let likeness = |name: &String| strsim::jaro_winkler(pattern, name);
+    similar.sort_by(|x, y| likeness(y).total_cmp(&likeness(x)));
+    similar.truncate(MAX_SIMILAR);
+    let hint = match similar.join(", ").as_str() {
+        "" => "there are no fields".to_owned(),
+        similar => format!("did you mean {similar}?"),
+    };
+    let reason = format!("no field matches {pattern:?}; {hint}");
+    Err(DiffError::Refused(reason))
 }
 
 /// The name of a field with its topic, as in `/top/state.theta`, which patterns are matched with.

@@ -20,8 +20,10 @@ pub struct ChannelDifference {
     pub messages: [u64; 2],
     /// Messages compared with each other.
     pub pairs: u64,
-    /// Pairs that are the same to the last bit.
+    /// Pairs whose values are the same to the last bit.
     pub identical: u64,
+    /// Pairs with different sequence numbers; 0 if the runs are sampled differently.
+    pub other_sequences: u64,
     /// Unmatched messages of A and of B within the time span of the other run.
     pub unmatched: [u64; 2],
     /// Messages of A and of B beyond the end of the other run.
@@ -58,11 +60,11 @@ pub(super) struct TopicTally {
     /// Fields that only A and only B has.
     fields_only_in: [Vec<String>; 2],
     derived: Vec<Derived>,
-    /// Whether paired messages must have equal sequence numbers.
+    /// Whether sequence numbers are compared.
     has_sequences: bool,
     /// The result so far, without fields.
     found: ChannelDifference,
-    /// Pairs with different texts or sequence numbers.
+    /// Pairs with different texts.
     other_texts: u64,
 }
 
@@ -88,11 +90,12 @@ impl TopicTally {
                 [is_in_b_only, _] => fields_only_in[usize::from(is_in_b_only)].push(name),
             }
         }
-        let derived = if fields_only_in.iter().all(Vec::is_empty) {
-            Derived::of(topic)
-        } else {
-            Vec::new()
-        };
+        let mut derived = Derived::of(topic, tolerances);
+        derived.retain(|derived| {
+            let is_compared =
+                |source: &NumberField| fields.iter().any(|(field, _)| field == source);
+            derived.sources().all(is_compared)
+        });
         Self {
             derived,
             topic,
@@ -146,9 +149,13 @@ impl TopicTally {
             self.note_texts(a, b);
             return None;
         }
-        let is_numbered = a.sequence == b.sequence || !self.has_sequences;
-        let mut is_same = a.texts == b.texts && is_numbered;
-        self.other_texts += u64::from(!is_same);
+        self.found.other_sequences += u64::from(self.has_sequences && a.sequence != b.sequence);
+        let has_same_texts = a.texts == b.texts;
+        // The description of an event repeats its numbers. Where these differ, the tolerances decide, and the digits of
+        // the description are no further difference.
+        let texts_count = self.topic != EVENTS || has_same_bits(a.numbers, b.numbers);
+        let mut is_same = has_same_texts;
+        self.other_texts += u64::from(!has_same_texts && texts_count);
         for (number, tally) in &mut self.fields {
             let (x, y) = (number.of(a), number.of(b));
             let was_equal = tally.is_equal();
@@ -167,7 +174,9 @@ impl TopicTally {
         for derived in &mut self.derived {
             derived.add(a, b);
         }
-        self.note_texts(a, b);
+        if texts_count {
+            self.note_texts(a, b);
+        }
         let numbers = a.numbers.iter().zip(b.numbers);
         Some(numbers.map(|(a, b)| b - a).collect())
     }
@@ -189,7 +198,22 @@ impl TopicTally {
         self.other_texts == 0 && self.fields.iter().all(|(_, tally)| tally.is_equal())
     }
 
-    /// Whether all messages are paired and bit-identical.
+    /// The topic.
+    pub(super) fn name(&self) -> &'static str {
+        self.topic.name()
+    }
+
+    /// Number of messages of A and B that were compared with each other.
+    pub(super) fn pairs(&self) -> u64 {
+        self.found.pairs
+    }
+
+    /// Number of pairs with different sequence numbers.
+    pub(super) fn other_sequences(&self) -> u64 {
+        self.found.other_sequences
+    }
+
+    /// Whether all messages are paired and their values bit-identical.
     pub(super) fn is_identical(&self) -> bool {
         self.found.identical == self.found.pairs && self.has_all_partners() && !self.is_thinned()
     }
@@ -228,4 +252,9 @@ impl TopicTally {
             ..self.found.clone()
         }
     }
+}
+
+/// Whether two rows of numbers are the same to the last bit.
+fn has_same_bits(a: &[f64], b: &[f64]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
 }

@@ -8,6 +8,7 @@ use crate::analysis::phrase::significant;
 use crate::cli::numbers::count;
 use crate::cli::page::{Section, Tone};
 use crate::cli::table::{Column, Table};
+use crate::telemetry::Topic;
 
 /// Maximum number of table rows without --all.
 const MOST_ROWS: usize = 12;
@@ -18,7 +19,7 @@ const MOST_NAMED: usize = 6;
 pub(super) fn page(report: &Report, all: bool) -> Vec<Section> {
     let mut sections = vec![setup(report, all), findings(report, all)];
     if all || report.findings.is_empty() {
-        sections.push(others(&report.others));
+        sections.push(others(&report.others, all));
     }
     if all || !report.is_of_other_scenarios() {
         sections.push(topics(report));
@@ -151,7 +152,9 @@ fn topics(report: &Report) -> Section {
     Section::of(Table::of(differing, 2, &columns))
 }
 
-fn others(topics: &[TopicBytes]) -> Section {
+/// Topics compared byte by byte. Those of the telemetry table are only shown with `--all`: their values are identical.
+fn others(topics: &[TopicBytes], all: bool) -> Section {
+    let is_shown = |topic: &&TopicBytes| all || Topic::find(&topic.topic).is_none();
     let columns: [Column<&TopicBytes>; 7] = [
         ("topic", |topic| topic.topic.clone()),
         ("", |topic| {
@@ -159,7 +162,7 @@ fn others(topics: &[TopicBytes]) -> Section {
             let described = is_other.then_some("different schema or encoding");
             described.unwrap_or_default().to_owned()
         }),
-        ("equal", |topic| count(topic.equal)),
+        ("equal", |topic| count(topic.equal + topic.respelled)),
         ("different", |topic| count(topic.different)),
         ("only A", |topic| count(topic.unmatched[0])),
         ("only B", |topic| count(topic.unmatched[1])),
@@ -168,7 +171,7 @@ fn others(topics: &[TopicBytes]) -> Section {
             None => String::new(),
         }),
     ];
-    Section::of(Table::of(topics, 2, &columns))
+    Section::of(Table::of(topics.iter().filter(is_shown), 2, &columns))
 }
 
 /// The fields of a topic that differ.

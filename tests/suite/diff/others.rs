@@ -56,7 +56,7 @@ fn files_of_others_are_compared_byte_by_byte() {
     assert_eq!(report.verdict, Verdict::Identical);
     assert_eq!((x.equal, x.first), (3, None));
     assert!(report.findings.is_empty() && report.a.summary.is_none());
-    let changed = [WHOLE[0], WHOLE[1], ("/x", 10, "3 "), WHOLE[3]];
+    let changed = [WHOLE[0], WHOLE[1], ("/x", 10, "3.5"), WHOLE[3]];
     let (report, x) = against("bytes.mcap", "{}", &changed);
     assert_eq!(report.verdict, Verdict::Different);
     assert_eq!((x.equal, x.different), (2, 1));
@@ -108,12 +108,256 @@ fn recordings_of_other_software_are_compared() {
     }
 }
 
+/// A message of one of two publishers of `/x`.
+#[derive(Clone, Copy)]
+struct Published {
+    publisher: u16,
+    sequence: u32,
+    milliseconds: u64,
+    publish_time: u64,
+    text: &'static str,
+}
+
+/// A change of a message.
+type Republish = fn(&mut Published);
+type Change = fn(&mut mcap::Message<'_>);
+
+/// A file with several publishers of one topic.
+fn published(folder: &Folder, name: &str, messages: &[Published]) -> Recording {
+    let path = folder.at(name);
+    let file = BufWriter::new(File::create(&path).unwrap());
+    let mut writer = mcap::WriteOptions::new().create(file).unwrap();
+    let schema = writer.add_schema("x", "jsonschema", b"{}").unwrap();
+    // The writer would give equal channels one id.
+    let publishers = [1, 2].map(|id| {
+        let metadata = BTreeMap::new();
+        writer.add_channel_with_id(id, schema, "/x", "json", &metadata)
+    });
+    for message in messages {
+        let header = mcap::records::MessageHeader {
+            channel_id: *publishers[usize::from(message.publisher)].as_ref().unwrap(),
+            sequence: message.sequence,
+            log_time: message.milliseconds * 1_000_000,
+            publish_time: message.publish_time,
+        };
+        let text = message.text.as_bytes();
+        writer.write_to_known_channel(&header, text).unwrap();
+    }
+    writer.finish().unwrap();
+    Recording::open(&path).unwrap()
+}
+
+#[test]
+fn names_what_differs_besides_the_values() {
+    let folder = Folder::new();
+    let original = [0, 1, 2].map(|sequence| Published {
+        publisher: 0,
+        sequence,
+        milliseconds: u64::from(sequence),
+        publish_time: 7,
+        text: r#"{"a":1.0}"#,
+    });
+    let a = published(&folder, "a.mcap", &original);
+    let same = compare(&a, &a, &quick()).unwrap();
+    assert_eq!((same.verdict, same.notes.len()), (Verdict::Identical, 0));
+    let cases: [(&str, Republish, Verdict, &str); 5] = [
+        (
+            "publish",
+            |m| m.publish_time += 1,
+            Verdict::SameValues,
+            "Publish times differ in 3 messages of /x.",
+        ),
+        (
+            "sequence",
+            |m| m.sequence += 9,
+            Verdict::SameValues,
+            "Sequence numbers differ in 3 messages of /x.",
+        ),
+        (
+            "spelling",
+            |m| m.text = r#"{ "a" : 1 }"#,
+            Verdict::SameValues,
+            "JSON is spelled differently in 3 messages of /x.",
+        ),
+        (
+            "publishers",
+            |m| m.publisher = (m.sequence % 2) as u16,
+            Verdict::Identical,
+            "",
+        ),
+        ("value", |m| m.text = r#"{"a":2.0}"#, Verdict::Different, ""),
+    ];
+    for (name, change, verdict, note) in cases {
+        let mut messages = original;
+        messages.iter_mut().for_each(change);
+        let b = published(&folder, name, &messages);
+        let report = compare(&a, &b, &quick()).unwrap();
+        assert_eq!(report.verdict, verdict, "{name}: {:?}", report.setup);
+        assert_eq!(report.notes.concat(), note, "{name}");
+    }
+}
+
+#[test]
+fn two_equal_channels_of_a_topic_are_one_topic() {
+    let folder = Folder::new();
+    let foreign = foreign(&folder, "one.mcap", "{}", &[("/x", 0, "1")]);
+    let message = Published {
+        publisher: 1,
+        sequence: 0,
+        milliseconds: 0,
+        publish_time: 0,
+        text: "1",
+    };
+    let two = published(&folder, "two.mcap", &[message]);
+    let report = compare(&foreign, &two, &quick()).unwrap();
+    assert_eq!(report.verdict, Verdict::SameValues);
+    assert!(!other(&report, "/x").is_described_differently);
+    assert!(
+        report
+            .setup
+            .files
+            .iter()
+            .any(|file| file.key == "channel /x")
+    );
+}
+
+#[test]
+fn refuses_tolerances_without_fields() {
+    let folder = Folder::new();
+    let files = ["1.0", "1.1"].map(|text| foreign(&folder, text, "{}", &[("/x", 0, text)]));
+    let mut relative = quick();
+    relative.tolerances.general.rel = 0.5;
+    for options in [relative, tolerating("/x=1")] {
+        let error = compare(&files[0], &files[1], &options).unwrap_err();
+        assert_contains(&error.to_string(), "tolerances apply to the fields");
+    }
+    // Nor does a tolerance apply to a foreign topic of a recording.
+    let extended = with_topic(&folder, "extended.mcap", "/camera");
+    let error = compare(&extended, &extended, &tolerating("/camera=1")).unwrap_err();
+    assert_contains(&error.to_string(), "no field matches");
+}
+
+/// A short recording with one more topic.
+fn with_topic(folder: &Folder, name: &str, topic: &str) -> Recording {
+    let scenario = short(&[("stop.duration", "0.1")]);
+    let original = recorded(
+        folder,
+        &format!("original-{name}"),
+        &scenario,
+        Encoding::Json,
+    );
+    copied(
+        folder,
+        name,
+        &original,
+        |_| {},
+        |writer| {
+            let channel = writer.add_channel(0, topic, "x", &BTreeMap::new()).unwrap();
+            let header = mcap::records::MessageHeader {
+                channel_id: channel,
+                sequence: 0,
+                log_time: 0,
+                publish_time: 0,
+            };
+            writer.write_to_known_channel(&header, b"1").unwrap();
+        },
+    )
+}
+
+#[test]
+fn an_extra_topic_is_a_difference() {
+    let folder = Folder::new();
+    let extended = with_topic(&folder, "extended.mcap", "/camera");
+    let original = Recording::open(&folder.at("original-extended.mcap")).unwrap();
+    let simulated = short(&[("stop.duration", "0.1")]);
+    for report in [
+        compare(&original, &extended, &quick()),
+        compare(&simulated, &extended, &quick()),
+    ] {
+        let report = report.unwrap();
+        assert_eq!(report.verdict, Verdict::Different);
+        let only_in = [vec![], vec!["/camera".to_owned()]];
+        assert_eq!(report.setup.topics_only_in, only_in);
+    }
+    let ignored = compare(&original, &extended, &ignoring("/camera")).unwrap();
+    assert_eq!(ignored.verdict, Verdict::Equal);
+}
+
+#[test]
+fn names_what_differs_between_recordings_besides_the_values() {
+    let folder = Folder::new();
+    let scenario = short(&[("stop.duration", "0.1")]);
+    let ours = recorded(&folder, "a.mcap", &scenario, Encoding::Json);
+    let copy = |name: &str, change: fn(&mut mcap::Message<'_>)| {
+        copied(&folder, name, &ours, change, |_| {})
+    };
+    let unchanged = copy("copy.mcap", |_| {});
+    let cases: [(&str, Change, &str); 3] = [
+        ("publish", |m| m.publish_time += 1, "Publish times differ"),
+        (
+            "sequence",
+            |m| m.sequence += u32::from(m.channel.topic == "/top/state"),
+            "Sequence numbers differ",
+        ),
+        (
+            "spelling",
+            |m| {
+                if m.channel.message_encoding == "json" {
+                    m.data.to_mut().insert(1, b' ');
+                }
+            },
+            "JSON is spelled differently",
+        ),
+    ];
+    for (name, change, note) in cases {
+        let changed = copy(name, change);
+        let report = compare(&unchanged, &changed, &quick()).unwrap();
+        assert_eq!(report.verdict, Verdict::SameValues, "{name}");
+        assert!(report.setup.files.is_empty(), "{name}: {:?}", report.setup);
+        let [.., last] = report.notes.as_slice() else {
+            panic!("{name}: no notes");
+        };
+        assert!(last.starts_with(note), "{name}: {:?}", report.notes);
+        // Neither copy has its scenario.
+        assert_eq!(report.notes.len(), 3, "{name}: {:?}", report.notes);
+    }
+    let report = compare(&unchanged, &unchanged, &quick()).unwrap();
+    assert_eq!(
+        (report.verdict, report.notes.len()),
+        (Verdict::Identical, 2)
+    );
+}
+
+#[test]
+fn refuses_damaged_runs_without_a_time_in_common() {
+    let folder = Folder::new();
+    let whole = recorded(&folder, "a.mcap", &short(&[]), Encoding::Json);
+    let bytes = fs::read(whole.path()).unwrap();
+    let chunks = chunks(&bytes);
+    let middle = chunks.len() / 2;
+    assert!(middle > 0);
+    let damaged = |name: &str, damaged: &[std::ops::Range<usize>]| {
+        let mut bytes = bytes.clone();
+        for chunk in damaged {
+            bytes[usize::midpoint(chunk.start, chunk.end)] ^= 1;
+        }
+        Recording::open(&folder.write(name, &bytes)).unwrap()
+    };
+    let halves = [
+        damaged("late.mcap", &chunks[..middle]),
+        damaged("early.mcap", &chunks[middle..]),
+    ];
+    let error = compare(&halves[0], &halves[1], &quick()).unwrap_err();
+    assert_contains(&error.to_string(), "no message of the same time");
+}
+
 /// The messages of a file, written by somebody else who changes some.
 fn copied(
     folder: &Folder,
     name: &str,
     from: &Recording,
     change: impl Fn(&mut mcap::Message<'_>),
+    add: impl FnOnce(&mut mcap::Writer<BufWriter<File>>),
 ) -> Recording {
     let path = folder.at(name);
     let file = BufWriter::new(File::create(&path).unwrap());
@@ -130,6 +374,7 @@ fn copied(
         change(&mut message);
         writer.write(&message).unwrap();
     }
+    add(&mut writer);
     writer.finish().unwrap();
     Recording::open(&path).unwrap()
 }
@@ -141,14 +386,15 @@ fn what_differs_in_any_message_is_not_identical() {
     let scenario = short(&[("stop.duration", "0.1")]);
     let ours = recorded(&folder, "a.mcap", &scenario, Encoding::Json);
     // The attached scenario is missing.
-    let copy = copied(&folder, "copy.mcap", &ours, |_| {});
+    let copy = copied(&folder, "copy.mcap", &ours, |_| {}, |_| {});
     let report = compare(&ours, &copy, &quick()).unwrap();
     assert_eq!(report.verdict, Verdict::SameValues);
-    let view = copied(&folder, "view.mcap", &ours, |message| {
+    let change = |message: &mut mcap::Message<'_>| {
         if message.channel.topic == "/tf" && message.log_time == 50_000_000 {
             message.data.to_mut()[1] ^= 1;
         }
-    });
+    };
+    let view = copied(&folder, "view.mcap", &ours, change, |_| {});
     let report = compare(&ours, &view, &quick()).unwrap();
     assert_eq!(report.verdict, Verdict::Different);
     let tf = other(&report, "/tf");
