@@ -29,7 +29,9 @@ mod crossing;
 mod derived;
 mod discrepancy;
 mod error;
+mod evidence;
 mod field;
+mod finding;
 mod findings;
 mod floor;
 mod observer;
@@ -45,7 +47,7 @@ pub use self::averages::{Averaged, Deviation};
 pub use self::discrepancy::{Discrepancy, Residual};
 pub use self::error::DiffError;
 pub use self::field::FieldDifference;
-pub use self::findings::Finding;
+pub use self::finding::{Finding, FindingKind};
 pub use self::floor::{Floor, IntegratorError};
 pub use self::observer::Observer;
 pub use self::others::TopicBytes;
@@ -56,7 +58,7 @@ pub use self::topic::{ChannelDifference, FirstDifference};
 pub use crate::analysis::history::{PegSummary, RunSummary};
 pub use crate::analysis::subject::Subject;
 
-use self::pairing::{Paired, read_both};
+use self::pairing::{Limits, Paired, common_level, read_both};
 use crate::archive::recording::{FileChannel, Recording};
 use crate::run::scenario::Scenario;
 use crate::run::time::seconds;
@@ -111,10 +113,11 @@ fn compare_runs(
     for topic in topics.iter().flatten() {
         fields.extend(topic.numbers().map(|field| field.to_string()));
     }
-    let others = runs.into_iter().flat_map(|run| foreign_topics(run, true));
-    options
-        .tolerances
-        .check_names(&fields, &Vec::from_iter(others))?;
+    let others: Vec<_> = runs
+        .into_iter()
+        .flat_map(|run| foreign_topics(run, true))
+        .collect();
+    options.tolerances.check_names(&fields, &others)?;
     let names = topics.map(|of_run| of_run.iter().map(ToString::to_string).collect());
     let (common, mut only_in) = common_topics(&names, options)?;
     if options.topics.is_empty() {
@@ -122,10 +125,22 @@ fn compare_runs(
     }
     let setup = setup::compare(inputs, only_in);
     let carry_on = observer.carry_on();
-    let paired = read_both(runs, &common, options, observer, &carry_on)?;
+    let limits = Limits {
+        topics: &common,
+        until: None,
+        level: common_level(runs),
+    };
+    let paired = read_both(runs, &limits, options, observer, &carry_on)?;
     check_messages(&paired)?;
-    let floor = match paired.common_end() {
-        Some(end) if options.floor => floor::compute(runs, seconds(end), &carry_on),
+    let integrations = match paired.common_end() {
+        Some(end) if options.floor => {
+            let runs = [0, 1].map(|side| (runs[side], &paired.runs[side].history));
+            let limits = Limits {
+                until: Some(seconds(end)),
+                ..limits
+            };
+            floor::compute(runs, &limits, &carry_on)
+        }
         _ => None,
     };
     let others = match runs {
@@ -134,7 +149,7 @@ fn compare_runs(
         }
         _ => Vec::new(),
     };
-    let mut report = Report::of_runs(runs, &paired, setup, others, floor);
+    let mut report = Report::of_runs(runs, &paired, setup, others, integrations);
     if again.is_some() {
         report.note_resampling();
     }

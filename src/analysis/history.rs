@@ -58,6 +58,8 @@ pub(crate) struct RunHistory {
     pub(crate) has_gaps: bool,
     /// Number of the next sample, if none is missing.
     next_sample: u32,
+    /// Number of events that precede the last one, but are missing.
+    pub(crate) missing_events: u64,
     /// The first and the last sample.
     pub(crate) states: Option<[State; 2]>,
     pub(crate) energies: Option<Energies>,
@@ -169,6 +171,9 @@ impl RunHistory {
         if let Some(peg) = &mut self.peg {
             peg.event(&event);
         }
+        // Events are numbered from 0.
+        let preceding = self.events.len() as u64;
+        self.missing_events = u64::from(message.sequence).saturating_sub(preceding);
         self.events.push(event);
     }
 
@@ -197,6 +202,11 @@ impl RunHistory {
         let broken = self.cycles.windows(2).position(is_broken);
         let broken = broken.filter(|_| self.peg.is_none());
         &self.cycles[..broken.map_or(self.cycles.len(), |last| last + 1)]
+    }
+
+    /// The reason for the end of the run, if it is recorded.
+    pub(crate) fn stop_reason(&self) -> Option<StopReason> {
+        StopReason::find(self.end_entry(STOP_REASON)?)
     }
 
     /// An entry of the end record.

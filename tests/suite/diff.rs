@@ -1,6 +1,7 @@
 //! Comparing two runs.
 
 mod findings;
+mod nothing;
 mod others;
 mod values;
 

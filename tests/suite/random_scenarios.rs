@@ -24,7 +24,7 @@ impl Random {
         bits ^ (bits >> 31)
     }
 
-    fn below(&mut self, limit: usize) -> usize {
+    pub fn below(&mut self, limit: usize) -> usize {
         (self.bits() % limit as u64) as usize
     }
 
@@ -238,6 +238,11 @@ fn anywhere(random: &mut Random, make: Make) -> Option<Scenario> {
 /// Random scenarios of tops whose pegs are held, without an end.
 pub fn held_tops(mut random: Random) -> impl Iterator<Item = Scenario> {
     std::iter::repeat_with(move || anywhere(&mut random, scenario)).flatten()
+}
+
+/// Random scenarios of tops whose pegs are held, such as are made, without an end.
+pub fn ordinary_held_tops(mut random: Random) -> impl Iterator<Item = Scenario> {
+    std::iter::repeat_with(move || scenario(&mut random, Reach::Plausible)).flatten()
 }
 
 /// Random scenarios of tops whose pegs are free, such as are made.

@@ -1,16 +1,20 @@
 //! The averaged motions of two runs.
 //!
 //! `/top/nutation` has means and extremes of each nutation cycle. Each is treated as a curve through the midpoints of
-//! the cycles; the curves of A and B are compared at equal times while both nutate. The phase (number of nutations) is
+//! the cycles; the curves of A and B are compared at equal times while both nutate. Rates of φ and ψ are left out where
+//! the axis passes the vertical. The phase (number of nutations) is
 //! a curve through the starts of the cycles.
 
 use crate::analysis::history::curve::Curve;
 use crate::analysis::history::{Cycle, RunHistory};
 use crate::archive::memory::Owned;
+use crate::run::simulation::UPRIGHT;
 use crate::run::time::nanoseconds;
 use crate::telemetry::fields::{NUTATION, NumberField, nutation};
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
 
 /// The differences B − A of the averaged motions.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -19,7 +23,8 @@ pub struct Averaged {
     pub from: f64,
     /// The last time of the comparison, s.
     pub to: f64,
-    /// Means, least and greatest values of θ and the rates.
+    /// Means, least and greatest values of θ and the rates. Those of φ̇ and ψ̇ leave out cycles in which the axis passes
+    /// the vertical.
     pub deviations: Vec<Deviation>,
     /// Phase lead of B over A; absent if nutation is interrupted.
     pub phase: Option<Phase>,
@@ -51,21 +56,20 @@ pub struct Deviation {
     pub values: [f64; 2],
 }
 
-/// Compares the averaged motions; `None` if they don't nutate at the same time.
-pub(super) fn compare(a: &RunHistory, b: &RunHistory) -> Option<Averaged> {
+/// Compares the averaged motions up to a time (s); `None` if they don't nutate at the same time.
+pub(super) fn compare(a: &RunHistory, b: &RunHistory, until: f64) -> Option<Averaged> {
     let middles = [a, b].map(|history| history.of_cycles(Cycle::middle).domain());
     let [Some(of_a), Some(of_b)] = middles else {
         return None;
     };
-    let (from, to) = (of_a.0.max(of_b.0), of_a.1.min(of_b.1));
+    let (from, to) = (of_a.0.max(of_b.0), of_a.1.min(of_b.1).min(until));
+    if from > to {
+        return None;
+    }
     let all = [a, b].into_iter().flat_map(RunHistory::successive_cycles);
     let all = all.map(Cycle::middle);
     let mut times: Vec<f64> = all.filter(|time| (from..=to).contains(time)).collect();
     times.sort_by(f64::total_cmp);
-    let deviation = |field: NumberField| {
-        let curves = [a, b].map(|history| history.of_cycles(|cycle| cycle.of_field(field)));
-        deviation(field, &times, &curves)
-    };
     let is_quantity = |field: &NumberField| ![nutation::CYCLE, nutation::START].contains(field);
     let fields = NUTATION.numbers().filter(is_quantity);
     let amplitudes = [a, b].map(|history| history.of_cycles(Cycle::amplitude));
@@ -73,11 +77,49 @@ pub(super) fn compare(a: &RunHistory, b: &RunHistory) -> Option<Averaged> {
     Some(Averaged {
         from,
         to,
-        deviations: fields.filter_map(deviation).collect(),
+        deviations: fields
+            .filter_map(|field| deviation(field, &times, &[a, b].map(|run| curve(run, field))))
+            .collect(),
         phase: phase(a, b),
         amplitudes: first.zip(second).map(|(a, b)| [a, b]),
     })
-    .filter(|_| from <= to)
+}
+
+/// A field of `/top/nutation` over time: through the middles of the cycles. It is NaN in cycles in which it has no
+/// meaning, and between them and their neighbours.
+fn curve(run: &RunHistory, field: NumberField) -> Curve {
+    let points = run.successive_cycles().iter().map(|cycle| {
+        let is_meaningful = !is_of_azimuth(field) || is_away_from_vertical(cycle);
+        let value = if is_meaningful {
+            cycle.of_field(field)
+        } else {
+            f64::NAN
+        };
+        (cycle.middle(), value)
+    });
+    Curve::new(points)
+}
+
+/// Whether a field belongs to the rotation about the vertical or about the axis alone. Where the axis is vertical, only
+/// the sum of both rotations is defined.
+fn is_of_azimuth(field: NumberField) -> bool {
+    [
+        nutation::PHI_DOT_MEAN,
+        nutation::PHI_DOT_MIN,
+        nutation::PHI_DOT_MAX,
+        nutation::PSI_DOT_MEAN,
+        nutation::PSI_DOT_MIN,
+        nutation::PSI_DOT_MAX,
+    ]
+    .contains(&field)
+}
+
+/// Whether the axis passes neither the upper nor the lower vertical in a cycle. In a passage, φ changes by about π to
+/// one side or the other, and the mean of φ̇ depends on the side and not on the precession.
+fn is_away_from_vertical(cycle: &Cycle) -> bool {
+    let least = cycle.of_field(nutation::THETA_MIN);
+    let greatest = cycle.of_field(nutation::THETA_MAX);
+    least >= UPRIGHT && greatest <= PI - UPRIGHT
 }
 
 /// Lead of B over A, where both have counted their nutations without interruption.
@@ -87,6 +129,81 @@ fn phase(a: &RunHistory, b: &RunHistory) -> Option<Phase> {
     let is_counted = |run: &RunHistory| run.unbroken_until().is_some_and(|end| at <= end);
     let ahead = b.phase().at(at)? - a.phase().at(at)?;
     (is_counted(a) && is_counted(b)).then_some(Phase { at, ahead })
+}
+
+/// The largest differences between the averaged motions of several integrations of a run.
+#[derive(Clone, Debug, Default)]
+pub(super) struct AverageErrors {
+    /// The largest difference of each field of `/top/nutation`, by its path.
+    fields: BTreeMap<String, f64>,
+    /// Of the nutation phase, cycles.
+    phase: f64,
+    /// The end of the time in which all integrations nutate, s: for the averages, and for the phase; −∞ if there is no
+    /// such time. Not set before the first integration is added.
+    ends: Option<[f64; 2]>,
+}
+
+impl AverageErrors {
+    /// Adds another integration, up to a time (s).
+    pub(super) fn add(&mut self, own: &RunHistory, other: &RunHistory, until: f64) {
+        let averaged = compare(own, other, until);
+        let deviations = averaged.iter().flat_map(|averaged| &averaged.deviations);
+        for deviation in deviations {
+            let largest = self.fields.entry(deviation.quantity.clone()).or_insert(0.0);
+            *largest = largest.max(deviation.largest.abs());
+        }
+        self.phase = self.phase.max(phase_distance([own, other], until));
+        let ends = [
+            averaged.as_ref().map(|averaged| averaged.to),
+            averaged.and_then(|averaged| Some(averaged.phase?.at)),
+        ];
+        let known = self.ends.unwrap_or([f64::INFINITY; 2]);
+        // All integrations of a run nutate with nearly the same period. The ends may differ by less than that.
+        let slack = own
+            .successive_cycles()
+            .last()
+            .map_or(0.0, |last| 0.5 * last.period);
+        let end = |at: usize| ends[at].map_or(f64::NEG_INFINITY, |end| known[at].min(end + slack));
+        self.ends = Some([end(0), end(1)]);
+    }
+
+    /// The error of a field, if all integrations have it at this time (s).
+    pub(super) fn of_field(&self, field: NumberField, time: f64) -> Option<f64> {
+        let is_covered = self.ends.is_some_and(|[end, _]| time <= end);
+        self.fields
+            .get(field.path())
+            .copied()
+            .filter(|_| is_covered)
+    }
+
+    /// The largest error of a field; 0 if it is unknown.
+    pub(super) fn largest(&self, field: NumberField) -> f64 {
+        self.fields.get(field.path()).copied().unwrap_or_default()
+    }
+
+    /// The error of the phase, cycles.
+    pub(super) fn of_phase(&self, time: f64) -> Option<f64> {
+        let is_covered = self.ends.is_some_and(|[_, end]| time <= end);
+        is_covered.then_some(self.phase)
+    }
+
+    /// The error of the amplitude of θ̇ (half its range), rad/s.
+    pub(super) fn of_amplitude(&self, time: f64) -> Option<f64> {
+        let greatest = self.of_field(nutation::THETA_DOT_MAX, time)?;
+        let least = self.of_field(nutation::THETA_DOT_MIN, time)?;
+        Some(0.5 * (greatest + least))
+    }
+}
+
+/// The largest distance of two nutation phases at the beginnings of cycles up to a time (s), cycles.
+fn phase_distance(runs: [&RunHistory; 2], until: f64) -> f64 {
+    let [a, b] = runs.map(RunHistory::phase);
+    let cycles = runs.into_iter().flat_map(RunHistory::successive_cycles);
+    cycles
+        .map(|cycle| cycle.start)
+        .filter(|start| *start <= until)
+        .filter_map(|start| Some((b.at(start)? - a.at(start)?).abs()))
+        .fold(0.0, f64::max)
 }
 
 impl Averaged {
@@ -102,6 +219,7 @@ fn deviation(field: NumberField, times: &[f64], [a, b]: &[Curve; 2]) -> Option<D
         .iter()
         .filter_map(|time| Some((*time, [a.at(*time)?, b.at(*time)?])));
     let size = |[a, b]: [f64; 2]| (b - a).abs();
+    let values = values.filter(|(_, [a, b])| a.is_finite() && b.is_finite());
     let largest = values.reduce(|x, y| if size(y.1) > size(x.1) { y } else { x });
     let (at, values) = largest?;
     Some(Deviation {

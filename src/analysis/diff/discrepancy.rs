@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Names and units of the quantities: first the torque of friction, then accelerations.
+/// Names and units of the quantities: first the torque of friction (with losses and air drag), then accelerations.
 const QUANTITIES: [(&str, &str); 10] = [
     ("friction torque", "N m"),
     ("about the line of nodes", "N m"),
@@ -32,7 +32,7 @@ const QUANTITIES: [(&str, &str); 10] = [
 pub struct Discrepancy {
     /// Number of states.
     pub states: u64,
-    /// Components and magnitude of the torque of friction in the node frame, N m; frictional and whole
+    /// Components and magnitude of the torque of friction, losses and air drag in the node frame, N m; frictional and whole
     /// accelerations, rad/s².
     pub quantities: Vec<Residual>,
 }

@@ -1,20 +1,22 @@
 //! Integration errors.
 //!
-//! Each scenario is simulated twice more, with its own tolerances and with a hundredth of them. Their difference
-//! estimates the error of the coarser run. A difference between A and B below the combined error is not significant.
+//! Each scenario is integrated three times: with its own tolerances, with a hundredth of them, and with a tenth of
+//! them in the other formulation where that is possible. The first run's error is its largest distance from the other
+//! two. A difference between A and B within the combined errors is not significant.
 
-use super::averages;
-use super::pairing::{Paired, read_both};
+use super::averages::AverageErrors;
+use super::pairing::{Limits, read_both};
 use super::tolerance::Options;
 use super::topic::TopicTally;
 use crate::analysis::history::RunHistory;
 use crate::analysis::subject::Subject;
-use crate::run::scenario::Scenario;
-use crate::run::simulation::EventKind;
+use crate::run::scenario::{FormulationKind, Scenario};
+use crate::run::simulation::{EventKind, StopReason};
 use crate::telemetry::Topic;
-use crate::telemetry::fields::nutation;
+use crate::telemetry::fields::{NumberField, nutation};
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::collections::BTreeMap;
 #[cfg(not(target_family = "wasm"))]
 use std::thread;
 
@@ -23,6 +25,20 @@ const TIGHTER: f64 = 0.01;
 /// Minimum tolerances (rounding).
 const TIGHTEST_RELATIVE: f64 = 1e-14;
 const TIGHTEST_ABSOLUTE: f64 = 1e-18;
+/// Factor for tolerances that can't be tightened: a coarser run shows at least the errors of rounding.
+const COARSER: f64 = 10.0;
+/// Smallest useful change of the tolerances, as the ratio of the tightened one to the own one.
+const CHANGED: f64 = 0.5;
+
+/// Safety factor of the errors.
+///
+/// Where truncation dominates, both other runs are much more accurate than the first, and 1.2 would suffice. Where
+/// rounding dominates, all runs are equally far from the truth, and the distances can be small by chance. If the errors
+/// are independent and normal, the difference of A and B exceeds the sum of both estimates (each the larger of two
+/// distances) five times in about 5 of 100,000 cases; `val_the_safety_factor_covers_rounding` repeats the count.
+pub(super) const SAFETY: f64 = 5.0;
+/// Allowance for the rounding of a number, ulp.
+const ROUNDINGS: f64 = 8.0;
 
 /// The errors of both integrations.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
@@ -42,7 +58,7 @@ pub struct IntegratorError {
     pub compared_with: f64,
     /// The largest error of each field, by its full name.
     pub fields: Vec<(String, f64)>,
-    /// The largest error of an event's time, s.
+    /// The largest error of an event's time, s: of the end, of an inversion, and of the first event of each kind.
     pub event_time: f64,
     /// The largest error of the mean of θ over a nutation, rad.
     pub theta_mean: f64,
@@ -61,82 +77,278 @@ impl Floor {
     pub(super) fn of(&self, field: &str) -> Option<f64> {
         Some(self.a.of(field)? + self.b.of(field)?)
     }
+}
 
-    /// The error of the difference of the times of two events, s.
-    pub(super) fn event_time(&self) -> f64 {
-        self.a.event_time + self.b.event_time
+/// The error that the integrations of two runs make in a difference of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum IntegrationError {
+    /// It was not estimated.
+    Unknown,
+    /// It is no larger than this.
+    Within(f64),
+    /// The number depends on the integration: not all integrations of a run have it.
+    Undetermined,
+}
+
+/// The integrations of both runs.
+#[derive(Debug)]
+pub(super) struct Integrations {
+    pub(super) floor: Floor,
+    sides: [Repeated; 2],
+}
+
+/// A scenario that is integrated several times.
+#[derive(Clone, Debug)]
+struct Repeated {
+    error: IntegratorError,
+    /// With its own tolerances.
+    own: RunHistory,
+    /// With others, or in the other formulation.
+    others: Vec<RunHistory>,
+    averages: AverageErrors,
+}
+
+/// The error of the difference of two numbers whose own errors are known.
+pub(super) fn combined(errors: [f64; 2], numbers: [f64; 2]) -> f64 {
+    let rounding = ROUNDINGS * f64::EPSILON * (numbers[0].abs() + numbers[1].abs());
+    SAFETY * (errors[0] + errors[1]) + rounding
+}
+
+impl Integrations {
+    /// The largest distance of a number of a run from those of the other integrations; `None` if not all have it or
+    /// all lack it.
+    pub(super) fn error_of(
+        &self,
+        side: usize,
+        number: impl Fn(&RunHistory) -> Option<f64>,
+    ) -> Option<f64> {
+        let Repeated { own, others, .. } = &self.sides[side];
+        let own = number(own);
+        let mut error = 0.0_f64;
+        for other in others {
+            match (own, number(other)) {
+                (Some(own), Some(other)) => error = error.max((own - other).abs()),
+                (None, None) => {}
+                (Some(_), None) | (None, Some(_)) => return None,
+            }
+        }
+        Some(error)
+    }
+
+    /// The errors of A's and B's averages.
+    pub(super) fn of_averages(&self) -> [&AverageErrors; 2] {
+        self.sides.each_ref().map(|side| &side.averages)
     }
 }
 
-/// Computes both errors up to a time (s); `None` if a scenario is missing or can't be tightened.
+/// The integrations of two runs. Fields and averages are compared up to the time of `limits`, events up to the end of
+/// each run; `None` if a scenario is unknown.
 pub(super) fn compute(
-    [a, b]: [Subject<'_>; 2],
-    to: f64,
+    [a, b]: [(Subject<'_>, &RunHistory); 2],
+    limits: &Limits<'_>,
     carry_on: &(dyn Fn() -> bool + Sync),
-) -> Option<Floor> {
-    let (a, b) = (until(&a.scenario()?, to)?, until(&b.scenario()?, to)?);
+) -> Option<Integrations> {
+    let (a, b) = (as_far_as_run(a)?, as_far_as_run(b)?);
     if a.digest() == b.digest() {
-        let error = error(&a, carry_on)?;
-        return Some(Floor {
-            a: error.clone(),
-            b: error,
-        });
+        let repeated = repeat(&a, limits, carry_on)?;
+        return Some(Integrations::new([repeated.clone(), repeated]));
     }
     #[cfg(not(target_family = "wasm"))]
     let (a, b) = thread::scope(|scope| {
-        let a = scope.spawn(|| error(&a, carry_on));
-        let b = error(&b, carry_on);
+        let a = scope.spawn(|| repeat(&a, limits, carry_on));
+        let b = repeat(&b, limits, carry_on);
         (a.join().ok().flatten(), b)
     });
     #[cfg(target_family = "wasm")]
-    let (a, b) = (error(&a, carry_on), error(&b, carry_on));
-    Some(Floor { a: a?, b: b? })
+    let (a, b) = (repeat(&a, limits, carry_on), repeat(&b, limits, carry_on));
+    Some(Integrations::new([a?, b?]))
 }
 
-fn error(scenario: &Scenario, carry_on: &(dyn Fn() -> bool + Sync)) -> Option<IntegratorError> {
-    let tighter = tightened(scenario)?;
-    let runs = [Subject::Scenario(scenario), Subject::Scenario(&tighter)];
-    let topics = Topic::all_with(scenario.model.support);
-    let topics: Vec<_> = topics.map(|topic| topic.to_string()).collect();
-    let paired = read_both(runs, &topics, &Options::default(), &mut (), carry_on).ok()?;
-    let Paired { runs: [a, b], .. } = &paired;
-    let averaged = averages::compare(&a.history, &b.history);
-    let theta = averaged.and_then(|averaged| Some(averaged.of(nutation::THETA_MEAN)?.largest));
-    Some(IntegratorError {
-        relative_tolerance: scenario.tolerances.relative,
-        compared_with: tighter.tolerances.relative,
-        fields: paired.compared().flat_map(TopicTally::largest).collect(),
-        event_time: event_time(&a.history, &b.history),
-        theta_mean: theta.unwrap_or_default().abs(),
-    })
+impl Integrations {
+    fn new(sides: [Repeated; 2]) -> Self {
+        let [a, b] = sides.each_ref().map(|side| side.error.clone());
+        Self {
+            floor: Floor { a, b },
+            sides,
+        }
+    }
 }
 
-/// The largest difference of the first times of events of a kind.
-fn event_time(a: &RunHistory, b: &RunHistory) -> f64 {
-    let first = |history: &RunHistory, kind| history.first(kind).map(|event| event.time);
-    let shifts = EventKind::ALL
-        .into_iter()
-        .filter_map(|kind| Some((first(b, kind)? - first(a, kind)?).abs()));
-    shifts.fold(0.0, f64::max)
-}
-
-/// A scenario that ends no later than this, s.
-fn until(scenario: &Scenario, time: f64) -> Option<Scenario> {
+/// The scenario of a run; if the run did not come to its end, ending where it was interrupted.
+fn as_far_as_run((run, history): (Subject<'_>, &RunHistory)) -> Option<Scenario> {
+    let scenario = run.scenario()?;
+    let reason = history.stop_reason();
+    if reason.is_some_and(StopReason::is_complete) {
+        return Some(scenario);
+    }
+    let time = history.stop_time()?;
     let duration = scenario.stop.duration;
     if duration.is_some_and(|duration| duration <= time) {
-        return Some(scenario.clone());
+        return Some(scenario);
     }
     scenario.with([("stop.duration", time.into())]).ok()
 }
 
-fn tightened(scenario: &Scenario) -> Option<Scenario> {
-    let relative = (scenario.tolerances.relative * TIGHTER).max(TIGHTEST_RELATIVE);
-    let absolute = (scenario.tolerances.absolute * TIGHTER).max(TIGHTEST_ABSOLUTE);
-    let tighter = scenario.with([
-        ("integrator.relative_tolerance", relative.into()),
-        ("integrator.absolute_tolerance", absolute.into()),
-    ]);
-    tighter
+fn repeat(
+    scenario: &Scenario,
+    limits: &Limits<'_>,
+    carry_on: &(dyn Fn() -> bool + Sync),
+) -> Option<Repeated> {
+    let own = &scenario.tolerances;
+    let relative = other_tolerance(own.relative, TIGHTEST_RELATIVE);
+    let absolute = other_tolerance(own.absolute, TIGHTEST_ABSOLUTE);
+    let first = with_tolerances(scenario, relative, absolute)?;
+    let between = with_tolerances(
+        scenario,
+        (own.relative * relative).sqrt(),
+        (own.absolute * absolute).sqrt(),
+    )?;
+    let mut repeated = Repeated {
+        error: IntegratorError {
+            relative_tolerance: own.relative,
+            compared_with: relative,
+            ..IntegratorError::default()
+        },
+        own: RunHistory::default(),
+        others: Vec::new(),
+        averages: AverageErrors::default(),
+    };
+    let mut fields = BTreeMap::new();
+    repeated.add(scenario, &first, limits, &mut fields, carry_on)?;
+    let second = in_other_formulation(&between);
+    // In Euler angles a run ends where they are singular: then the formulations can't be compared.
+    let ends_singular = |run: &RunHistory| run.stop_reason() == Some(StopReason::Singular);
+    let is_singular = ends_singular(&repeated.own);
+    match second.filter(|_| !is_singular) {
+        Some(second) => {
+            let known = repeated.clone();
+            repeated.add(scenario, &second, limits, &mut fields, carry_on)?;
+            if repeated.others.last().is_some_and(ends_singular) {
+                repeated = known;
+                repeated.add(scenario, &between, limits, &mut fields, carry_on)?;
+            }
+        }
+        None => repeated.add(scenario, &between, limits, &mut fields, carry_on)?,
+    }
+    repeated.error.fields = scenario_fields(scenario)
+        .filter_map(|field| Some((field.to_string(), *fields.get(&field.to_string())?)))
+        .collect();
+    repeated.error.event_time = repeated.event_time();
+    repeated.error.theta_mean = repeated.averages.largest(nutation::THETA_MEAN);
+    Some(repeated)
+}
+
+/// All fields of a scenario's recordings.
+fn scenario_fields(scenario: &Scenario) -> impl Iterator<Item = NumberField> {
+    Topic::all_with(scenario.model.support).flat_map(Topic::numbers)
+}
+
+impl Repeated {
+    /// Integrates a scenario and a variant of it. `fields` has the largest difference of each field.
+    fn add(
+        &mut self,
+        scenario: &Scenario,
+        variant: &Scenario,
+        limits: &Limits<'_>,
+        fields: &mut BTreeMap<String, f64>,
+        carry_on: &dyn Fn() -> bool,
+    ) -> Option<()> {
+        let runs = [scenario, variant].map(Subject::Scenario);
+        let topics = Topic::all_with(scenario.model.support);
+        let topics: Vec<_> = topics.map(|topic| topic.to_string()).collect();
+        let limits = Limits {
+            topics: &topics,
+            ..*limits
+        };
+        let options = Options::default();
+        let paired = read_both(runs, &limits, &options, &mut (), carry_on).ok()?;
+        for (name, difference) in paired.compared().flat_map(TopicTally::largest) {
+            let largest = fields.entry(name).or_insert(0.0);
+            *largest = difference.max(*largest);
+        }
+        let [own, other] = paired.runs.map(|run| run.history);
+        self.averages
+            .add(&own, &other, limits.until.unwrap_or(f64::INFINITY));
+        self.own = own;
+        self.others.push(other);
+        Some(())
+    }
+
+    /// The largest error of the time of the end, of an inversion, or of the first event of a kind, s.
+    fn event_time(&self) -> f64 {
+        let mut largest = 0.0_f64;
+        for other in &self.others {
+            let first = |kind| {
+                let times = [&self.own, other].map(|run| Some(run.first(kind)?.time));
+                (times[0], times[1])
+            };
+            let ends = (self.own.stop_time(), other.stop_time());
+            let inversions = (self.own.inverted, other.inverted);
+            let pairs = EventKind::ALL.into_iter().map(first);
+            for pair in pairs.chain([ends, inversions]) {
+                if let (Some(own), Some(other)) = pair {
+                    largest = largest.max((own - other).abs());
+                }
+            }
+        }
+        largest
+    }
+}
+
+/// A tightened tolerance, or a coarser one where rounding allows no tighter one.
+fn other_tolerance(own: f64, tightest: f64) -> f64 {
+    let tightened = (own * TIGHTER).max(tightest);
+    if tightened <= CHANGED * own {
+        tightened
+    } else {
+        own * COARSER
+    }
+}
+
+fn with_tolerances(scenario: &Scenario, relative: f64, absolute: f64) -> Option<Scenario> {
+    scenario
+        .with([
+            ("integrator.relative_tolerance", relative.into()),
+            ("integrator.absolute_tolerance", absolute.into()),
+        ])
         .ok()
-        .filter(|_| relative < scenario.tolerances.relative)
+}
+
+/// The scenario in the other formulation, if it can be integrated in it.
+fn in_other_formulation(scenario: &Scenario) -> Option<Scenario> {
+    let other = match scenario.formulation {
+        FormulationKind::Euler => "body",
+        FormulationKind::Body => "euler",
+    };
+    scenario.with([("formulation", other.into())]).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Normal numbers, the same on every machine: sums of twelve uniform ones.
+    fn normal(bits: &mut u64) -> f64 {
+        let mut sum = -6.0;
+        for _ in 0..12 {
+            *bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            sum += (*bits >> 11) as f64 / (1_u64 << 53) as f64;
+        }
+        sum
+    }
+
+    #[test]
+    fn val_the_safety_factor_covers_rounding() {
+        const CASES: u32 = 100_000;
+        let mut bits = 1;
+        let mut beyond = 0;
+        for _ in 0..CASES {
+            let runs = [(); 2].map(|()| [(); 3].map(|()| normal(&mut bits)));
+            let errors = runs.map(|[own, one, other]| (own - one).abs().max((own - other).abs()));
+            let difference = runs[0][0] - runs[1][0];
+            beyond += u32::from(difference.abs() > SAFETY * (errors[0] + errors[1]));
+        }
+        // The expectation is 5.5; 15 has a probability of 1e-3.
+        assert!((1..15).contains(&beyond), "{beyond}");
+    }
 }

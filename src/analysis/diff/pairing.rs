@@ -14,6 +14,8 @@ use crate::analysis::history::RunHistory;
 use crate::analysis::history::energy::Energies;
 use crate::analysis::subject::{Ended, Subject};
 use crate::archive::memory::Owned;
+use crate::run::simulation::StopReason;
+use crate::run::time::seconds;
 use crate::telemetry::fields::{ENERGY, NUTATION};
 use crate::telemetry::side::Side;
 use crate::telemetry::{Message, Topic, Topics};
@@ -77,20 +79,37 @@ impl Paired {
     }
 }
 
+/// What is compared of two runs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits<'l> {
+    /// The topics whose messages are compared.
+    pub(super) topics: &'l [String],
+    /// The time up to which they are, s; up to the end if there is none.
+    pub(super) until: Option<f64>,
+    /// The level of θ whose first crossing is of interest, rad.
+    pub(super) level: Option<f64>,
+}
+
+/// The level of θ that both runs may reach: the larger `stop.theta_risen`, rad.
+pub(super) fn common_level(runs: [Subject<'_>; 2]) -> Option<f64> {
+    let levels = runs.map(|run| run.scenario()?.stop.theta_risen);
+    levels.into_iter().flatten().reduce(f64::max)
+}
+
 enum Parcel {
     Batch(Vec<Owned>, u64),
     End(Ended),
 }
 
-/// Reads both runs and compares the messages of `compared` topics.
+/// Reads both runs and compares their messages within limits.
 pub(super) fn read_both(
     runs: [Subject<'_>; 2],
-    compared: &[String],
+    limits: &Limits<'_>,
     options: &Options,
     observer: &mut dyn Observer,
     carry_on: &dyn Fn() -> bool,
 ) -> Result<Paired, DiffError> {
-    let mut pairing = Pairing::new(runs, compared, options, observer);
+    let mut pairing = Pairing::new(runs, limits, options, observer);
     #[cfg(not(target_family = "wasm"))]
     thread::scope(|scope| {
         let incoming = runs.map(|run| {
@@ -139,34 +158,36 @@ struct Pairing<'o> {
     waiting: Vec<[VecDeque<Owned>; 2]>,
     /// Times between samples, ns.
     periods: [Option<u64>; 2],
+    /// The angles at which the runs end as risen, rad.
+    risen: [Option<f64>; 2],
+    /// The time up to which messages are compared, s.
+    until: f64,
 }
 
 impl<'o> Pairing<'o> {
     fn new(
         runs: [Subject<'_>; 2],
-        compared: &[String],
+        limits: &Limits<'_>,
         options: &Options,
         observer: &'o mut dyn Observer,
     ) -> Self {
         let scenarios = runs.map(Subject::scenario);
         let models = scenarios.each_ref().map(|s| s.as_ref().map(|s| s.model));
-        // The common level of θ is the larger `stop.theta_risen`, rad.
-        let levels = scenarios.each_ref().map(|s| s.as_ref()?.stop.theta_risen);
-        let level = levels.into_iter().flatten().reduce(f64::max);
+        let risen = scenarios.each_ref().map(|s| s.as_ref()?.stop.theta_risen);
         let missing = runs.map(missing_fields);
         let periods = scenarios
             .each_ref()
             .map(|scenario| scenario.as_ref().map(|s| s.sample_period_ns));
         let has_sequences = periods[0] == periods[1];
         let tally = |topic: Topic| {
-            let is_compared = compared.iter().any(|name| topic.name() == name);
+            let is_compared = limits.topics.iter().any(|name| topic.name() == name);
             is_compared
                 .then(|| TopicTally::new(topic, &missing, &options.tolerances, has_sequences))
         };
         let paired = Paired {
             topics: Topic::all().map(tally).collect(),
             runs: models.map(|model| RunData {
-                history: RunHistory::new(model, level),
+                history: RunHistory::new(model, limits.level),
                 ..RunData::default()
             }),
             common: Default::default(),
@@ -180,6 +201,8 @@ impl<'o> Pairing<'o> {
             waiting: paired.topics.iter().map(|_| Default::default()).collect(),
             paired,
             periods,
+            risen,
+            until: limits.until.unwrap_or(f64::INFINITY),
         }
     }
 
@@ -227,6 +250,13 @@ impl<'o> Pairing<'o> {
         run.is_ended = true;
         run.losses = ended.losses;
         run.history.finish(ended.end);
+        let is_rise = run.history.stop_reason() == Some(StopReason::Risen);
+        let time = run.history.stop_time().filter(|_| is_rise);
+        if let (Some(rise), Some(time)) = (&mut run.history.rise, time)
+            && self.risen[side.index()] == Some(rise.level)
+        {
+            rise.end_at(time);
+        }
     }
 
     fn take(&mut self, side: Side, message: Owned) -> Result<(), DiffError> {
@@ -240,7 +270,9 @@ impl<'o> Pairing<'o> {
             residuals.take(&seen);
         }
         let channel = message.channel;
-        if let Some(tally) = &mut self.paired.topics[channel] {
+        if seconds(message.time_ns) <= self.until
+            && let Some(tally) = &mut self.paired.topics[channel]
+        {
             tally.count(side);
             self.waiting[channel][side.index()].push_back(message);
         }

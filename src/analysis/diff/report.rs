@@ -4,8 +4,10 @@
 
 use super::averages::{self, Averaged};
 use super::discrepancy::{Discrepancy, Residuals};
-use super::findings::{Evidence, Finding, findings};
-use super::floor::Floor;
+use super::evidence::Evidence;
+use super::finding::Finding;
+use super::findings::findings;
+use super::floor::{Floor, Integrations};
 use super::others::{self, TopicBytes};
 use super::pairing::{Paired, RunData};
 use super::setup::{KeyDifference, SetupDifferences};
@@ -105,9 +107,12 @@ impl Report {
         paired: &Paired,
         mut setup: SetupDifferences,
         others: Vec<TopicBytes>,
-        floor: Option<Floor>,
+        integrations: Option<Integrations>,
     ) -> Self {
-        let floor_of = |field: &str| floor.as_ref()?.of(field);
+        let floor = integrations
+            .as_ref()
+            .map(|integrations| &integrations.floor);
+        let floor_of = |field: &str| floor?.of(field);
         let [a, b] = [0, 1].map(|side| {
             let RunData {
                 history, losses, ..
@@ -119,13 +124,18 @@ impl Report {
                 ..ComparedRun::of(runs[side], losses)
             }
         });
-        let averaged = averages::compare(&paired.runs[0].history, &paired.runs[1].history);
+        let averaged = averages::compare(
+            &paired.runs[0].history,
+            &paired.runs[1].history,
+            f64::INFINITY,
+        );
         let discrepancy = paired.residuals.as_ref().and_then(Residuals::report);
         let evidence = Evidence {
             paired,
             averaged: averaged.as_ref(),
             discrepancy: discrepancy.as_ref(),
-            floor: floor.as_ref(),
+            integrations: integrations.as_ref(),
+            scenarios: runs.map(Subject::scenario),
         };
         let findings = findings(&evidence);
         setup.fields_only_in = [Side::A, Side::B].map(|side| {
@@ -158,7 +168,7 @@ impl Report {
             others,
             averaged,
             discrepancy,
-            floor,
+            floor: integrations.map(|integrations| integrations.floor),
             notes,
             a,
             b,

@@ -46,11 +46,17 @@ impl FirstCrossing {
         self.event.or(self.between)
     }
 
-    /// Whether the first crossing is known, if there is one: by an event, or because the samples resolve nutations of
-    /// this period (s).
+    /// Whether the first crossing is known, if there is one: by an event, or because there are samples that resolve
+    /// nutations of this period (s).
     pub(crate) fn is_known(&self, shortest_nutation: Option<f64>) -> bool {
         let is_resolved = |period: f64| SAMPLES_PER_NUTATION * self.gap <= period;
-        self.event.is_some() || shortest_nutation.is_some_and(is_resolved)
+        let has_samples = self.last.is_some();
+        self.event.is_some() || (has_samples && shortest_nutation.is_some_and(is_resolved))
+    }
+
+    /// Sets the time of the end of a run that ended when θ first fell to the level, s.
+    pub(crate) fn end_at(&mut self, time: f64) {
+        self.event.get_or_insert(time);
     }
 
     /// Adds a message: a state, or the end of the run at the level, after the last sample.

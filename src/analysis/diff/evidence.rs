@@ -1,0 +1,121 @@
+//! What findings are computed from, and comparisons of numbers that each run has for itself.
+
+use super::averages::Averaged;
+use super::discrepancy::Discrepancy;
+use super::finding::{Finding, FindingKind};
+use super::floor::{IntegrationError, Integrations, combined};
+use super::pairing::Paired;
+use crate::analysis::history::RunHistory;
+use crate::analysis::phrase::moment;
+use crate::run::scenario::Scenario;
+use crate::run::simulation::EventKind;
+
+/// Everything that the findings are computed from.
+pub(super) struct Evidence<'e> {
+    pub(super) paired: &'e Paired,
+    pub(super) averaged: Option<&'e Averaged>,
+    pub(super) discrepancy: Option<&'e Discrepancy>,
+    pub(super) integrations: Option<&'e Integrations>,
+    pub(super) scenarios: [Option<Scenario>; 2],
+}
+
+impl Evidence<'_> {
+    pub(super) fn histories(&self) -> [&RunHistory; 2] {
+        self.paired.runs.each_ref().map(|run| &run.history)
+    }
+
+    /// Whether both runs have recorded their events.
+    pub(super) fn has_events(&self) -> bool {
+        let has_start = |run: &RunHistory| run.first(EventKind::Start).is_some();
+        self.histories().into_iter().all(has_start)
+    }
+
+    /// The time up to which both runs go, s.
+    fn common_end(&self) -> Option<f64> {
+        let [a, b] = self.histories().map(RunHistory::stop_time);
+        Some(a?.min(b?))
+    }
+
+    /// The error of the difference of a number that each run has for itself.
+    fn error_of(&self, number: impl Fn(&RunHistory) -> Option<f64>) -> IntegrationError {
+        let Some(integrations) = self.integrations else {
+            return IntegrationError::Unknown;
+        };
+        let numbers = self.histories().map(&number);
+        let errors = [0, 1].map(|side| integrations.error_of(side, &number));
+        match errors {
+            [Some(a), Some(b)] => {
+                let numbers = numbers.map(Option::unwrap_or_default);
+                IntegrationError::Within(combined([a, b], numbers))
+            }
+            _ => IntegrationError::Undetermined,
+        }
+    }
+
+    /// A finding about a number that each run has for itself, if it does not depend on the integration.
+    pub(super) fn compare(
+        &self,
+        kind: FindingKind,
+        what: &str,
+        number: impl Fn(&RunHistory) -> Option<f64>,
+    ) -> Option<Finding> {
+        let error = match self.error_of(&number) {
+            IntegrationError::Unknown => None,
+            IntegrationError::Within(error) => Some(error),
+            IntegrationError::Undetermined => return None,
+        };
+        let numbers = self.histories().map(&number);
+        Some(Finding::new(kind, what, numbers, error))
+    }
+
+    /// A finding about the time of an event. If only one run has it, the other must go on for longer.
+    pub(super) fn compare_times(
+        &self,
+        kind: FindingKind,
+        what: &str,
+        time: impl Fn(&RunHistory) -> Option<f64>,
+    ) -> Option<Finding> {
+        let finding = self.compare(kind, what, &time)?;
+        let only = match [finding.a, finding.b] {
+            [Some(_), Some(_)] => return Some(finding),
+            [None, None] => return None,
+            [Some(time), None] | [None, Some(time)] => time,
+        };
+        (only + self.margin(&time)? < self.common_end()?).then_some(finding)
+    }
+
+    /// By how much an event must precede the end of the other run so that its absence there is certain, s.
+    fn margin(&self, time: impl Fn(&RunHistory) -> Option<f64>) -> Option<f64> {
+        let mut margin = 0.0;
+        for error in [self.error_of(time), self.error_of(RunHistory::stop_time)] {
+            match error {
+                IntegrationError::Unknown => {}
+                IntegrationError::Within(error) => margin += error,
+                IntegrationError::Undetermined => return None,
+            }
+        }
+        Some(margin)
+    }
+
+    /// A count of events up to the common end, if it is certain.
+    pub(super) fn compare_counts(
+        &self,
+        kind: FindingKind,
+        what: &str,
+        count: impl Fn(&RunHistory, f64) -> Option<usize>,
+    ) -> Option<Finding> {
+        let end = self.common_end()?;
+        let margin = self.margin(RunHistory::stop_time)?;
+        let counts = |end: f64| self.histories().map(|run| count(run, end));
+        let number = |run: &RunHistory| Some(count(run, end)? as f64);
+        let finding = self.compare(kind, &format!("{what} by {}", moment(end)), number)?;
+        let is_certain = counts(end - margin) == counts(end + margin)
+            && finding.integration_error.is_none_or(|error| error < 1.0);
+        let is_positive = finding.a > Some(0.0) || finding.b > Some(0.0);
+        (is_certain && is_positive).then_some(Finding {
+            uncertainty: None,
+            integration_error: finding.integration_error.map(|_| 0.0),
+            ..finding
+        })
+    }
+}

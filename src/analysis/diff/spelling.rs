@@ -1,0 +1,134 @@
+//! Values of JSON texts, which may be spelled in several ways.
+
+use serde::de::{self, Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// A JSON value. The order of members, white space and the spelling of numbers are lost.
+///
+/// `serde_json::Value` would accept an object that names a member twice, and compare `1` with `1.0` as different.
+#[derive(Debug, PartialEq)]
+enum Json {
+    Null,
+    Bool(bool),
+    /// An integer that fits.
+    Integer(i128),
+    /// The bits of any other number, so that −0 differs from 0.
+    Real(u64),
+    Text(String),
+    List(Vec<Json>),
+    Object(BTreeMap<String, Json>),
+}
+
+impl Json {
+    /// A number with a fraction or an exponent in its spelling: an integer if that is its exact value.
+    fn real(number: f64) -> Self {
+        /// Up to 2⁵³, each integer has its own `f64`.
+        const EXACT: f64 = 9_007_199_254_740_992.0;
+        let is_negative_zero = number == 0.0 && number.is_sign_negative();
+        if number.fract() == 0.0 && number.abs() <= EXACT && !is_negative_zero {
+            Self::Integer(number as i128)
+        } else {
+            Self::Real(number.to_bits())
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Json {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(JsonVisitor)
+    }
+}
+
+struct JsonVisitor;
+
+impl<'de> Visitor<'de> for JsonVisitor {
+    type Value = Json;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a JSON value")
+    }
+
+    fn visit_unit<E>(self) -> Result<Json, E> {
+        Ok(Json::Null)
+    }
+
+    fn visit_bool<E>(self, value: bool) -> Result<Json, E> {
+        Ok(Json::Bool(value))
+    }
+
+    fn visit_i64<E>(self, value: i64) -> Result<Json, E> {
+        Ok(Json::Integer(value.into()))
+    }
+
+    fn visit_u64<E>(self, value: u64) -> Result<Json, E> {
+        Ok(Json::Integer(value.into()))
+    }
+
+    fn visit_f64<E>(self, value: f64) -> Result<Json, E> {
+        Ok(Json::real(value))
+    }
+
+    fn visit_str<E>(self, value: &str) -> Result<Json, E> {
+        Ok(Json::Text(value.to_owned()))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Json, A::Error> {
+        let mut list = Vec::new();
+        while let Some(item) = items.next_element()? {
+            list.push(item);
+        }
+        Ok(Json::List(list))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut members: A) -> Result<Json, A::Error> {
+        let mut object = BTreeMap::new();
+        while let Some((name, value)) = members.next_entry::<String, Json>()? {
+            if object.insert(name, value).is_some() {
+                return Err(de::Error::custom("a member is repeated"));
+            }
+        }
+        Ok(Json::Object(object))
+    }
+}
+
+/// Whether two texts are JSON with the same values.
+pub(super) fn is_same_json(a: &[u8], b: &[u8]) -> bool {
+    let parse = |text| serde_json::from_slice::<Json>(text).ok();
+    parse(a).is_some_and(|a| parse(b) == Some(a))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spelling_is_no_difference_of_values() {
+        for (a, b, expected) in [
+            (
+                r#"{"a":1,"b":[2.5]}"#,
+                r#"{ "b": [25e-1], "a": 1.0 }"#,
+                true,
+            ),
+            (r#""é""#, r#""\u00e9""#, true),
+            ("1e2", "100", true),
+            ("0.1", "0.10000000000000001", true),
+            ("0.1", "0.10000000000000002", false),
+            ("-0.0", "0.0", false),
+            ("9007199254740993", "9007199254740992", false),
+            ("9007199254740993", "9007199254740992.0", false),
+            ("[1,2]", "[2,1]", false),
+            ("null", "0", false),
+            (r#"{"a":1}"#, r#"{"a":1,"b":null}"#, false),
+            (r#"{"a":1,"a":2}"#, r#"{"a":2}"#, false),
+            ("{", "{", false),
+            ("1", "1 2", false),
+        ] {
+            assert_eq!(
+                is_same_json(a.as_bytes(), b.as_bytes()),
+                expected,
+                "{a} {b}"
+            );
+        }
+    }
+}
