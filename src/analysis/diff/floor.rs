@@ -1,7 +1,7 @@
 //! Integration errors.
 //!
-//! Each scenario is integrated three times: with its own tolerances, with a hundredth of them, and with a tenth of
-//! them in the other formulation where that is possible. The first run's error is its largest distance from the other
+//! Each scenario is integrated three times: with its own tolerances, with the tightest useful ones, and with tolerances
+//! in between in the other formulation where that is possible. The first run's error is its largest distance from the other
 //! two. A difference between A and B within the combined errors is not significant.
 
 use super::averages::AverageErrors;
@@ -20,14 +20,13 @@ use std::collections::BTreeMap;
 #[cfg(not(target_family = "wasm"))]
 use std::thread;
 
-/// Factor for the tightened tolerances.
-const TIGHTER: f64 = 0.01;
-/// Minimum tolerances (rounding).
+/// Minimum tolerances (rounding). The relative one is that of the tightened run: a hundredth of a coarse tolerance would
+/// not show chaos that sets in later.
 const TIGHTEST_RELATIVE: f64 = 1e-14;
 const TIGHTEST_ABSOLUTE: f64 = 1e-18;
 /// Factor for tolerances that can't be tightened: a coarser run shows at least the errors of rounding.
 const COARSER: f64 = 10.0;
-/// Smallest useful change of the tolerances, as the ratio of the tightened one to the own one.
+/// Smallest useful change of a tolerance, as the ratio of the tightened one to the own one.
 const CHANGED: f64 = 0.5;
 
 /// Safety factor of the errors.
@@ -195,8 +194,8 @@ fn repeat(
     carry_on: &(dyn Fn() -> bool + Sync),
 ) -> Option<Repeated> {
     let own = &scenario.tolerances;
-    let relative = other_tolerance(own.relative, TIGHTEST_RELATIVE);
-    let absolute = other_tolerance(own.absolute, TIGHTEST_ABSOLUTE);
+    let relative = other_tolerance(own.relative);
+    let absolute = (own.absolute * (relative / own.relative)).max(TIGHTEST_ABSOLUTE);
     let first = with_tolerances(scenario, relative, absolute)?;
     let between = with_tolerances(
         scenario,
@@ -295,13 +294,12 @@ impl Repeated {
     }
 }
 
-/// A tightened tolerance, or a coarser one where rounding allows no tighter one.
-fn other_tolerance(own: f64, tightest: f64) -> f64 {
-    let tightened = (own * TIGHTER).max(tightest);
-    if tightened <= CHANGED * own {
-        tightened
+/// The tightened relative tolerance, or a coarser one where rounding allows no tighter one.
+fn other_tolerance(own: f64) -> f64 {
+    if TIGHTEST_RELATIVE <= CHANGED * own {
+        TIGHTEST_RELATIVE
     } else {
-        own * COARSER
+        COARSER * own
     }
 }
 

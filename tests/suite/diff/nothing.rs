@@ -137,6 +137,34 @@ fn events_of_the_same_physics_have_no_findings() {
     }
 }
 
+/// Also tolerances that can't be tightened have an error.
+#[test]
+fn estimates_the_error_of_any_tolerance() {
+    let run = |tolerance| {
+        scenario(
+            "full-coulomb",
+            &[
+                ("integrator.relative_tolerance", tolerance),
+                ("stop.duration", "1"),
+            ],
+        )
+    };
+    for tolerance in ["1e-14", "1.5e-14", "3e-13", "7e-12", "1e-2"] {
+        let report = compare(&run(tolerance), &run("1e-12"), &Options::default()).unwrap();
+        let floor = report
+            .floor
+            .unwrap_or_else(|| panic!("{tolerance}: no error"));
+        let found = &floor
+            .a
+            .fields
+            .iter()
+            .find(|(name, _)| name == "/top/state.theta");
+        assert!(found.unwrap().1 > 0.0, "{tolerance}");
+        let found: Vec<_> = report.findings.iter().filter(|f| f.differs()).collect();
+        assert!(found.is_empty(), "{tolerance}: {found:?}");
+    }
+}
+
 /// Presets with events: ends, inversions, loops, sticking, rolling.
 #[test]
 #[ignore = "takes minutes"]
