@@ -206,7 +206,7 @@ fn every_command_answers_in_markdown() {
 #[test]
 fn a_comparison_counts_the_findings_that_it_leaves_out() {
     let folder = Folder::new();
-    let text = folder.toprise("diff free-paper drop", 1).stdout;
+    let text = folder.toprise("diff free-paper free-rolls", 1).stdout;
     assert_contains(&text, "more findings and every field");
 }
 
