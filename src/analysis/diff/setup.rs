@@ -142,6 +142,9 @@ fn facts(recording: &Recording, has_schemas: bool) -> Flat {
         let text = described.unwrap_or_else(|error| error.to_string());
         add(format!("attachment {}", attachment.header.name), text);
     }
+    // Equal channels of a topic, e.g. of two publishers, are described once.
+    let mut described = BTreeSet::new();
+    let mut numbers: BTreeMap<&str, usize> = BTreeMap::new();
     let channels = recording.channels().iter();
     for channel in channels.filter(|_| has_schemas) {
         let schema = channel.schema.as_deref();
@@ -152,7 +155,13 @@ fn facts(recording: &Recording, has_schemas: bool) -> Flat {
             channel.schema_name(),
             channel.metadata
         );
-        add(format!("channel {}", channel.topic), text);
+        if described.insert((&channel.topic, text.clone())) {
+            add(format!("channel {}", channel.topic), text);
+        }
+        *numbers.entry(&channel.topic).or_default() += 1;
+    }
+    for (topic, number) in numbers {
+        add(format!("number of channels of {topic}"), number.to_string());
     }
     for schema in recording.layout.channels.unused_schemas() {
         add(format!("unused schema {}", schema.name), String::new());
