@@ -20,6 +20,7 @@ mod euler;
 mod fixed;
 mod formulation;
 mod free;
+mod holding;
 mod impact;
 mod integrals;
 mod lean;

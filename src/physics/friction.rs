@@ -3,13 +3,17 @@
 //! [`FrictionLaw`] computes the sliding friction force. [`Losses`] are torques independent of slip: rolling resistance,
 //! drilling, air drag. [`Dissipation`] selects components of the sliding friction torque.
 
+mod branch;
 mod law;
 mod losses;
 
+pub use branch::{Branch, Rocking, Turning};
 pub use law::{FrictionLaw, Smoothing, drilling_torque};
+pub(crate) use losses::NO_ROLLING;
 pub use losses::{Air, Drilling, Losses};
 
 use crate::physics::kinematics::{Euler, Tilt};
+use crate::physics::math::hypot;
 use crate::physics::top::Top;
 use nalgebra::Vector3;
 use std::ops::Mul;
@@ -93,6 +97,8 @@ pub struct Friction {
     pub dissipation: Dissipation,
     /// Torques of the losses.
     pub losses: Option<Losses>,
+    /// The branches of the set-valued torques.
+    pub branch: Branch,
 }
 
 /// The force and torque that keep a contact point at rest, and their bounds.
@@ -160,11 +166,15 @@ impl Friction {
         } else {
             Vector3::zeros()
         };
-        let mut couple = self
-            .losses
-            .map_or_else(Vector3::zeros, |losses| losses.contact_torque(1.0, omega));
+        let mut couple = self.losses.map_or_else(Vector3::zeros, |losses| {
+            losses.contact_torque(1.0, omega, &self.branch)
+        });
         if let FrictionLaw::Contensou { k, patch_radius } = self.law {
-            couple.z += drilling_torque(k, patch_radius, 1.0, speed, omega.z);
+            let rate = match self.branch.turning {
+                Turning::Held => 0.0,
+                Turning::Any | Turning::Forward | Turning::Backward => omega.z,
+            };
+            couple.z += drilling_torque(k, patch_radius, 1.0, speed, rate);
         }
         Wrench { force, couple }
     }
@@ -193,13 +203,66 @@ impl Friction {
         force
     }
 
-    /// Whether the torque is discontinuous at zero slip.
+    /// Whether the torque on a fixed peg is discontinuous at zero slip.
     #[inline]
     pub fn is_set_valued(&self) -> bool {
-        self.law.static_bound(1.0) + self.rolling_arm() > 0.0
+        self.law.static_bound_at(1.0, 0.0) + self.rolling_arm() > 0.0
     }
 
-    /// Whether the sliding force is discontinuous at zero slip, so that the contact point can stick.
+    /// Whether the force of the law is discontinuous only where the top doesn't turn about the vertical either: the
+    /// contact patch then comes to rest as a whole.
+    pub fn rests_as_a_whole(&self) -> bool {
+        matches!(self.law, FrictionLaw::Contensou { .. }) && self.is_set_valued()
+    }
+
+    /// Speed of the contact patch, m/s: 0 only where the force of the law is discontinuous.
+    #[inline]
+    pub fn patch_speed(&self, slip_speed: f64, turning_rate: f64) -> f64 {
+        match self.law {
+            FrictionLaw::Contensou { patch_radius, .. } => {
+                hypot(slip_speed, patch_radius * turning_rate)
+            }
+            FrictionLaw::None
+            | FrictionLaw::Coulomb { .. }
+            | FrictionLaw::Regularised { .. }
+            | FrictionLaw::Viscous { .. }
+            | FrictionLaw::Stribeck { .. } => slip_speed,
+        }
+    }
+
+    /// Bound of the set-valued torque about the vertical, N m; 0 if the torque is continuous. Coulomb–Contensou
+    /// friction is set-valued only while the contact point is at rest.
+    pub fn drilling_bound(&self, normal_force: f64, is_at_rest: bool) -> f64 {
+        let of_losses = self
+            .losses
+            .map_or(0.0, |losses| losses.drilling.bound(normal_force));
+        match self.law {
+            FrictionLaw::Contensou { k, patch_radius } if is_at_rest => {
+                of_losses - drilling_torque(k, patch_radius, normal_force, 0.0, 1.0)
+            }
+            FrictionLaw::None
+            | FrictionLaw::Coulomb { .. }
+            | FrictionLaw::Regularised { .. }
+            | FrictionLaw::Viscous { .. }
+            | FrictionLaw::Stribeck { .. }
+            | FrictionLaw::Contensou { .. } => of_losses,
+        }
+    }
+
+    /// The same friction on other branches.
+    #[inline]
+    pub fn on_branch(self, branch: Branch) -> Self {
+        Self { branch, ..self }
+    }
+
+    /// Whether friction can hold the contact point of a free peg. With Coulomb–Contensou friction, it holds only a
+    /// contact patch that doesn't turn either.
+    #[inline]
+    pub fn holds_slip(&self) -> bool {
+        self.law.static_bound_at(1.0, 0.0) > 0.0
+    }
+
+    /// Whether the sliding force is discontinuous at zero slip, whatever the rate about the vertical.
     #[inline]
     pub fn is_set_valued_at_rest(&self) -> bool {
         self.law.static_bound(1.0) > 0.0
@@ -222,9 +285,16 @@ impl Friction {
         let required = top.turning_torque(tilt, losses.z) - top.gravity_torque(tilt) - losses;
         Grip {
             required: Vector3::new(required.x, required.y, 0.0),
-            maximum: top.peg_radius * self.law.static_bound(normal_force)
+            maximum: top.peg_radius * self.static_force(normal_force, tilt)
                 + self.rolling_arm() * normal_force,
         }
+    }
+
+    /// Bound of the static force on a fixed peg, N.
+    #[inline]
+    fn static_force(&self, normal_force: f64, tilt: &Tilt) -> f64 {
+        let rate = self.branch.turning.rate_of(tilt.omega_lean.z);
+        self.law.static_bound_at(normal_force, rate)
     }
 
     /// Arm of rolling resistance, m.
@@ -247,7 +317,10 @@ impl Friction {
         }
         let grip = self.grip(top, normal_force, &tilt);
         let torque = grip.torque();
-        let share = top.peg_radius * self.law.static_bound(normal_force) / grip.maximum;
+        if grip.maximum == 0.0 {
+            return (Vector3::zeros(), losses);
+        }
+        let share = top.peg_radius * self.static_force(normal_force, &tilt) / grip.maximum;
         let force = share / top.peg_radius * Vector3::new(-torque.y, torque.x, 0.0);
         (force, losses.map(|losses| losses + (1.0 - share) * torque))
     }
@@ -277,10 +350,16 @@ impl Friction {
         axis: Vector3<f64>,
     ) -> Vector3<f64> {
         let mut torque = self.losses.map_or_else(Vector3::zeros, |losses| {
-            losses.torque(normal_force, &omega, &axis)
+            losses.torque(normal_force, &omega, &axis, &self.branch)
         });
         if let FrictionLaw::Contensou { k, patch_radius } = self.law {
-            torque.z += drilling_torque(k, patch_radius, normal_force, slip_speed, omega.z);
+            // Only without slip does the torque jump where the top stops turning.
+            let rate = if slip_speed == 0.0 {
+                self.branch.turning.rate_of(omega.z)
+            } else {
+                omega.z
+            };
+            torque.z += drilling_torque(k, patch_radius, normal_force, slip_speed, rate);
         }
         torque
     }

@@ -136,6 +136,27 @@ impl Top {
         omega * Vector3::new(product, 0.0, self.vertical_moment(tilt.sin, tilt.cos))
     }
 
+    /// Angular velocity in the lean frame, rad/s, of a top that does not turn about the vertical, from the horizontal
+    /// components of its angular momentum (kg m²/s).
+    #[inline]
+    pub fn rocking_rate(&self, momentum_lean: &Vector3<f64>, sin: f64, cos: f64) -> Vector3<f64> {
+        let across = self.transverse_moment * cos * cos + self.axial_moment * sin * sin;
+        Vector3::new(
+            momentum_lean.x / across,
+            momentum_lean.y / self.transverse_moment,
+            0.0,
+        )
+    }
+
+    /// The angular acceleration in the lean frame, rad/s², for a torque (N m) in that frame.
+    pub fn angular_acceleration(&self, torque: &Vector3<f64>, tilt: &Tilt) -> Vector3<f64> {
+        let axis = tilt.axis();
+        let momentum = tilt.node_to_lean(&self.angular_momentum_node(tilt));
+        let net = torque - tilt.omega_lean.cross(&momentum);
+        let excess = 1.0 / self.axial_moment - 1.0 / self.transverse_moment;
+        net / self.transverse_moment + excess * net.dot(&axis) * axis
+    }
+
     /// The torque in the lean frame, N m, of a top that rotates rigidly about the vertical, with the component
     /// `vertical` (N m) about the vertical.
     #[inline]

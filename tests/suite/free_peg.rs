@@ -57,7 +57,7 @@ fn hit(command: &str) -> (Model, Motion, Impact) {
     };
     let start = start_of_impact(&model, command);
     let (system, state, _): (_, [f64; FreeRotation::STATE_LENGTH], _) =
-        FreeRotation::start(&model, &start, true);
+        FreeRotation::start(&model, &start);
     let entry = system.enter(Guard::Gap, &state, start.angles).unwrap();
     let (Transition::Bounces(impact) | Transition::Lands(impact)) = entry.transition else {
         panic!("{command}: {:?}", entry.transition)

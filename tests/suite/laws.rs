@@ -1,8 +1,6 @@
 //! Laws of friction: what each must keep in every state, their limits, sticking, whole lives.
 
-use crate::support::{
-    Run, archive, assert_contains, assert_near, scenario, sliding_friction, verified,
-};
+use crate::support::{Run, archive, assert_near, scenario, sliding_friction, verified};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -11,12 +9,12 @@ use toprise::analysis::verify::Verdict;
 use toprise::archive::writer::Form;
 use toprise::physics::dynamics::{BodyRotation, EulerAngles, Formulation, Guard, Model, Phase};
 use toprise::physics::friction::{
-    Air, Dissipation, Drilling, Friction, FrictionLaw, Losses, Smoothing, drilling_torque,
+    Air, Branch, Dissipation, Drilling, Friction, FrictionLaw, Losses, Smoothing, drilling_torque,
 };
 use toprise::physics::integrate::System;
 use toprise::physics::kinematics::{Euler, Tilt};
 use toprise::run::scenario::{KEYS, Kind, LAWS, Law, Scenario};
-use toprise::run::simulation::{EventKind, Simulation, StopReason};
+use toprise::run::simulation::{EventKind, StopReason};
 
 fn model(friction: Friction) -> Model {
     let mut model = scenario("paper", &[]).model;
@@ -78,11 +76,7 @@ fn losses() -> impl Strategy<Value = Losses> {
     (0.0..1e-3_f64, 0.0..1.0_f64, 1e-6..1e-2_f64, air).prop_map(
         |(rolling_arm, k, patch_radius, (axial, transverse, disc))| Losses {
             rolling_arm,
-            drilling: Drilling {
-                k,
-                patch_radius,
-                creep: 0.0,
-            },
+            drilling: Drilling { k, patch_radius },
             air: Air {
                 axial,
                 transverse,
@@ -135,7 +129,7 @@ proptest! {
         each[1].drilling = losses.drilling;
         each[2].air = losses.air;
         for loss in each {
-            let torque = loss.torque(1.0, &omega, &axis);
+            let torque = loss.torque(1.0, &omega, &axis, &Branch::default());
             let rounding = 4.0 * f64::EPSILON * torque.norm() * omega.norm();
             prop_assert!(torque.dot(&omega) <= rounding);
         }
@@ -146,11 +140,9 @@ proptest! {
         tilt in state(), losses in losses(), normal_force in 1e-3..10.0_f64,
     ) {
         // Without slip neither the resistance to rolling nor drilling depends on how fast the top turns.
-        let torque = losses.contact_torque(normal_force, &tilt.omega_lean);
+        let torque = losses.contact_torque(normal_force, &tilt.omega_lean, &Branch::default());
         let rolling = losses.rolling_arm * normal_force;
-        let Drilling {
-            k, patch_radius, ..
-        } = losses.drilling;
+        let Drilling { k, patch_radius } = losses.drilling;
         let drilling = 3.0 * PI / 16.0 * k * normal_force * patch_radius;
         // Some ten roundings of products and a root.
         let rounding = 10.0 * f64::EPSILON * (rolling + drilling);
@@ -276,7 +268,7 @@ proptest! {
     #[test]
     fn both_formulations_have_all_laws(tilt in state(), law in law(), losses in losses(), part in part()) {
         // The Euler accelerations turned into dL/dt are the torque: 𝕀 ω̇ + ω × L.
-        let model = model(Friction { law, dissipation: part, losses: Some(losses) });
+        let model = model(Friction { law, dissipation: part, losses: Some(losses), branch: Branch::default() });
         let contact = model.contact(&tilt);
         let torque = tilt.lean_to_node(&model.friction_torque(&contact, &tilt));
         let frictional = model.accelerations(&contact, &tilt).frictional;
@@ -296,7 +288,7 @@ proptest! {
     fn a_contact_at_rest_is_held_as_far_as_friction_goes(
         theta in 0.0..3.1_f64, omega in -200.0..200.0_f64, k in 0.0..10.0_f64, losses in losses(),
     ) {
-        let model = model(Friction { law: FrictionLaw::Coulomb { k }, dissipation: Dissipation::Full, losses: Some(losses) });
+        let model = model(Friction { law: FrictionLaw::Coulomb { k }, dissipation: Dissipation::Full, losses: Some(losses), branch: Branch::default() });
         let rates = Euler { phi: omega, theta: 0.0, psi: 0.0 };
         let tilt = Tilt::from_rates(theta, rates);
         let contact = model.contact(&tilt);
@@ -698,23 +690,6 @@ fn a_nutation_that_ends_after_the_run_is_not_counted() {
 }
 
 #[test]
-fn a_run_that_no_longer_gets_on_ends_with_an_error() {
-    // Drilling against an upright top that has stopped turning.
-    let scenario = scenario(
-        "frictionless",
-        &[
-            ("formulation", "body"),
-            ("initial.theta", "0"),
-            ("drilling.k", "1"),
-            ("drilling.patch_radius", "1e-2"),
-        ],
-    );
-    let error = Simulation::new(&scenario).unwrap().find_map(Result::err);
-    let error = error.expect("it ends with an error").to_string();
-    assert_contains(&error, "stalled");
-}
-
-#[test]
 fn val_drilling_takes_the_spin_in_its_time_and_then_holds_it() {
     let changes = [
         ("friction.law", "none"),
@@ -732,16 +707,11 @@ fn val_drilling_takes_the_spin_in_its_time_and_then_holds_it() {
     let scenario = scenario("free-viscous", &changes);
     let top = scenario.model.top;
     let slowing = 3.0 * PI / 16.0 * top.weight() * 1e-3 / top.axial_moment;
-    let creep = scenario.model.friction.losses.unwrap().drilling.creep;
-    // It would stop within 1e-5 s.
-    let expected = 1e-5 * slowing.max(slowing * top.axial_moment / top.central_moment());
-    assert_near("creep", creep, expected, 1e-12);
     let run = Run::of(&scenario);
     assert_eq!(run.end.time, 1.0);
     for sample in &run.samples {
         let left = (2.0 - slowing * (sample.time_ns as f64 / 1e9)).max(0.0);
-        // Near the end the spin fades within twice the time, and by as much less than it creeps.
-        assert_near("spin", sample.pose.omega_world.z, left, creep);
+        assert_near("spin", sample.pose.omega_world.z, left, 1e-10);
     }
-    assert!(run.end.statistics.accepted < 100_000);
+    assert!(run.end.statistics.accepted < 1000);
 }

@@ -463,9 +463,16 @@ fn torque_of_parts(scenario: &Scenario) -> PhysicalLaw {
         let losses = friction
             .torque_of_losses(slip_speed, normal, pose::OMEGA_WORLD.of(now), axis)
             .unwrap_or_default();
-        // The resistance of a peg that doesn't roll is what it has to be, up to a bound.
-        let arm = friction.rolling_arm();
-        let unknown = if slip_speed > 0.0 { 0.0 } else { arm * normal };
+        // Friction of what doesn't move is what it has to be, up to its bound in either sense; its sign is that of the phase
+        // where the motion is slower than `DEPARTING`.
+        let omega = pose::OMEGA_WORLD.of(now);
+        let mut unknown = 0.0;
+        if slip_speed == 0.0 || omega.xy().norm() < DEPARTING {
+            unknown += 2.0 * friction.rolling_arm() * normal;
+        }
+        if omega.z.abs() < DEPARTING {
+            unknown += 2.0 * friction.drilling_bound(normal, slip_speed == 0.0);
+        }
         let rotation = UnitQuaternion::new_unchecked(pose::ORIENTATION.of(now));
         let torque = rotation * torque::FRICTION_BODY.of(now);
         let error = (torque - sliding - losses).norm();
@@ -489,9 +496,7 @@ fn size_of_torques(top: &Top, friction: &Friction, now: &Instant<'_>) -> f64 {
     } = losses.air;
     // The disc's drag grows with the power 3/2 of the rate, and so does its rounding.
     let drag = (2.0 * transverse + axial + 1.5 * disc * omega.sqrt()) * omega;
-    let Drilling {
-        k, patch_radius, ..
-    } = losses.drilling;
+    let Drilling { k, patch_radius } = losses.drilling;
     let mut of_patch = drilling_torque(k, patch_radius, normal, 0.0, -1.0);
     if let FrictionLaw::Contensou { k, patch_radius } = friction.law {
         of_patch += drilling_torque(k, patch_radius, normal, 0.0, -1.0);
@@ -749,7 +754,7 @@ fn bound_of_free_force(scenario: &Scenario) -> PhysicalLaw {
     })
 }
 
-/// What slips more slowly after it was at rest has no direction yet, m/s.
+/// What slips or turns more slowly after it was at rest has no direction yet, m/s or rad/s.
 const DEPARTING: f64 = 1e-9;
 
 /// The work of friction is what the sliding, the losses and the impacts took.

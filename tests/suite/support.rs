@@ -15,7 +15,7 @@ use toprise::archive::publish::Existing;
 use toprise::archive::recording::Recording;
 use toprise::archive::sink::{Sink, SinkError, record};
 use toprise::archive::writer::Form;
-use toprise::physics::friction::{Dissipation, Friction, FrictionLaw};
+use toprise::physics::friction::{Branch, Dissipation, Friction, FrictionLaw};
 use toprise::run::scenario::{Preset, Scenario};
 use toprise::run::simulation::{
     Event, EventKind, ImpactRecord, NutationCycle, Record, RunEnd, Sample, Simulation,
@@ -314,5 +314,6 @@ pub fn sliding_friction(law: FrictionLaw, dissipation: Dissipation) -> Friction 
         law,
         dissipation,
         losses: None,
+        branch: Branch::default(),
     }
 }

@@ -5,6 +5,7 @@
 
 use super::field::rms;
 use crate::physics::dynamics::{Integrals, Model, Motion, Peg, Phase};
+use crate::physics::friction::Branch;
 use crate::physics::kinematics::{Euler, Tilt, world_to_lean};
 use crate::run::time::seconds;
 use crate::telemetry::Message;
@@ -110,6 +111,7 @@ fn motion(message: &Message<'_>, radius: f64) -> Option<Motion> {
         tilt: Tilt::from_rates(angles[1], euler(rates)),
         peg: Peg::fixed(radius),
         phase: Phase::Sliding,
+        branch: Branch::default(),
         integrals: Integrals::default(),
     })
 }

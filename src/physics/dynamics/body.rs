@@ -7,6 +7,7 @@ use super::lean::{Lean, quaternion};
 use super::model::Model;
 use super::motion::{Motion, Peg, Start};
 use super::support::Phase;
+use crate::physics::friction::Turning;
 use crate::physics::integrate::System;
 use crate::physics::kinematics::{
     Euler, Tilt, euler_angles, inclination, lean_to_world, world_from_body,
@@ -27,7 +28,7 @@ pub struct BodyRotation {
     /// The physics.
     pub model: Model,
     /// Phase of the contact point. While it sticks, only the vertical angular momentum is used; the other components
-    /// follow from it.
+    /// follow from it. While friction prevents turning about the vertical, only the horizontal components are used.
     pub phase: Phase,
 }
 
@@ -48,6 +49,10 @@ impl BodyRotation {
             return Tilt::from_omega(lean.sin, lean.cos, Vector3::new(0.0, 0.0, rate));
         }
         let momentum_lean = lean.world_to_lean(momentum);
+        if self.model.holds_turning() {
+            let omega = top.rocking_rate(&momentum_lean, lean.sin, lean.cos);
+            return Tilt::from_omega(lean.sin, lean.cos, omega);
+        }
         let axial = lean.sin * momentum_lean.x + lean.cos * momentum_lean.z;
         let excess = axial * (1.0 / top.axial_moment - 1.0 / top.transverse_moment);
         let omega =
@@ -96,11 +101,17 @@ impl BodyRotation {
 }
 
 impl<const N: usize> FixedPeg<N> for BodyRotation {
-    fn with_phase(self, phase: Phase) -> Self {
-        Self { phase, ..self }
+    fn in_phase(self, phase: Phase, turning: Turning) -> Self {
+        Self {
+            phase,
+            model: self.model.with_turning(turning),
+        }
     }
 
-    fn at_rest(&self, y: &[f64; N]) -> [f64; N] {
+    fn at_rest(&self, y: &[f64; N], turns: bool) -> [f64; N] {
+        if !turns {
+            return with_momentum(y, &Vector3::zeros());
+        }
         let lean = Lean::of(&quaternion(y), |_| momentum(y));
         let held = Self {
             phase: Phase::Sticking,
@@ -113,13 +124,24 @@ impl<const N: usize> FixedPeg<N> for BodyRotation {
         (rested[4], rested[5]) = (momentum.x, momentum.y);
         rested
     }
+
+    fn without_turning(&self, y: &[f64; N]) -> [f64; N] {
+        let lean = Lean::of(&quaternion(y), |_| momentum(y));
+        let held = Self {
+            model: self.model.with_turning(Turning::Held),
+            phase: Phase::Sliding,
+        };
+        let tilt = held.tilt(&lean, &momentum(y));
+        let momentum_lean = tilt.node_to_lean(&self.model.top.angular_momentum_node(&tilt));
+        with_momentum(y, &lean.lean_to_world(&momentum_lean))
+    }
 }
 
 impl<const N: usize> Formulation<N> for BodyRotation {
-    fn start(model: &Model, start: &Start, may_stick: bool) -> Started<Self, N> {
+    fn start(model: &Model, start: &Start) -> Started<Self, N> {
         let state = Self::state(start.angles, start.rates, model);
         let (model, phase) = (*model, Phase::Sliding);
-        fixed::start(Self { model, phase }, state, start, may_stick)
+        fixed::start(Self { model, phase }, state, start)
     }
 
     fn angles(&self, y: &[f64; N], reference: Euler) -> Euler {
@@ -146,6 +168,7 @@ impl<const N: usize> Formulation<N> for BodyRotation {
             tilt,
             peg: Peg::fixed(self.model.top.peg_radius),
             phase: self.phase,
+            branch: self.model.friction.branch,
             integrals: integrals::<{ Self::VARIABLES }, N>(y),
         }
     }
@@ -173,6 +196,12 @@ impl<const N: usize> Formulation<N> for BodyRotation {
     fn enter(&self, guard: Guard, y: &[f64; N], reference: Euler) -> Entered<Self, N> {
         Ok(fixed::enter(self, guard, y, reference))
     }
+}
+
+fn with_momentum<const N: usize>(y: &[f64; N], momentum: &Vector3<f64>) -> [f64; N] {
+    let mut state = *y;
+    state[4..7].copy_from_slice(momentum.as_slice());
+    state
 }
 
 #[inline]

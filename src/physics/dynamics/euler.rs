@@ -6,8 +6,10 @@ use super::integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, first_of, integrals,
 use super::model::Model;
 use super::motion::{Motion, Peg, Start};
 use super::support::Phase;
+use crate::physics::friction::Turning;
 use crate::physics::integrate::System;
 use crate::physics::kinematics::{Euler, Tilt, world_from_body};
+use crate::physics::math::sin_cos;
 use nalgebra::UnitQuaternion;
 
 /// Equations (7) in Euler angles, as printed. Singular at θ = 0 and θ = π.
@@ -17,7 +19,8 @@ use nalgebra::UnitQuaternion;
 pub struct EulerAngles {
     /// The physics.
     pub model: Model,
-    /// Phase of the contact point. While it sticks, θ and ψ are constant.
+    /// Phase of the contact point. While it sticks, θ and ψ are constant. While friction prevents turning about the
+    /// vertical, φ̇ follows from ψ̇.
     pub phase: Phase,
 }
 
@@ -61,7 +64,7 @@ struct Derivatives<const I: usize> {
 impl EulerAngles {
     #[inline(always)]
     fn slope<const N: usize, const I: usize>(&self, y: &[f64; N]) -> [f64; N] {
-        let rates = rates(y);
+        let rates = self.rates(y);
         let derivatives = self.derivatives::<I>(y[1], rates.phi, rates.theta, rates.psi);
         let first = [
             rates.phi,
@@ -107,6 +110,16 @@ impl EulerAngles {
         }
     }
 
+    /// The Euler rates, rad/s.
+    #[inline(always)]
+    fn rates<const N: usize>(&self, y: &[f64; N]) -> Euler {
+        if self.model.holds_turning() {
+            not_turning(y[1], rates(y))
+        } else {
+            rates(y)
+        }
+    }
+
     /// The state at the start from Euler angles (rad) and rates (rad/s).
     pub fn state<const N: usize>(angles: Euler, rates: Euler, _model: &Model) -> [f64; N] {
         let first = [
@@ -122,11 +135,17 @@ impl EulerAngles {
 }
 
 impl<const N: usize> FixedPeg<N> for EulerAngles {
-    fn with_phase(self, phase: Phase) -> Self {
-        Self { phase, ..self }
+    fn in_phase(self, phase: Phase, turning: Turning) -> Self {
+        Self {
+            phase,
+            model: self.model.with_turning(turning),
+        }
     }
 
-    fn at_rest(&self, y: &[f64; N]) -> [f64; N] {
+    fn at_rest(&self, y: &[f64; N], turns: bool) -> [f64; N] {
+        if !turns {
+            return with_rates(y, Euler::default());
+        }
         let top = &self.model.top;
         let tilt = Tilt::from_rates(y[1], rates(y));
         let vertical = tilt.node_to_lean(&top.angular_momentum_node(&tilt)).z;
@@ -135,13 +154,17 @@ impl<const N: usize> FixedPeg<N> for EulerAngles {
         (rested[4], rested[5]) = (0.0, 0.0);
         rested
     }
+
+    fn without_turning(&self, y: &[f64; N]) -> [f64; N] {
+        with_rates(y, not_turning(y[1], rates(y)))
+    }
 }
 
 impl<const N: usize> Formulation<N> for EulerAngles {
-    fn start(model: &Model, start: &Start, may_stick: bool) -> Started<Self, N> {
+    fn start(model: &Model, start: &Start) -> Started<Self, N> {
         let state = Self::state(start.angles, start.rates, model);
         let (model, phase) = (*model, Phase::Sliding);
-        fixed::start(Self { model, phase }, state, start, may_stick)
+        fixed::start(Self { model, phase }, state, start)
     }
 
     #[inline]
@@ -150,9 +173,10 @@ impl<const N: usize> Formulation<N> for EulerAngles {
         let angles = angles(y);
         Motion {
             angles,
-            tilt: Tilt::from_rates(angles.theta, rates(y)),
+            tilt: Tilt::from_rates(angles.theta, self.rates(y)),
             peg: Peg::fixed(self.model.top.peg_radius),
             phase: self.phase,
+            branch: self.model.friction.branch,
             integrals: integrals::<{ Self::VARIABLES }, N>(y),
         }
     }
@@ -193,6 +217,21 @@ impl<const N: usize> Formulation<N> for EulerAngles {
 #[inline]
 fn angles<const N: usize>(y: &[f64; N]) -> Euler {
     Euler::new(y[0], y[1], y[2])
+}
+
+/// These rates with the φ̇ of a top that does not turn about the vertical: `φ̇ = −ψ̇ cos θ`.
+#[cold]
+fn not_turning(theta: f64, rates: Euler) -> Euler {
+    Euler {
+        phi: -rates.psi * sin_cos(theta).1,
+        ..rates
+    }
+}
+
+fn with_rates<const N: usize>(y: &[f64; N], rates: Euler) -> [f64; N] {
+    let mut state = *y;
+    state[3..6].copy_from_slice(&[rates.phi, rates.theta, rates.psi]);
+    state
 }
 
 #[inline]

@@ -1,9 +1,14 @@
 //! Phases of a top with a fixed peg: sliding, or sticking and turning about the vertical.
+//!
+//! Friction can hold two parts of the motion: slip, which is rocking (ω_⊥ = 0), and turning about the vertical (ω_z′ = 0).
+//! Each is held while the torque that holds it is within its bound; the other part, gravity and the gyroscopic torques
+//! enter that torque. Where both are held, the top rests for ever, because nothing changes any more.
 
 use super::formulation::{Entry, Formulation, Guard, Started, Transition};
 use super::model::Model;
 use super::motion::{Motion, NO_SLIP, Start};
 use super::support::Phase;
+use crate::physics::friction::{Branch, NO_ROLLING, Turning};
 use crate::physics::kinematics::{Euler, Tilt};
 
 /// Euler angles are singular within this distance of θ = 0 and θ = π, rad.
@@ -11,11 +16,29 @@ const SINGULAR: f64 = 1e-6;
 
 /// Equations of a top with a fixed peg.
 pub(super) trait FixedPeg<const N: usize>: Formulation<N> {
-    /// These equations in another phase.
-    fn with_phase(self, phase: Phase) -> Self;
+    /// These equations in another phase and on another branch of drilling friction.
+    fn in_phase(self, phase: Phase, turning: Turning) -> Self;
 
-    /// The state after the contact point comes to rest, with the vertical angular momentum conserved.
-    fn at_rest(&self, state: &[f64; N]) -> [f64; N];
+    /// The state after the contact point comes to rest. The vertical angular momentum is conserved if the top still
+    /// `turns`.
+    fn at_rest(&self, state: &[f64; N], turns: bool) -> [f64; N];
+
+    /// The state after the top stops turning about the vertical.
+    fn without_turning(&self, state: &[f64; N]) -> [f64; N];
+}
+
+impl Model {
+    /// The same model on another branch of drilling friction.
+    pub(super) fn with_turning(self, turning: Turning) -> Self {
+        let branch = Branch {
+            turning,
+            ..self.friction.branch
+        };
+        Self {
+            friction: self.friction.on_branch(branch),
+            ..self
+        }
+    }
 }
 
 /// Start of the motion: see [`Formulation::start`].
@@ -23,37 +46,66 @@ pub(super) fn start<F: FixedPeg<N>, const N: usize>(
     formulation: F,
     state: [f64; N],
     start: &Start,
-    may_stick: bool,
 ) -> Started<F, N> {
     let model = formulation.model();
     let tilt = Tilt::from_rates(start.angles.theta, start.rates);
-    let at_rest = may_stick && model.contact(&tilt).slip_speed == 0.0;
-    let motion = formulation.motion(&state, start.angles);
-    if at_rest && model.grip(&motion.tilt).holds() {
-        let sticking = formulation.with_phase(Phase::Sticking);
-        (sticking, state, Some(Transition::Sticks))
+    let rate = tilt.omega_lean.z;
+    let drills = model.friction.drilling_bound(1.0, true) > 0.0;
+    let turning = if rate == 0.0 || (drills && rate.abs() < NO_ROLLING) {
+        Turning::Held
     } else {
-        (formulation, state, None)
-    }
+        Turning::from_rate(rate)
+    };
+    let at_rest = model.friction.can_stick() && model.top.slip_speed(&tilt) <= NO_SLIP;
+    let (next, settled) = settle(formulation, &state, at_rest, turning, start.angles);
+    let transition = (next.phase() == Phase::Sticking).then(|| transition_to_rest(&next, &settled));
+    // Rates that are not zero are kept as they were given.
+    let is_changed = next.phase() == Phase::Sticking || next.model().holds_turning();
+    let state = if is_changed { settled } else { state };
+    (next, state, transition)
 }
 
 /// The guards of a phase, for variables that are regular everywhere.
 pub(super) fn guards(model: &Model, phase: Phase) -> Vec<Guard> {
-    match phase {
-        Phase::Sliding if model.friction.is_set_valued() => vec![Guard::Slip],
-        Phase::Sliding => Vec::new(),
-        Phase::Sticking | Phase::Flying => vec![Guard::Grip],
+    let is_at_rest = phase != Phase::Sliding;
+    let mut guards = Vec::new();
+    if is_at_rest {
+        guards.push(Guard::Grip);
+    } else if model.friction.is_set_valued() {
+        guards.push(Guard::Slip);
+        // Rolling resistance also jumps where only the slip is zero, but not the rate about the vertical.
+        if model.friction.rests_as_a_whole() && model.friction.rolling_arm() > 0.0 {
+            guards.push(Guard::Rolling);
+        }
     }
+    if model.friction.drilling_bound(1.0, is_at_rest) > 0.0 {
+        guards.push(if model.holds_turning() {
+            Guard::TurningGrip
+        } else {
+            Guard::Turning
+        });
+    }
+    guards
 }
 
 /// The value of a guard: see [`Formulation::guard`].
 pub(super) fn guard(model: &Model, guard: Guard, tilt: &Tilt) -> f64 {
+    let rate = tilt.omega_lean.z;
     match guard {
-        Guard::Slip => model.top.slip_speed(tilt) - NO_SLIP,
+        Guard::Slip => {
+            let speed = model.top.slip_speed(tilt);
+            // Rolling resistance jumps at zero slip, whatever the rate about the vertical.
+            let resists = model.friction.rolling_arm() > 0.0;
+            let turning = if resists { 0.0 } else { rate };
+            model.friction.patch_speed(speed, turning) - NO_SLIP
+        }
+        Guard::Rolling => model.top.slip_speed(tilt) - NO_SLIP,
         Guard::Grip => model.grip(tilt).margin(),
+        Guard::Turning => model.friction.branch.turning.along(rate),
+        Guard::TurningGrip => model.turning_margin(tilt),
         Guard::Regular => tilt.sin - SINGULAR,
         // Not applicable to a fixed peg.
-        Guard::NormalForce | Guard::Gap | Guard::Mobility | Guard::Rolling => f64::NAN,
+        Guard::NormalForce | Guard::Gap | Guard::Mobility | Guard::RollingGrip => f64::NAN,
     }
 }
 
@@ -65,23 +117,119 @@ pub(super) fn enter<F: FixedPeg<N>, const N: usize>(
     reference: Euler,
 ) -> Entry<F, N> {
     let motion: Motion = formulation.motion(state, reference);
-    let (transition, phase) = match guard {
-        Guard::Slip if formulation.model().grip(&motion.tilt).holds() => {
-            (Transition::Sticks, Phase::Sticking)
+    let model = formulation.model();
+    let (turning, phase) = (model.friction.branch.turning, formulation.phase());
+    let go_on = |at_rest, turning| settle(*formulation, state, at_rest, turning, reference);
+    let (next, state) = match guard {
+        Guard::Slip if model.friction.rests_as_a_whole() => go_on(true, Turning::Held),
+        Guard::Slip | Guard::Rolling => go_on(true, turning),
+        Guard::Turning => go_on(phase == Phase::Sticking, Turning::Held),
+        Guard::TurningGrip => {
+            let rate = model.turning_acceleration(&motion.tilt);
+            let held = formulation.without_turning(state);
+            (formulation.in_phase(phase, Turning::from_rate(rate)), held)
         }
-        Guard::Slip => (Transition::SlipStops, Phase::Sliding),
-        Guard::Regular => (Transition::BecomesSingular, Phase::Sliding),
-        Guard::Grip | Guard::NormalForce | Guard::Gap | Guard::Mobility | Guard::Rolling => {
-            (Transition::SlipResumes, Phase::Sliding)
+        Guard::Grip
+        | Guard::NormalForce
+        | Guard::Gap
+        | Guard::Mobility
+        | Guard::RollingGrip
+        | Guard::Regular => (
+            sliding(*formulation, turning),
+            formulation.at_rest(state, true),
+        ),
+    };
+    let transition = match guard {
+        _ if next.phase() == Phase::Sticking => transition_to_rest(&next, &state),
+        Guard::Slip | Guard::Rolling => Transition::SlipStops,
+        Guard::Turning if next.model().holds_turning() => Transition::TurningStops,
+        Guard::Turning | Guard::TurningGrip => Transition::TurningResumes,
+        Guard::Regular => Transition::BecomesSingular,
+        Guard::Grip | Guard::NormalForce | Guard::Gap | Guard::Mobility | Guard::RollingGrip => {
+            Transition::SlipResumes
         }
     };
-    let formulation = formulation.with_phase(phase);
+    let motion = if transition == Transition::Rests {
+        next.motion(&state, reference)
+    } else {
+        motion
+    };
     Entry {
-        formulation,
-        state: formulation.at_rest(state),
+        formulation: next,
+        state,
         delay: 0.0,
         transition,
         motion,
         first_step: f64::INFINITY,
+    }
+}
+
+/// The phase and state of a top whose contact point is at rest or slips, and which turns about the vertical, or doesn't
+/// ([`Turning::Held`]; whether friction really holds it is found here).
+fn settle<F: FixedPeg<N>, const N: usize>(
+    formulation: F,
+    state: &[f64; N],
+    at_rest: bool,
+    turning: Turning,
+    reference: Euler,
+) -> (F, [f64; N]) {
+    let turns = turning != Turning::Held;
+    let tilt = |formulation: &F, state| formulation.motion(state, reference).tilt;
+    let friction = &formulation.model().friction;
+    let mut rested = *state;
+    if at_rest {
+        rested = formulation.at_rest(state, turns);
+        let sticking = sticking(formulation, &rested, turning, reference);
+        if friction.can_stick() && sticking.model().grip(&tilt(&sticking, &rested)).holds() {
+            return (sticking, rested);
+        }
+    }
+    let sliding = sliding(formulation, turning);
+    if sliding.model().friction.branch.turning != Turning::Held {
+        return (sliding, rested);
+    }
+    let held = sliding.without_turning(&rested);
+    let now = tilt(&sliding, &held);
+    if sliding.model().turning_margin(&now) >= 0.0 {
+        return (sliding, held);
+    }
+    let sense = Turning::from_rate(sliding.model().turning_acceleration(&now));
+    (formulation.in_phase(Phase::Sliding, sense), rested)
+}
+
+/// The equations of a top that slides. Only drilling friction that is set-valued has branches.
+fn sliding<F: FixedPeg<N>, const N: usize>(formulation: F, turning: Turning) -> F {
+    if formulation.model().friction.drilling_bound(1.0, false) > 0.0 {
+        formulation.in_phase(Phase::Sliding, turning)
+    } else {
+        formulation.in_phase(Phase::Sliding, Turning::Any)
+    }
+}
+
+/// The equations of a top whose contact point is at rest. Coulomb–Contensou friction has branches only there.
+fn sticking<F: FixedPeg<N>, const N: usize>(
+    formulation: F,
+    rested: &[f64; N],
+    turning: Turning,
+    reference: Euler,
+) -> F {
+    let sticking = formulation.in_phase(Phase::Sticking, turning);
+    if turning != Turning::Any || sticking.model().friction.drilling_bound(1.0, true) == 0.0 {
+        return sticking;
+    }
+    let rate = sticking.motion(rested, reference).tilt.omega_lean.z;
+    formulation.in_phase(Phase::Sticking, Turning::from_rate(rate))
+}
+
+/// The transition to sticking: the top rests if it doesn't turn about the vertical either.
+fn transition_to_rest<F: FixedPeg<N>, const N: usize>(
+    sticking: &F,
+    state: &[f64; N],
+) -> Transition {
+    let motion = sticking.motion(state, Euler::default());
+    if motion.tilt.omega_lean.z == 0.0 {
+        Transition::Rests
+    } else {
+        Transition::Sticks
     }
 }

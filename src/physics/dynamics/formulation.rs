@@ -21,8 +21,14 @@ pub enum Guard {
     Gap,
     /// The peg is not jammed (Painlevé).
     Mobility,
-    /// The top rolls, i.e. does not pivot.
+    /// The top rocks, i.e. turns about a horizontal axis.
     Rolling,
+    /// Rolling resistance can hold a top that doesn't rock.
+    RollingGrip,
+    /// The top turns about the vertical.
+    Turning,
+    /// Drilling friction can hold a top that doesn't turn about the vertical.
+    TurningGrip,
     /// The variables are regular.
     Regular,
 }
@@ -48,8 +54,19 @@ pub enum Transition {
     Lands(Impact),
     /// The peg jams: no normal force can keep it out of the table.
     Jams,
-    /// The top pivots: it turns about the vertical only, held by rolling resistance.
-    Pivots,
+    /// Rolling resistance holds a top that has stopped rocking: it turns about the vertical only.
+    Pivots {
+        /// Whether nothing changes any more: the contact point is at rest, and no torque slows the rotation.
+        is_final: bool,
+    },
+    /// The top rocks on after an instant without rocking, or rocks again.
+    RockingResumes,
+    /// Drilling friction holds a top that has stopped turning about the vertical.
+    TurningStops,
+    /// The top turns on about the vertical, in the other sense, or turns again.
+    TurningResumes,
+    /// Friction holds a top that has come to rest.
+    Rests,
     /// The variables become singular.
     BecomesSingular,
 }
@@ -85,9 +102,8 @@ pub trait Formulation<const N: usize>: System<N> + Copy {
         tolerances
     }
 
-    /// The equations, state and transition at the start. If `may_stick`, friction may hold the peg of a top that starts
-    /// turning as a whole.
-    fn start(model: &Model, start: &Start, may_stick: bool) -> Started<Self, N>;
+    /// The equations, state and transition at the start.
+    fn start(model: &Model, start: &Start) -> Started<Self, N>;
 
     /// The motion of a state. φ and ψ are unwrapped to be continuous with `reference`.
     fn motion(&self, state: &[f64; N], reference: Euler) -> Motion {

@@ -4,15 +4,19 @@ mod state;
 mod transitions;
 
 pub use self::state::FreeRotation;
-use self::state::{CENTER, CONTROLLED, SCALED_MOMENTUM, VELOCITY, put, quaternion_rate, vector};
+use self::state::{
+    CENTER, CONTROLLED, HELD_AGAIN, SCALED_MOMENTUM, VELOCITY, put, quaternion_rate, vector,
+};
 
 use super::formulation::{Entered, Entry, Formulation, Guard, Started, Transition};
+use super::holding::Resting;
 use super::integrals::{integrals, with_integrals};
 use super::lean::quaternion;
 use super::model::Model;
 use super::motion::{Dissipated, Motion, NO_SLIP, Peg, Start};
-use super::reaction::Inertia;
+use super::reaction::{Inertia, Reaction};
 use super::support::Phase;
+use crate::physics::friction::{NO_ROLLING, Rocking};
 use crate::physics::integrate::{System, Tolerances};
 use crate::physics::kinematics::{
     Euler, Tilt, euler_angles, inclination, lean_to_world, world_from_body,
@@ -23,9 +27,6 @@ use nalgebra::{Unit, UnitQuaternion, Vector3};
 /// A peg jams when its mobility (see [`Guard::Mobility`]) falls to this value; the normal force is then a million times
 /// the frictionless one.
 const JAMMED: f64 = 1e-6;
-
-/// Below this horizontal angular velocity a top pivots instead of rolling, rad/s.
-const NO_ROLLING: f64 = 1e-9;
 
 /// Fraction of the tolerances used per step, because the nutation of a free top is unstable and amplifies errors.
 const ERROR_SHARE: f64 = 0.02;
@@ -86,7 +87,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         }
     }
 
-    fn start(model: &Model, start: &Start, _may_stick: bool) -> Started<Self, N> {
+    fn start(model: &Model, start: &Start) -> Started<Self, N> {
         let (angles, rates) = (start.angles, start.rates);
         let (peg_position, peg_velocity) = (start.peg_position, start.peg_velocity);
         let top = &model.top;
@@ -116,7 +117,11 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         let slip = flying.parts(&state).contact_velocity();
         let at_rest = hypot(slip.x, slip.y) <= NO_SLIP;
         let formulation = flying.on_table(&state, at_rest);
-        let transition = (formulation.phase == Phase::Sticking).then_some(Transition::Rolls);
+        let transition = if formulation.held().rocking {
+            Some(formulation.pivoting(&state))
+        } else {
+            (formulation.phase == Phase::Sticking).then_some(Transition::Rolls)
+        };
         (formulation, state, transition)
     }
 
@@ -160,6 +165,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
                 },
             },
             phase: self.phase,
+            branch: self.model.friction.branch,
             integrals: integrals::<{ Self::VARIABLES }, N>(y),
         }
     }
@@ -183,8 +189,20 @@ impl<const N: usize> Formulation<N> for FreeRotation {
             Phase::Sticking => vec![Guard::Grip],
             Phase::Sliding => sliding_guards(&self.model),
         };
+        let held = self.held();
         if self.model.friction.rolling_arm() > 0.0 {
-            guards.push(Guard::Rolling);
+            guards.push(if held.rocking {
+                Guard::RollingGrip
+            } else {
+                Guard::Rolling
+            });
+        }
+        if self.model.friction.drilling_bound(1.0, false) > 0.0 {
+            guards.push(if held.turning {
+                Guard::TurningGrip
+            } else {
+                Guard::Turning
+            });
         }
         guards
     }
@@ -199,7 +217,10 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         match guard {
             // A point that friction can't hold slips, even if it starts slowly.
             Guard::Slip if motion.peg.departure.is_some() => NO_SLIP,
-            Guard::Slip => slip.norm() - NO_SLIP,
+            Guard::Slip => {
+                let friction = &self.model.friction;
+                friction.patch_speed(slip.norm(), motion.tilt.omega_lean.z) - NO_SLIP
+            }
             Guard::Grip => self.grip(&reaction()),
             Guard::NormalForce => reaction().normal,
             Guard::Gap => motion.peg.position.z - top.peg_radius,
@@ -207,8 +228,23 @@ impl<const N: usize> Formulation<N> for FreeRotation {
                 let body = self.body(motion.tilt);
                 body.mobility(&motion.law_slip(&slip)) - JAMMED
             }
-            Guard::Rolling => {
-                hypot(motion.tilt.omega_lean.x, motion.tilt.omega_lean.y) - NO_ROLLING
+            Guard::Rolling => self.rolling_guard(&motion.tilt, &motion.law_slip(&slip), reaction),
+            Guard::RollingGrip => {
+                let Reaction {
+                    normal, friction, ..
+                } = reaction();
+                let torque = hypot(friction.couple.x, friction.couple.y);
+                self.model.friction.rolling_arm() * normal - torque
+            }
+            Guard::Turning => {
+                let turning = self.model.friction.branch.turning;
+                turning.along(motion.tilt.omega_lean.z)
+            }
+            Guard::TurningGrip => {
+                let Reaction {
+                    normal, friction, ..
+                } = reaction();
+                self.model.friction.drilling_bound(normal, false) - friction.couple.z.abs()
             }
             // These variables are regular everywhere.
             Guard::Regular => f64::NAN,
@@ -220,8 +256,13 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         let (formulation, transition) = match guard {
             Guard::Slip => {
                 (state, delay) = self.at_rest(y);
-                let next = self.on_table(&state, true);
+                let resting = Resting {
+                    slip: true,
+                    ..self.held()
+                };
+                let next = self.settled(&state, resting);
                 let transition = match next.phase {
+                    Phase::Sticking if next.rests(&state) => Transition::Rests,
                     Phase::Sticking => Transition::Rolls,
                     Phase::Sliding => Transition::SlipStops,
                     Phase::Flying => Transition::LiftsOff,
@@ -243,7 +284,36 @@ impl<const N: usize> Formulation<N> for FreeRotation {
                 (next, transition)
             }
             Guard::Mobility => (*self, Transition::Jams),
-            Guard::Rolling => (*self, Transition::Pivots),
+            Guard::Rolling => {
+                let resting = Resting {
+                    rocking: true,
+                    ..self.held()
+                };
+                let next = self.settled(&state, resting);
+                let transition = if next.held().rocking {
+                    next.pivoting(&state)
+                } else {
+                    Transition::RockingResumes
+                };
+                (next, transition)
+            }
+            Guard::RollingGrip => (self.rocking_again(), Transition::RockingResumes),
+            Guard::Turning => {
+                let resting = Resting {
+                    turning: true,
+                    ..self.held()
+                };
+                let next = self.settled(&state, resting);
+                let transition = if next.rests(&state) {
+                    Transition::Rests
+                } else if next.held().turning {
+                    Transition::TurningStops
+                } else {
+                    Transition::TurningResumes
+                };
+                (next, transition)
+            }
+            Guard::TurningGrip => (self.turning_again(&state), Transition::TurningResumes),
             Guard::Regular => (*self, Transition::BecomesSingular),
         };
         Ok(Entry {
@@ -257,6 +327,38 @@ impl<const N: usize> Formulation<N> for FreeRotation {
     }
 }
 
+impl FreeRotation {
+    /// The guard of rocking: the horizontal angular velocity above [`NO_ROLLING`], rad/s. It is open while rocking
+    /// begins, until the friction of its direction slows it down again.
+    fn rolling_guard(
+        &self,
+        tilt: &Tilt,
+        slip: &Vector3<f64>,
+        reaction: impl Fn() -> Reaction,
+    ) -> f64 {
+        let rate = hypot(tilt.omega_lean.x, tilt.omega_lean.y);
+        if rate >= NO_ROLLING {
+            return rate - NO_ROLLING;
+        }
+        let body = self.body(*tilt);
+        let beginning = match self.model.friction.branch.rocking {
+            Rocking::Starting(direction) => Some(direction),
+            Rocking::GivingWay => Some(body.rocking_direction(self.phase, slip)),
+            Rocking::Any | Rocking::Held => None,
+        };
+        if let Some(direction) = beginning {
+            let reaction = reaction();
+            let acceleration = body.turning_for(&reaction);
+            let friction = self.model.friction.rolling_arm() * reaction.normal;
+            let strongest = friction * self.inertia.per_transverse;
+            if acceleration.dot(&direction) >= -HELD_AGAIN * strongest {
+                return NO_ROLLING;
+            }
+        }
+        rate - NO_ROLLING
+    }
+}
+
 /// Guards that end sliding, without rolling resistance.
 fn sliding_guards(model: &Model) -> Vec<Guard> {
     let Model { top, friction, .. } = model;
@@ -264,7 +366,7 @@ fn sliding_guards(model: &Model) -> Vec<Guard> {
     let reach = top.peg_radius + top.center_distance.abs();
     let lever = friction.law.largest_coefficient() * reach + friction.rolling_arm();
     let jams = lever >= 2.0 * (top.central_moment() / top.mass).sqrt();
-    let slip = friction.is_set_valued_at_rest().then_some(Guard::Slip);
+    let slip = friction.holds_slip().then_some(Guard::Slip);
     let mobility = jams.then_some(Guard::Mobility);
     let guards = [slip, Some(Guard::NormalForce), mobility];
     guards.into_iter().flatten().collect()

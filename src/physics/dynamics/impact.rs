@@ -28,8 +28,8 @@ fn min_bounce_speed(restitution: f64) -> f64 {
     speed.clamp(MIN_BOUNCE_SPEED, MAX_MIN_BOUNCE_SPEED)
 }
 
-/// Rolling resistance is made proportional to the rolling rate below the rate that it would stop in this fraction of an
-/// impact, because a discontinuity can't be integrated.
+/// Rolling resistance and drilling friction are made proportional to their rates below the rates that they would stop in
+/// this fraction of an impact, because a discontinuity can't be integrated.
 const CREEP_SHARE: f64 = 1e-3;
 
 /// Slip below this fraction of the impact speed counts as stopped; the rest is removed along a straight line, with a
@@ -93,6 +93,8 @@ struct ImpactEquations<'a> {
     speed: f64,
     /// Rolling resistance is reduced below this rolling rate, rad/s.
     creep: f64,
+    /// Drilling friction is reduced below this rate about the vertical, rad/s.
+    turning_creep: f64,
     stage: Stage,
 }
 
@@ -132,6 +134,9 @@ impl ImpactEquations<'_> {
         if rate < self.creep {
             wrench.couple.x *= rate / self.creep;
             wrench.couple.y *= rate / self.creep;
+        }
+        if omega.z.abs() < self.turning_creep {
+            wrench.couple.z *= omega.z.abs() / self.turning_creep;
         }
         wrench
     }
@@ -270,12 +275,13 @@ impl<'a> Collision<'a> {
         restitution: f64,
     ) -> Result<Self, IntegrateError> {
         let speed = -before.z;
+        let per_arm = CREEP_SHARE * body.top.mass * speed / body.top.least_moment();
         let mut equations = ImpactEquations {
             body,
             before,
             speed,
-            creep: CREEP_SHARE * body.friction.rolling_arm() * body.top.mass * speed
-                / body.top.least_moment(),
+            creep: per_arm * body.friction.rolling_arm(),
+            turning_creep: per_arm * body.friction.drilling_bound(1.0, false),
             stage: Stage::Slipping(None),
         };
         let start = [0.0; SIZE];

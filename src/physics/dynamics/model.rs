@@ -5,7 +5,7 @@ use super::integrals::{Integrals, TermIntegrals};
 use super::motion::Motion;
 use super::reaction::{FreeBody, Inertia};
 use super::support::{Phase, Support};
-use crate::physics::friction::{Contact, Friction, Grip};
+use crate::physics::friction::{Contact, Friction, Grip, Turning};
 use crate::physics::kinematics::{Euler, Tilt};
 use crate::physics::top::{PrecessionRoots, Top};
 use nalgebra::Vector3;
@@ -24,6 +24,10 @@ pub struct Model {
 impl Model {
     /// The state of the contact for a motion.
     pub fn contact_in(&self, motion: &Motion) -> Contact {
+        if self.friction.branch != motion.branch {
+            let friction = self.friction.on_branch(motion.branch);
+            return Self { friction, ..*self }.contact_in(motion);
+        }
         if !self.support.is_free() {
             return self.contact(&motion.tilt);
         }
@@ -207,7 +211,52 @@ impl Model {
     /// The contact of a fixed peg in the state `tilt`; the normal force equals the weight.
     #[inline(always)]
     pub fn contact(&self, tilt: &Tilt) -> Contact {
-        self.friction.contact(&self.top, self.top.weight(), tilt)
+        let contact = self.friction.contact(&self.top, self.top.weight(), tilt);
+        if self.holds_turning() {
+            self.with_holding_torque(contact, tilt)
+        } else {
+            contact
+        }
+    }
+
+    /// Whether friction holds a top with a fixed peg that doesn't turn about the vertical.
+    #[inline(always)]
+    pub fn holds_turning(&self) -> bool {
+        self.friction.branch.turning == Turning::Held
+    }
+
+    /// The contact of a fixed peg with the drilling torque that prevents turning about the vertical.
+    #[cold]
+    fn with_holding_torque(&self, contact: Contact, tilt: &Tilt) -> Contact {
+        let torque = self.top.gravity_torque(tilt) + self.friction_torque(&contact, tilt);
+        let acceleration = self.top.angular_acceleration(&torque, tilt).z;
+        let holding = -acceleration / self.turning_response(tilt);
+        let losses = contact.losses.unwrap_or_default() + Vector3::new(0.0, 0.0, holding);
+        Contact {
+            losses: Some(losses),
+            ..contact
+        }
+    }
+
+    /// Angular acceleration about the vertical per torque about the vertical, 1/(kg m²).
+    fn turning_response(&self, tilt: &Tilt) -> f64 {
+        let cos_squared = tilt.cos * tilt.cos;
+        cos_squared / self.top.axial_moment + (1.0 - cos_squared) / self.top.transverse_moment
+    }
+
+    /// Angular acceleration about the vertical that a fixed peg would have without the torque that prevents turning,
+    /// rad/s².
+    pub(super) fn turning_acceleration(&self, tilt: &Tilt) -> f64 {
+        let free = self.with_turning(Turning::Held);
+        let contact = free.friction.contact(&self.top, self.top.weight(), tilt);
+        let torque = self.top.gravity_torque(tilt) + self.friction_torque(&contact, tilt);
+        self.top.angular_acceleration(&torque, tilt).z
+    }
+
+    /// Margin of the drilling friction that prevents turning about the vertical, N m; negative if it yields.
+    pub(super) fn turning_margin(&self, tilt: &Tilt) -> f64 {
+        let required = self.turning_acceleration(tilt) / self.turning_response(tilt);
+        self.friction.drilling_bound(self.top.weight(), false) - required.abs()
     }
 
     /// The torque that keeps the contact point at rest in the state `tilt`, and its bound.

@@ -2,6 +2,7 @@
 
 use super::integrals::Integrals;
 use super::support::Phase;
+use crate::physics::friction::Branch;
 use crate::physics::kinematics::{Euler, Tilt};
 use crate::physics::top::Top;
 use nalgebra::Vector3;
@@ -17,6 +18,8 @@ pub struct Motion {
     pub peg: Peg,
     /// Phase of the contact point.
     pub phase: Phase,
+    /// Branches of the set-valued torques in the phase.
+    pub branch: Branch,
     /// Integrals since the start.
     pub integrals: Integrals,
 }

@@ -5,7 +5,7 @@
 
 use super::motion::DEPARTING;
 use super::support::Phase;
-use crate::physics::friction::{Friction, Wrench};
+use crate::physics::friction::{Friction, Rocking, Wrench};
 use crate::physics::integrate::zero;
 use crate::physics::kinematics::Tilt;
 use crate::physics::math::{cos, sin};
@@ -180,20 +180,38 @@ impl<'a> FreeBody<'a> {
     /// The axis rotates with `ω × n`. The gyroscopic angular acceleration perpendicular to it is
     /// `(A − I_z) ω_n (ω × n) / A`, because `ω × L = (I_z − A) ω_n (ω × n)`.
     #[inline(always)]
-    fn free_acceleration(&self, air: &Vector3<f64>) -> Vector3<f64> {
-        let omega = self.tilt.omega_lean;
-        let (sin, cos) = (self.tilt.sin, self.tilt.cos);
-        let axis_turns = Vector3::new(omega.y * cos, omega.z * sin - omega.x * cos, -omega.y * sin);
+    pub(super) fn free_acceleration(&self, air: &Vector3<f64>) -> Vector3<f64> {
+        let angular = self.free_turning(air);
+        let turning = self.tilt.omega_lean.cross(&self.axis_velocity());
+        let mut acceleration = -self.arm.cross(&angular) - self.top.center_distance * turning;
+        acceleration.z -= self.top.gravity;
+        acceleration
+    }
+
+    /// The angular acceleration without contact forces, rad/s².
+    #[inline(always)]
+    pub(super) fn free_turning(&self, air: &Vector3<f64>) -> Vector3<f64> {
         let inertia = &self.inertia;
         let excess = (inertia.transverse - self.top.axial_moment) * self.tilt.axial_rate();
-        let mut angular = axis_turns * (excess * inertia.per_transverse);
+        let mut angular = self.axis_velocity() * (excess * inertia.per_transverse);
         if self.friction.has_losses() {
             angular += self.angular_acceleration(air);
         }
-        let mut acceleration =
-            -self.arm.cross(&angular) - self.top.center_distance * omega.cross(&axis_turns);
-        acceleration.z -= self.top.gravity;
-        acceleration
+        angular
+    }
+
+    /// The angular acceleration with a reaction, rad/s².
+    pub(super) fn turning_for(&self, reaction: &Reaction) -> Vector3<f64> {
+        let torque = self.arm.cross(&reaction.force()) + reaction.friction.couple;
+        self.free_turning(&reaction.air) + self.angular_acceleration(&torque)
+    }
+
+    /// The velocity of the tip of the symmetry axis, `ω × n`, 1/s.
+    #[inline(always)]
+    fn axis_velocity(&self) -> Vector3<f64> {
+        let omega = self.tilt.omega_lean;
+        let (sin, cos) = (self.tilt.sin, self.tilt.cos);
+        Vector3::new(omega.y * cos, omega.z * sin - omega.x * cos, -omega.y * sin)
     }
 
     /// Acceleration of the contact point for a couple (N m) at the contact, m/s².
@@ -206,6 +224,12 @@ impl<'a> FreeBody<'a> {
     #[inline(always)]
     pub(super) fn reaction(&self, phase: Phase, slip: &Vector3<f64>) -> Reaction {
         match phase {
+            Phase::Sliding | Phase::Sticking if self.begins_to_rock() => {
+                self.rocking_reaction(phase, slip)
+            }
+            Phase::Sliding | Phase::Sticking if self.friction.branch.is_held() => {
+                self.holding_reaction(phase, slip)
+            }
             Phase::Sliding => self.sliding(slip),
             Phase::Sticking => self.holding(),
             Phase::Flying => Reaction {
@@ -222,7 +246,7 @@ impl<'a> FreeBody<'a> {
     }
 
     #[inline(always)]
-    fn air(&self) -> Vector3<f64> {
+    pub(super) fn air(&self) -> Vector3<f64> {
         let axis = self.tilt.axis();
         self.friction.torque_of_air(&self.tilt.omega_lean, &axis)
     }
@@ -245,6 +269,10 @@ impl<'a> FreeBody<'a> {
     /// friction. If it is not positive, the peg jams (P. Painlevé, C. R. Acad. Sci. 121 (1895) 112).
     #[inline(always)]
     pub(super) fn mobility(&self, slip: &Vector3<f64>) -> f64 {
+        if self.friction.branch.rocking == Rocking::Held {
+            // A body that can't rock yields to a normal force as a mass does.
+            return self.inertia.per_mass / self.inverse_mass.up;
+        }
         let friction = self.friction.per_normal_force(slip, &self.tilt.omega_lean);
         self.acceleration_per_normal_force(&friction).z / self.inverse_mass.up
     }
@@ -263,7 +291,7 @@ impl<'a> FreeBody<'a> {
 
     /// The forces that keep the contact point at rest.
     #[inline(always)]
-    pub(super) fn holding(&self) -> Reaction {
+    fn holding(&self) -> Reaction {
         let inverse_mass = &self.inverse_mass;
         let (lean, coupling) = (inverse_mass.lean, inverse_mass.coupling);
         let air = self.air();
@@ -291,9 +319,14 @@ impl<'a> FreeBody<'a> {
         }
     }
 
+    /// The forces that keep the contact point at rest, whatever else friction holds.
+    pub(super) fn held(&self) -> Reaction {
+        self.reaction(Phase::Sticking, &Vector3::zeros())
+    }
+
     /// The acceleration of the slip while sliding, m/s².
     pub(super) fn slip_acceleration(&self, slip: &Vector3<f64>) -> Vector3<f64> {
-        let reaction = self.sliding(slip);
+        let reaction = self.reaction(Phase::Sliding, slip);
         self.free_acceleration(&reaction.air)
             + self.inverse_mass.velocity_change(&reaction.force())
             + self.acceleration_per_couple(&reaction.friction.couple)
@@ -303,7 +336,7 @@ impl<'a> FreeBody<'a> {
     /// rotated slightly so that the slip keeps its direction.
     #[cold]
     pub(super) fn release_direction(&self) -> Vector3<f64> {
-        let held = self.holding().friction.force;
+        let held = self.held().friction.force;
         let against = -held / held.norm();
         let across = Vector3::new(-against.y, against.x, 0.0);
         let turned = |by: f64| (against + by * across).normalize();

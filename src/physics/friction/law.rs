@@ -134,7 +134,48 @@ impl FrictionLaw {
         }
     }
 
-    /// Maximum static friction force, N; 0 for smooth laws.
+    /// Maximum static friction force on a top that turns about the vertical at a rate (rad/s), N; 0 where the law is
+    /// smooth. A contact patch that doesn't turn has Coulomb's law.
+    #[inline]
+    pub fn static_bound_at(&self, normal_force: f64, turning_rate: f64) -> f64 {
+        match *self {
+            Self::Contensou { k, .. } if turning_rate == 0.0 => k * normal_force,
+            Self::None
+            | Self::Coulomb { .. }
+            | Self::Regularised { .. }
+            | Self::Viscous { .. }
+            | Self::Stribeck { .. }
+            | Self::Contensou { .. } => self.static_bound(normal_force),
+        }
+    }
+
+    /// Margin of the friction that holds the contact point, N, for the required force (N) and torque about the vertical
+    /// (N m); negative if it yields.
+    ///
+    /// Coulomb–Contensou friction holds within the forces and torques of its limit of slow motion. With the force `F` and
+    /// the torque `m` relative to their bounds, that is where `(1 − F)(1 − m) > (5/2) F m`.
+    #[inline]
+    pub fn holding_margin(&self, normal_force: f64, force: f64, torque: f64) -> f64 {
+        match *self {
+            Self::Contensou { k, patch_radius } => {
+                let bound = k * normal_force;
+                let relative = force / bound;
+                let drilling = drilling_torque(k, patch_radius, normal_force, 0.0, 1.0);
+                let turning = (torque / drilling).abs();
+                let rest = (1.0 - relative) * (1.0 - turning);
+                // Beyond both bounds, both factors are negative.
+                let rest = if relative > 1.0 { -rest.abs() } else { rest };
+                bound * (rest - 2.5 * relative * turning)
+            }
+            Self::None
+            | Self::Coulomb { .. }
+            | Self::Regularised { .. }
+            | Self::Viscous { .. }
+            | Self::Stribeck { .. } => self.static_bound(normal_force) - force,
+        }
+    }
+
+    /// Maximum static friction force, N, whatever the rate about the vertical; 0 for smooth laws.
     #[inline]
     pub fn static_bound(&self, normal_force: f64) -> f64 {
         match *self {

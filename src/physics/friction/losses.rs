@@ -1,8 +1,11 @@
 //! Losses independent of slip: rolling resistance, drilling friction, air drag.
 
+use super::branch::{Branch, Rocking};
 use super::law::drilling_torque;
-use crate::physics::top::Top;
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
+
+/// Horizontal angular velocities below this count as zero, rad/s.
+pub(crate) const NO_ROLLING: f64 = 1e-9;
 
 /// Rolling resistance, drilling and air drag. They can be combined with any sliding law and always act in full.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -17,42 +20,25 @@ pub struct Losses {
 }
 
 /// Drilling friction about the vertical, for zero slip: `−(3π/16) k N a sgn ω_z′` (pressure of Hertz; the limit v = 0
-/// of V. F. Zhuravlev, J. Appl. Math. Mech. 62 (1998) 705).
-///
-/// At zero spin the torque takes any value up to this limit. A fixed peg comes to rest; for a free peg the torque is
-/// proportional to `ω_z′` below [`Drilling::creep`], so the top creeps.
+/// of V. F. Zhuravlev, J. Appl. Math. Mech. 62 (1998) 705). Without turning, `|M_z′| ≤ (3π/16) k N a`.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Drilling {
     /// Coefficient of friction in the patch, dimensionless.
     pub k: f64,
     /// Radius `a` of the contact patch, m.
     pub patch_radius: f64,
-    /// Rate about the vertical below which the torque is proportional to it, rad/s; 0 for a discontinuous torque.
-    pub creep: f64,
 }
 
-/// Time constant of the smoothed drilling torque, s. Smaller values reduce creep and increase the number of steps.
-const CREEP_TIME: f64 = 1e-5;
-
 impl Drilling {
-    /// The same, smoothed for a free peg.
-    pub fn with_creep(self, top: &Top) -> Self {
-        let strongest = drilling_torque(self.k, self.patch_radius, top.weight(), 0.0, -1.0);
-        Self {
-            creep: strongest / top.least_moment() * CREEP_TIME,
-            ..self
-        }
-    }
-
     /// The torque about the vertical, N m, at a rate (rad/s).
     #[inline]
     fn torque(&self, normal_force: f64, rate: f64) -> f64 {
-        let torque = drilling_torque(self.k, self.patch_radius, normal_force, 0.0, rate);
-        if rate.abs() < self.creep {
-            torque * (rate.abs() / self.creep)
-        } else {
-            torque
-        }
+        drilling_torque(self.k, self.patch_radius, normal_force, 0.0, rate)
+    }
+
+    /// The largest torque, N m.
+    pub fn bound(&self, normal_force: f64) -> f64 {
+        self.torque(normal_force, -1.0)
     }
 }
 
@@ -73,33 +59,53 @@ pub struct Air {
 
 impl Losses {
     /// The torque in N m, in any frame whose z axis is vertical, from the angular velocity (rad/s) and the direction of
-    /// the symmetry axis in that frame. Excludes static rolling resistance, which depends on the load.
+    /// the symmetry axis in that frame. Excludes what holds a top at rest, which depends on the load.
     #[inline]
     pub fn torque(
         &self,
         normal_force: f64,
         omega: &Vector3<f64>,
         axis: &Vector3<f64>,
+        branch: &Branch,
     ) -> Vector3<f64> {
-        self.contact_torque(normal_force, omega) + self.air.torque(omega, axis)
+        self.contact_torque(normal_force, omega, branch) + self.air.torque(omega, axis)
     }
 
     /// The torque of rolling resistance and drilling alone, N m, in any frame whose z axis is vertical.
     #[inline]
-    pub fn contact_torque(&self, normal_force: f64, omega: &Vector3<f64>) -> Vector3<f64> {
-        let drilling = self.drilling.torque(normal_force, omega.z);
-        let rolling = self.rolling_resistance(normal_force, omega);
-        Vector3::new(-rolling * omega.x, -rolling * omega.y, drilling)
+    pub fn contact_torque(
+        &self,
+        normal_force: f64,
+        omega: &Vector3<f64>,
+        branch: &Branch,
+    ) -> Vector3<f64> {
+        let turning = branch.turning.rate_of(omega.z);
+        let drilling = self.drilling.torque(normal_force, turning);
+        let rolling = self.rolling_resistance(normal_force, omega, branch.rocking);
+        Vector3::new(-rolling.x, -rolling.y, drilling)
     }
 
-    /// `δ N / |ω_⊥|`, N m s; 0 without rolling.
+    /// `δ N ω_⊥ / |ω_⊥|`, N m; 0 without rolling.
     #[inline]
-    fn rolling_resistance(&self, normal_force: f64, omega: &Vector3<f64>) -> f64 {
+    fn rolling_resistance(
+        &self,
+        normal_force: f64,
+        omega: &Vector3<f64>,
+        rocking: Rocking,
+    ) -> Vector2<f64> {
         let rate = (omega.x * omega.x + omega.y * omega.y).sqrt();
-        if rate > 0.0 {
-            self.rolling_arm * normal_force / rate
-        } else {
-            0.0
+        match rocking {
+            Rocking::Starting(direction) if rate < NO_ROLLING => {
+                self.rolling_arm * normal_force * direction.xy()
+            }
+            Rocking::Any | Rocking::Starting(_) | Rocking::GivingWay if rate > 0.0 => {
+                let per_rate = self.rolling_arm * normal_force / rate;
+                Vector2::new(per_rate * omega.x, per_rate * omega.y)
+            }
+            // Held: what it has to be follows from the balance.
+            Rocking::Any | Rocking::Starting(_) | Rocking::GivingWay | Rocking::Held => {
+                Vector2::zeros()
+            }
         }
     }
 

@@ -374,8 +374,8 @@ impl Scenario {
         let conflict = |reason: &str| self.values.invalid("stop.on_stick", reason);
         ensure(self.model.friction.can_stick(), || {
             conflict(
-                "this friction law never sticks; use friction.law = \"coulomb\" or \"stribeck\", or \
-                 rolling.arm, with friction.dissipation = \"full\"",
+                "this friction law never sticks; use friction.law = \"coulomb\", \"stribeck\" or \
+                 \"contensou\", or rolling.arm, with friction.dissipation = \"full\"",
             )
         })?;
         ensure(self.stop.duration.is_some(), || {

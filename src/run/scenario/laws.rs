@@ -101,7 +101,7 @@ pub const LAWS: &[Law] = &[
         })),
     additional_loss("rolling", "M = −δ N ω_⊥/|ω_⊥|; without rolling |M| ≤ δ N", "δ: 0.01 to 0.3 mm",
         "R. Cross, Am. J. Phys. 81 (2013) 280"),
-    additional_loss("drilling", "M_z′ = −(3π/16) k N a sgn ω_z′", "a: as for contensou", ZHURAVLEV),
+    additional_loss("drilling", "M_z′ = −(3π/16) k N a sgn ω_z′; without turning |M_z′| ≤ (3π/16) k N a", "a: as for contensou", ZHURAVLEV),
     additional_loss("air", "M = −c_n w_n n − c_t w_t − c |w_n|^(1/2) w_n n", "c_n/I_z: 0.002 to 0.01 1/s",
         "T. von Kármán, Z. Angew. Math. Mech. 1 (1921) 233 (the last term)"),
 ];

@@ -5,16 +5,15 @@ use super::error::ScenarioError;
 use super::laws::sliding_law;
 use super::values::Values;
 use crate::physics::dynamics::{Model, Support};
-use crate::physics::friction::{Air, Dissipation, Drilling, Friction, FrictionLaw, Losses};
+use crate::physics::friction::{Air, Branch, Dissipation, Drilling, Friction, FrictionLaw, Losses};
 use crate::physics::top::Top;
 
 /// The model of complete values.
 pub(super) fn model(values: &Values) -> Result<Model, ScenarioError> {
-    let (top, support) = (top(values)?, support(values));
     Ok(Model {
-        top,
-        friction: friction(values, (support != Support::FixedPeg).then_some(&top))?,
-        support,
+        top: top(values)?,
+        friction: friction(values)?,
+        support: support(values),
     })
 }
 
@@ -39,9 +38,9 @@ fn top(values: &Values) -> Result<Top, ScenarioError> {
     })
 }
 
-fn friction(values: &Values, free: Option<&Top>) -> Result<Friction, ScenarioError> {
+fn friction(values: &Values) -> Result<Friction, ScenarioError> {
     let law = law(values)?;
-    let losses = Some(losses(values, free)).filter(|losses| !losses.is_none());
+    let losses = Some(losses(values)).filter(|losses| !losses.is_none());
     if matches!(law, FrictionLaw::Contensou { .. }) && values.get("drilling.k").is_some() {
         let reason = "friction.law = \"contensou\" already includes a drilling torque";
         return Err(values.invalid("drilling.k", reason));
@@ -51,6 +50,7 @@ fn friction(values: &Values, free: Option<&Top>) -> Result<Friction, ScenarioErr
         law,
         dissipation: word.and_then(dissipation).unwrap_or(Dissipation::Full),
         losses,
+        branch: Branch::default(),
     })
 }
 
@@ -61,17 +61,15 @@ fn law(values: &Values) -> Result<FrictionLaw, ScenarioError> {
     law.unwrap_or(Ok(FrictionLaw::None))
 }
 
-/// The additional losses; `free` is the top if its peg is free.
-fn losses(values: &Values, free: Option<&Top>) -> Losses {
+/// The additional losses.
+fn losses(values: &Values) -> Losses {
     let number = |path| values.optional_number(path).unwrap_or_default();
-    let drilling = Drilling {
-        k: number("drilling.k"),
-        patch_radius: number("drilling.patch_radius"),
-        creep: 0.0,
-    };
     Losses {
         rolling_arm: number("rolling.arm"),
-        drilling: free.map_or(drilling, |top| drilling.with_creep(top)),
+        drilling: Drilling {
+            k: number("drilling.k"),
+            patch_radius: number("drilling.patch_radius"),
+        },
         air: Air {
             axial: number("air.axial"),
             transverse: number("air.transverse"),

@@ -203,8 +203,15 @@ pub(super) fn consequences(transition: &Transition) -> (Option<EventKind>, Optio
         Transition::SlipResumes => (Some(EventKind::SlipResumes), None),
         Transition::BecomesSingular => (Some(EventKind::Singular), Some(StopReason::Singular)),
         Transition::Jams => (Some(EventKind::Jam), Some(StopReason::Jam)),
-        Transition::Pivots => (Some(EventKind::Pivot), Some(StopReason::Pivot)),
-        Transition::Rolls
+        Transition::Pivots { is_final } => (
+            Some(EventKind::Pivot),
+            is_final.then_some(StopReason::Pivot),
+        ),
+        Transition::Rests => (Some(EventKind::Rest), Some(StopReason::Rest)),
+        Transition::RockingResumes
+        | Transition::TurningStops
+        | Transition::TurningResumes
+        | Transition::Rolls
         | Transition::RollEnds
         | Transition::LiftsOff
         | Transition::Bounces(_)

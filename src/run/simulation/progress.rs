@@ -2,8 +2,7 @@
 
 use super::record::SimulationError;
 
-/// A run has stalled if this many steps advance it by less than [`STALLED_TIME`], e.g. because a discontinuous torque
-/// changes sign in every step.
+/// A run has stalled if this many steps advance it by less than [`STALLED_TIME`].
 const STALLED_STEPS: u32 = 1_000_000;
 /// Minimum simulated time of [`STALLED_STEPS`] steps, s.
 const STALLED_TIME: f64 = 0.05;
@@ -32,8 +31,7 @@ impl Progress {
         }
         if time - *since < STALLED_TIME {
             return Err(SimulationError(format!(
-                "the simulation stalled at t = {time:?} s: a discontinuous torque changes sign in every step (drilling \
-                 against a top that has stopped turning, or a law that is too steep)"
+                "the simulation stalled at t = {time:?} s: the steps have become too short (the friction law is too steep)"
             )));
         }
         self.steps = (0, time);
@@ -52,8 +50,8 @@ impl Progress {
             Ok(*phases)
         } else {
             Err(SimulationError(format!(
-                "the simulation stalled at t = {time:?} s: endless lift-offs and landings (tolerances below 1e-9, \
-                 integrator.absolute_tolerance and integrator.relative_tolerance, may resolve them)"
+                "the simulation stalled at t = {time:?} s: sliding, rolling and flight alternate without end (tolerances \
+                 below 1e-9, integrator.absolute_tolerance and integrator.relative_tolerance, may resolve them)"
             )))
         }
     }

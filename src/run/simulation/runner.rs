@@ -12,6 +12,7 @@ use super::watch::{
     Watch, ZeroKind, accelerations, copy_signs, envelope, precession_floor, watches,
 };
 use crate::physics::dynamics::{Entry, Formulation, Guard, Model, Motion, Phase, Transition};
+use crate::physics::friction::Dissipation;
 use crate::physics::integrate::{Crossing, Dense, Dop853, KNOTS, Slope, Tolerances};
 use crate::physics::kinematics::Euler;
 use crate::run::scenario::{Scenario, Stop};
@@ -78,19 +79,19 @@ enum EarlyEnd<F, const N: usize> {
 
 impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     pub(super) fn new(scenario: &Scenario, detail: Detail) -> Result<Self, SimulationError> {
-        let may_stick = scenario.stop.may_stick;
-        let (formulation, state, transition) =
-            F::start(&scenario.model, &scenario.start(), may_stick);
+        let (formulation, state, transition) = F::start(&scenario.model, &scenario.start());
         let motion = formulation.motion(&state, scenario.angles);
         let mut queue = Queue::default();
         queue.push(event_at(EventKind::Start, 0.0, motion));
-        let kind = transition.and_then(|transition| consequences(&transition).0);
+        let (kind, mut stop) = transition.as_ref().map_or((None, None), consequences);
         queue.extend(kind.map(|kind| event_at(kind, 0.0, motion)));
-        let mut end = None;
         if motion.phase == Phase::Sticking && scenario.model.support.is_free() {
             queue.push(event_at(EventKind::RollBegins, 0.0, motion));
-            end = (!may_stick).then_some((0.0, EarlyEnd::Stop(StopReason::SlipStopped, None)));
+            if !scenario.stop.may_stick {
+                stop = stop.or(Some(StopReason::SlipStopped));
+            }
         }
+        let end = stop.map(|reason| (0.0, EarlyEnd::Stop(reason, None)));
         let integrator = Dop853::new(
             formulation,
             0.0,
@@ -263,12 +264,8 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             (ZeroKind::Guard(guard), Slope::Falling) => {
                 return self.end_phase(guard, time, &dense.at(s), motion);
             }
-            (ZeroKind::Rotation, Slope::Falling) => {
-                event(EventKind::Rest);
-                self.end = Some((time, EarlyEnd::Stop(StopReason::Rest, None)));
-            }
             (ZeroKind::Inversion, Slope::Rising) => self.queue.record_inversion(time),
-            (ZeroKind::Risen(_) | ZeroKind::Guard(_) | ZeroKind::Rotation, Slope::Rising)
+            (ZeroKind::Risen(_) | ZeroKind::Guard(_), Slope::Rising)
             | (ZeroKind::Fallen(_) | ZeroKind::Inversion, Slope::Falling) => {}
         }
         Ok(())
@@ -283,13 +280,6 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         motion: Motion,
     ) -> Result<(), SimulationError> {
         let stops_at_rest = !self.stop.may_stick;
-        if guard == Guard::Slip && stops_at_rest {
-            self.queue
-                .push(event_at(EventKind::SlipStops, time, motion));
-            self.end = Some((time, EarlyEnd::Stop(StopReason::SlipStopped, None)));
-            return Ok(());
-        }
-        self.nutation.record_rates(&motion);
         let system = *self.integrator.system();
         let entered = system.enter(guard, state, self.reference);
         let entry = entered.map_err(|_| {
@@ -297,6 +287,13 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
                 "the impact at t = {time:?} s can't be computed: the friction law is too steep"
             ))
         })?;
+        if guard == Guard::Slip && stops_at_rest && stops_slip(&entry) {
+            self.queue
+                .push(event_at(EventKind::SlipStops, time, motion));
+            self.end = Some((time, EarlyEnd::Stop(StopReason::SlipStopped, None)));
+            return Ok(());
+        }
+        self.nutation.record_rates(&motion);
         let at = time + entry.delay;
         self.queue_entry_events(&entry, system.phase(), at);
         let sticks = entry.formulation.phase() == Phase::Sticking;
@@ -411,6 +408,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     fn enter(&mut self, time: f64, entry: &Entry<F, N>) -> Result<(), SimulationError> {
         let phases = self.progress.record_phase(time)?;
         self.dense = None;
+        let phase = self.integrator.system().phase();
         let system = entry.formulation;
         self.reference = system.angles(&entry.state, self.reference);
         self.integrator.restart(system, time, entry.state)?;
@@ -420,7 +418,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             .limit_next_step(entry.first_step / f64::from(quarters));
         let before = std::mem::replace(&mut self.watches, watches(&self.stop, &system));
         let motion = system.motion(&entry.state, self.reference);
-        if self.model().support.is_free() {
+        if self.model().support.is_free() || system.phase() == phase {
             self.nutation.record_impact(time, &motion);
             copy_signs(&before, &mut self.watches);
         } else {
@@ -518,11 +516,19 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
     }
 }
 
-/// The motion after an impact; `None` if the phase begins without one.
+/// The motion after an impact or after coming to rest; `None` if the phase begins without a change.
 fn after_impact<F, const N: usize>(entry: &Entry<F, N>) -> Option<Motion> {
     matches!(
         entry.transition,
-        Transition::Bounces(_) | Transition::Lands(_)
+        Transition::Bounces(_) | Transition::Lands(_) | Transition::Rests
     )
     .then_some(entry.motion)
+}
+
+/// Whether a run with `stop.on_stick = "stop"` ends where its contact point stops slipping: friction holds the point, or
+/// the equations leave out a part of friction and don't say how the motion goes on.
+fn stops_slip<F: Formulation<N>, const N: usize>(entry: &Entry<F, N>) -> bool {
+    let sticks = entry.formulation.phase() == Phase::Sticking;
+    let is_complete = entry.formulation.model().friction.dissipation == Dissipation::Full;
+    (sticks && entry.transition != Transition::Rests) || !is_complete
 }

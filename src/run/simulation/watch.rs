@@ -58,8 +58,6 @@ pub(super) enum ZeroKind {
     Inversion,
     /// The guard that ends the phase.
     Guard(Guard),
-    /// A top whose contact point sticks stops turning.
-    Rotation,
 }
 
 impl ZeroKind {
@@ -89,7 +87,6 @@ impl ZeroKind {
             }
             Self::Inversion => map_motions(motions, |m| m.angles.theta - FRAC_PI_2),
             Self::Guard(guard) => map_motions(motions, |m| system.guard(guard, m)),
-            Self::Rotation => map_motions(motions, |m| sense * m.tilt.omega_lean.z),
         }
     }
 }
@@ -148,6 +145,9 @@ pub(super) fn copy_signs(before: &[Watch], now: &mut [Watch]) {
 /// Noise floor of the slip guard of a free peg, m/s. A starting slip passes it in steps that add no more than their error.
 const SLIP_FLOOR: f64 = 0.5 * NO_SLIP;
 
+/// Noise floor of a rate about the vertical, rad/s: it may start at zero.
+const TURNING_FLOOR: f64 = 1e-12;
+
 /// The tracker of a guard's sign. For a free peg, guards are positive when a phase begins, except slip, which may start
 /// anywhere. A bounce at the slowest speed is 5e-14 m high; the gap is rounded to 1e-17 m.
 fn guard_tracker(guard: Guard, is_free: bool) -> SignTracker {
@@ -155,7 +155,14 @@ fn guard_tracker(guard: Guard, is_free: bool) -> SignTracker {
         Guard::Gap => SignTracker::with_sign(true, 1e-16),
         Guard::Slip if is_free => SignTracker::with_floor(SLIP_FLOOR),
         Guard::Slip => SignTracker::default(),
-        Guard::Grip | Guard::NormalForce | Guard::Mobility | Guard::Rolling | Guard::Regular => {
+        Guard::Turning => SignTracker::with_sign(true, TURNING_FLOOR),
+        Guard::TurningGrip => SignTracker::with_sign(true, 0.0),
+        Guard::Grip
+        | Guard::NormalForce
+        | Guard::Mobility
+        | Guard::Rolling
+        | Guard::RollingGrip
+        | Guard::Regular => {
             if is_free {
                 SignTracker::with_sign(true, 0.0)
             } else {
@@ -183,7 +190,6 @@ pub(super) fn watches<F: Formulation<N>, const N: usize>(
     if formulation.phase() == Phase::Sticking && !is_free {
         let mut watches = vec![watch(ZeroKind::Strength, 0.0)];
         watches.extend(guards);
-        watches.push(watch(ZeroKind::Rotation, 0.0));
         return watches;
     }
     let mut watches = vec![

@@ -1,19 +1,24 @@
 //! State components of a top with a free peg.
 
 use crate::physics::dynamics::accelerations::accelerations_about;
+use crate::physics::dynamics::holding::Resting;
 use crate::physics::dynamics::integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, TermIntegrals};
 use crate::physics::dynamics::lean::{Lean, quaternion};
 use crate::physics::dynamics::model::Model;
-use crate::physics::dynamics::motion::{is_departing, slip_of_law};
+use crate::physics::dynamics::motion::{NO_SLIP, is_departing, slip_of_law};
 use crate::physics::dynamics::reaction::{ContactArm, FreeBody, Inertia, Reaction};
 use crate::physics::dynamics::support::Phase;
+use crate::physics::friction::{Branch, NO_ROLLING, Rocking, Turning};
 use crate::physics::kinematics::Tilt;
 use crate::physics::math::{atan2, hypot};
 use nalgebra::{Quaternion, Vector3};
 
 /// A slowly slipping contact point sticks again, instead of departing, if friction can hold it with this relative
 /// margin (well above rounding).
-const HELD_AGAIN: f64 = 1e-6;
+pub(super) const HELD_AGAIN: f64 = 1e-6;
+
+/// Rates about the vertical below this count as zero where a phase begins, rad/s.
+const NO_TURNING: f64 = NO_ROLLING;
 
 /// Rotation about the centre of mass plus translation of the centre of mass.
 ///
@@ -94,7 +99,10 @@ impl FreeRotation {
         let scaled = lean.world_to_lean(&vector(y, SCALED_MOMENTUM));
         let axial = lean.sin * scaled.x + lean.cos * scaled.z;
         let excess = axial * (self.inertia.transverse * self.inertia.per_axial - 1.0);
-        let omega = scaled + excess * Vector3::new(lean.sin, 0.0, lean.cos);
+        let mut omega = scaled + excess * Vector3::new(lean.sin, 0.0, lean.cos);
+        if self.model.friction.branch.is_held() {
+            omega = self.held_rotation(&lean, &scaled);
+        }
         let tilt = Tilt::from_omega(lean.sin, lean.cos, omega);
         let arm = ContactArm::of(top, lean.sin, lean.cos);
         let rolling = arm.cross(&tilt.omega_lean);
@@ -112,6 +120,25 @@ impl FreeRotation {
             velocity,
             arm,
             rolling,
+        }
+    }
+
+    /// The angular velocity while friction prevents rocking or turning about the vertical, rad/s, lean frame: from the
+    /// components of the scaled angular momentum that it leaves.
+    #[cold]
+    fn held_rotation(&self, lean: &Lean, scaled: &Vector3<f64>) -> Vector3<f64> {
+        let central = self.model.top.about_center();
+        let momentum = central.transverse_moment * scaled;
+        let Branch { turning, rocking } = self.model.friction.branch;
+        match (rocking, turning) {
+            (Rocking::Held, Turning::Held) => Vector3::zeros(),
+            (Rocking::Held, _) => {
+                let rate = momentum.z / central.vertical_moment(lean.sin, lean.cos);
+                Vector3::new(0.0, 0.0, rate)
+            }
+            (Rocking::Any | Rocking::Starting(_) | Rocking::GivingWay, _) => {
+                central.rocking_rate(&momentum, lean.sin, lean.cos)
+            }
         }
     }
 
@@ -144,15 +171,16 @@ impl FreeRotation {
     #[inline(always)]
     pub(super) fn departure_of(&self, tilt: &Tilt, slip: &Vector3<f64>) -> Option<Vector3<f64>> {
         let departure = self.departure.filter(|_| is_departing(slip))?;
-        let body = self.body(*tilt);
-        let held = body.holding();
-        let strongest = self.model.friction.law.static_bound(held.normal);
+        let holding = self.holding();
+        let body = holding.body(*tilt);
+        let held = body.held();
+        let strongest = self.model.friction.law.static_bound_at(held.normal, 0.0);
         if self.grip(&held) > HELD_AGAIN * strongest {
             return None;
         }
         Some(match departure {
             Departure::Toward(direction) => direction,
-            Departure::GivingWay => body.release_direction(),
+            Departure::GivingWay => self.body(*tilt).release_direction(),
         })
     }
 
@@ -195,11 +223,71 @@ impl FreeRotation {
         }
     }
 
+    /// These equations in another phase, on the same branches of friction; in flight there is none.
     pub(super) fn with_phase(&self, phase: Phase) -> Self {
+        let branch = match phase {
+            Phase::Flying => Branch::default(),
+            Phase::Sliding | Phase::Sticking => self.model.friction.branch,
+        };
+        self.with_branch(phase, branch)
+    }
+
+    pub(super) fn with_branch(&self, phase: Phase, branch: Branch) -> Self {
+        let friction = self.model.friction.on_branch(branch);
         Self {
+            model: Model {
+                friction,
+                ..self.model
+            },
             phase,
             departure: None,
             ..*self
+        }
+    }
+
+    /// The phase in which friction holds the contact point, on the same branches as here. A contact patch that rests as a
+    /// whole doesn't turn either.
+    pub(super) fn holding(&self) -> Self {
+        let branch = self.model.friction.branch;
+        if self.model.friction.rests_as_a_whole() {
+            let turning = Turning::Held;
+            self.with_branch(Phase::Sticking, Branch { turning, ..branch })
+        } else {
+            self.with_branch(Phase::Sticking, branch)
+        }
+    }
+
+    /// The phase in which the contact point slips, on the same branches as here. A contact patch that rests as a whole
+    /// also turns again.
+    pub(super) fn slipping(&self) -> Self {
+        let branch = self.model.friction.branch;
+        if self.model.friction.rests_as_a_whole() {
+            let turning = Turning::Any;
+            self.with_branch(Phase::Sliding, Branch { turning, ..branch })
+        } else {
+            self.with_branch(Phase::Sliding, branch)
+        }
+    }
+
+    /// The components of the contact's motion that are at rest in a state, besides the slip.
+    pub(super) fn resting<const N: usize>(&self, y: &[f64; N], slip: bool) -> Resting {
+        let friction = &self.model.friction;
+        let omega = self.parts(y).tilt.omega_lean;
+        let patch_rests = friction.patch_speed(0.0, omega.z) <= NO_SLIP;
+        Resting {
+            slip: slip && friction.holds_slip() && patch_rests,
+            rocking: friction.rolling_arm() > 0.0 && hypot(omega.x, omega.y) < NO_ROLLING,
+            turning: friction.drilling_bound(1.0, false) > 0.0 && omega.z.abs() < NO_TURNING,
+        }
+    }
+
+    /// The components that friction holds at rest in this phase.
+    pub(super) fn held(&self) -> Resting {
+        let branch = self.model.friction.branch;
+        Resting {
+            slip: self.phase == Phase::Sticking,
+            rocking: branch.rocking == Rocking::Held,
+            turning: branch.turning == Turning::Held,
         }
     }
 
@@ -212,6 +300,18 @@ impl FreeRotation {
             VELOCITY,
             &parts.lean.lean_to_world(&parts.velocity),
         );
+        if self.model.friction.branch.is_held() {
+            let central = self.model.top.about_center();
+            let momentum = parts
+                .tilt
+                .node_to_lean(&central.angular_momentum_node(&parts.tilt));
+            let scaled = momentum * self.inertia.per_transverse;
+            put(
+                &mut state,
+                SCALED_MOMENTUM,
+                &parts.lean.lean_to_world(&scaled),
+            );
+        }
         if self.phase != Phase::Flying {
             state[CENTER + 2] = -parts.arm.up;
         }

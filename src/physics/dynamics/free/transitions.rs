@@ -2,10 +2,12 @@
 
 use super::state::{CENTER, CONTROLLED, Departure, FreeRotation, SCALED_MOMENTUM, VELOCITY};
 use crate::physics::dynamics::formulation::Transition;
+use crate::physics::dynamics::holding::Resting;
 use crate::physics::dynamics::impact::{Impact, impact};
 use crate::physics::dynamics::motion::DEPARTING;
 use crate::physics::dynamics::reaction::{FreeBody, Reaction};
 use crate::physics::dynamics::support::{Phase, Support};
+use crate::physics::friction::{Branch, Rocking, Turning};
 use crate::physics::integrate::{IntegrateError, System as _};
 use crate::physics::math::hypot;
 use nalgebra::Vector3;
@@ -21,7 +23,7 @@ impl FreeRotation {
         let reaction = self.reaction(&parts);
         let sliding = Self {
             departure: Some(Departure::GivingWay),
-            ..self.with_phase(Phase::Sliding)
+            ..self.slipping()
         };
         if reaction.normal > 0.0 && sliding.reaction(&sliding.parts(y)).normal > 0.0 {
             sliding
@@ -32,10 +34,92 @@ impl FreeRotation {
 
     /// The phase of a peg on the table whose contact point slips or is `at_rest`.
     pub(super) fn on_table<const N: usize>(&self, y: &[f64; N], at_rest: bool) -> Self {
+        self.settled(y, self.resting(y, at_rest))
+    }
+
+    /// The phase of a peg on the table some components of whose motion are at rest: friction holds each, or it begins
+    /// to move.
+    pub(super) fn settled<const N: usize>(&self, y: &[f64; N], resting: Resting) -> Self {
+        let rate = self.parts(y).tilt.omega_lean.z;
+        let turning = if self.model.friction.drilling_bound(1.0, false) > 0.0 {
+            Turning::from_rate(rate)
+        } else {
+            Turning::Any
+        };
+        let moving = Branch {
+            turning,
+            rocking: Rocking::Any,
+        };
+        let sliding = self.with_branch(Phase::Sliding, moving);
+        let rests_as_a_whole = resting.slip && self.model.friction.rests_as_a_whole();
+        if rests_as_a_whole && resting.rocking {
+            sliding.released_patch(y)
+        } else if resting.rocking || (resting.turning && !rests_as_a_whole) {
+            sliding.released(y, resting)
+        } else {
+            sliding.released_slip(y, resting.slip)
+        }
+    }
+
+    /// The phase after components that include a rotation have come to rest.
+    fn released<const N: usize>(&self, y: &[f64; N], resting: Resting) -> Self {
+        let parts = self.parts(y);
+        let velocity = parts.contact_velocity();
+        let slip = Vector3::new(velocity.x, velocity.y, 0.0);
+        let release = self.body(parts.tilt).released(resting, &slip);
+        if release.normal <= 0.0 {
+            return self.with_phase(Phase::Flying);
+        }
+        let branch = self.model.friction.branch;
+        let branch = Branch {
+            turning: match release.turning {
+                Some(acceleration) => Turning::from_rate(acceleration),
+                None if resting.turning => Turning::Held,
+                None => branch.turning,
+            },
+            rocking: match release.rocking {
+                Some(direction) => Rocking::Starting(direction),
+                None if resting.rocking => Rocking::Held,
+                None => branch.rocking,
+            },
+        };
+        if resting.slip && release.slip.is_none() {
+            return self.with_branch(Phase::Sticking, branch);
+        }
+        Self {
+            departure: release.slip.map(Departure::Toward),
+            ..self.with_branch(Phase::Sliding, branch)
+        }
+    }
+
+    /// The phase after a contact patch that rests as a whole, and rocking, have come to rest.
+    fn released_patch<const N: usize>(&self, y: &[f64; N]) -> Self {
+        let all = Resting {
+            slip: true,
+            rocking: true,
+            turning: true,
+        };
+        let next = self.released(y, all);
+        // The bounds of force and torque together are narrower than each alone.
+        if next.phase != Phase::Sticking || next.is_held(y) {
+            return next;
+        }
+        let rocking = Resting {
+            rocking: true,
+            ..Resting::default()
+        };
+        Self {
+            departure: Some(Departure::GivingWay),
+            ..self.released(y, rocking)
+        }
+    }
+
+    /// The phase of a peg whose contact point slips or is `at_rest`, on the branches of these equations.
+    fn released_slip<const N: usize>(&self, y: &[f64; N], at_rest: bool) -> Self {
         let mut sliding = self.with_phase(Phase::Sliding);
         let parts = sliding.parts(y);
-        if at_rest && self.model.friction.is_set_valued_at_rest() {
-            let holding = self.with_phase(Phase::Sticking);
+        if at_rest {
+            let holding = self.holding();
             if holding.is_held(y) {
                 return holding;
             }
@@ -54,6 +138,43 @@ impl FreeRotation {
         }
     }
 
+    /// The phase after rolling resistance has given way to the torque that held the top.
+    pub(super) fn rocking_again(&self) -> Self {
+        let branch = Branch {
+            rocking: Rocking::GivingWay,
+            ..self.model.friction.branch
+        };
+        self.with_branch(self.phase, branch)
+    }
+
+    /// The phase after drilling friction has given way to the torque that held the top.
+    pub(super) fn turning_again<const N: usize>(&self, y: &[f64; N]) -> Self {
+        let couple = self.reaction(&self.parts(y)).friction.couple;
+        let branch = Branch {
+            turning: Turning::from_rate(-couple.z),
+            ..self.model.friction.branch
+        };
+        self.with_branch(self.phase, branch)
+    }
+
+    /// Whether the top no longer moves.
+    pub(super) fn rests<const N: usize>(&self, y: &[f64; N]) -> bool {
+        let held = self.held();
+        held.slip && held.rocking && self.parts(y).tilt.omega_lean.z == 0.0
+    }
+
+    /// The transition to a phase in which friction holds a top that doesn't rock.
+    pub(super) fn pivoting<const N: usize>(&self, y: &[f64; N]) -> Transition {
+        if self.rests(y) {
+            Transition::Rests
+        } else {
+            Transition::Pivots {
+                is_final: self.phase == Phase::Sticking
+                    && !self.model.friction.turns_about_vertical(),
+            }
+        }
+    }
+
     /// Whether friction holds the contact point of a peg that rolls.
     pub(super) fn is_held<const N: usize>(&self, y: &[f64; N]) -> bool {
         let reaction = self.reaction(&self.parts(y));
@@ -62,8 +183,9 @@ impl FreeRotation {
 
     /// Margin of the friction that holds the contact point, N.
     pub(super) fn grip(&self, reaction: &Reaction) -> f64 {
-        let force = reaction.friction.force;
-        self.model.friction.law.static_bound(reaction.normal) - hypot(force.x, force.y)
+        let (force, couple) = (reaction.friction.force, reaction.friction.couple);
+        let law = &self.model.friction.law;
+        law.holding_margin(reaction.normal, hypot(force.x, force.y), couple.z)
     }
 
     /// The state after the contact point comes to rest, and the time needed, s.

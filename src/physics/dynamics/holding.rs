@@ -1,0 +1,340 @@
+//! Contact forces on a free peg where friction holds components of the motion at zero.
+//!
+//! The contact has six velocities: those of the contact point (slip, and its vertical velocity, which is zero) and the
+//! angular velocity (rocking about horizontal axes, turning about the vertical). Their accelerations are `b + W λ` with
+//! the wrench `λ` of the contact. A component that moves has a friction proportional to the normal force. A component
+//! that is held has no acceleration, and its friction follows from that.
+
+use super::reaction::{FreeBody, Reaction};
+use super::support::Phase;
+use crate::physics::friction::{Branch, NO_ROLLING, Rocking, Turning, Wrench};
+use crate::physics::math::hypot;
+use nalgebra::{Matrix6, Vector3, Vector6};
+
+/// Index of the vertical component of a [`Vector6`] of contact forces, or of accelerations.
+const NORMAL: usize = 2;
+/// Index of the torque about the vertical.
+const TURNING: usize = 5;
+
+/// Maximum number of iterations for the friction of a contact at rest.
+const MAX_ITERATIONS: u32 = 20_000;
+/// Relative change of the forces at which the iteration has converged.
+const CONVERGED: f64 = 1e-14;
+
+/// Components of the contact's motion that are zero at an instant, and have set-valued friction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Resting {
+    /// The slip velocity.
+    pub slip: bool,
+    /// The horizontal angular velocity.
+    pub rocking: bool,
+    /// The angular velocity about the vertical.
+    pub turning: bool,
+}
+
+/// What becomes of the components at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Release {
+    /// Normal force, N.
+    pub normal: f64,
+    /// Direction in which the slip begins; `None` if it is held.
+    pub slip: Option<Vector3<f64>>,
+    /// Direction in which rocking begins; `None` if it is held.
+    pub rocking: Option<Vector3<f64>>,
+    /// The angular acceleration about the vertical, rad/s²; `None` if turning is held.
+    pub turning: Option<f64>,
+}
+
+/// The accelerations `b + W λ`.
+struct Response {
+    free: Vector6<f64>,
+    per_force: Matrix6<f64>,
+}
+
+/// A disc or an interval of friction forces, in rows `from..to` of the wrench.
+struct Bound {
+    rows: std::ops::Range<usize>,
+    /// Largest friction per normal force.
+    coefficient: f64,
+}
+
+impl FreeBody<'_> {
+    /// The reaction in a phase in which friction prevents rocking or turning.
+    #[cold]
+    pub(super) fn holding_reaction(&self, phase: Phase, slip: &Vector3<f64>) -> Reaction {
+        let branch = &self.friction.branch;
+        let is_held = [
+            phase == Phase::Sticking,
+            phase == Phase::Sticking,
+            true,
+            branch.rocking == Rocking::Held,
+            branch.rocking == Rocking::Held,
+            branch.turning == Turning::Held,
+        ];
+        let moving = self.moving_friction(phase, slip);
+        let Response { free, per_force } = self.response();
+        let mut equations = Matrix6::identity();
+        let mut right = Vector6::zeros();
+        for row in 0..6 {
+            if is_held[row] {
+                equations.set_row(row, &per_force.row(row));
+                right[row] = -free[row];
+            } else {
+                equations[(row, NORMAL)] = -moving[row];
+            }
+        }
+        let solution = equations.lu().solve(&right);
+        let wrench = solution.unwrap_or_else(Vector6::zeros);
+        Reaction {
+            normal: wrench[NORMAL],
+            friction: Wrench {
+                force: Vector3::new(wrench[0], wrench[1], 0.0),
+                couple: Vector3::new(wrench[3], wrench[4], wrench[TURNING]),
+            },
+            air: self.air(),
+        }
+    }
+
+    /// Whether rolling resistance has given way, but the top rocks too slowly to define a direction.
+    #[inline(always)]
+    pub(super) fn begins_to_rock(&self) -> bool {
+        let omega = &self.tilt.omega_lean;
+        self.friction.branch.rocking == Rocking::GivingWay && hypot(omega.x, omega.y) < NO_ROLLING
+    }
+
+    /// The direction in which the top begins to rock where rolling resistance gives way: against the torque that would
+    /// hold it, lean frame.
+    pub(super) fn rocking_direction(&self, phase: Phase, slip: &Vector3<f64>) -> Vector3<f64> {
+        let couple = self.rocking_as(Rocking::Held, phase, slip).friction.couple;
+        -Vector3::new(couple.x, couple.y, 0.0).normalize()
+    }
+
+    /// The reaction on a top that begins to rock.
+    #[cold]
+    pub(super) fn rocking_reaction(&self, phase: Phase, slip: &Vector3<f64>) -> Reaction {
+        let direction = self.rocking_direction(phase, slip);
+        self.rocking_as(Rocking::Starting(direction), phase, slip)
+    }
+
+    /// The reaction on another branch of rolling resistance.
+    fn rocking_as(&self, rocking: Rocking, phase: Phase, slip: &Vector3<f64>) -> Reaction {
+        let branch = Branch {
+            rocking,
+            ..self.friction.branch
+        };
+        let friction = self.friction.on_branch(branch);
+        let body = FreeBody {
+            friction: &friction,
+            ..*self
+        };
+        body.reaction(phase, slip)
+    }
+
+    /// Friction of the moving components per normal force; 0 for the others and for the normal force.
+    fn moving_friction(&self, phase: Phase, slip: &Vector3<f64>) -> Vector6<f64> {
+        let still = Vector3::zeros();
+        let slip = if phase == Phase::Sticking {
+            &still
+        } else {
+            slip
+        };
+        let Wrench { force, couple } = self.friction.per_normal_force(slip, &self.tilt.omega_lean);
+        Vector6::new(force.x, force.y, 0.0, couple.x, couple.y, couple.z)
+    }
+
+    /// The accelerations of the contact.
+    fn response(&self) -> Response {
+        let air = self.air();
+        let (linear, angular) = (self.free_acceleration(&air), self.free_turning(&air));
+        let mut per_force = Matrix6::zeros();
+        for column in 0..3 {
+            let mut force = Vector3::zeros();
+            force[column] = 1.0;
+            let by_force = self.inverse_mass.velocity_change(&force);
+            let turned = self.angular_acceleration(&self.arm.cross(&force));
+            set_column(&mut per_force, column, &by_force, &turned);
+            let by_couple = self.acceleration_per_couple(&force);
+            let turned = self.angular_acceleration(&force);
+            set_column(&mut per_force, column + 3, &by_couple, &turned);
+        }
+        Response {
+            free: Vector6::new(
+                linear.x, linear.y, linear.z, angular.x, angular.y, angular.z,
+            ),
+            per_force,
+        }
+    }
+
+    /// What becomes of the components at rest: friction holds each of them if it can, and otherwise resists the
+    /// acceleration as much as it can (Gauss's principle: the accelerations differ as little as possible from those
+    /// without friction).
+    ///
+    /// The forces are found by projection: each is changed until its component no longer accelerates, but not beyond its
+    /// bound. `slip` is the slip velocity, if it isn't at rest (m/s).
+    #[cold]
+    pub(super) fn released(&self, resting: Resting, slip: &Vector3<f64>) -> Release {
+        let friction = self
+            .friction
+            .on_branch(resting.branch(&self.friction.branch));
+        let body = FreeBody {
+            friction: &friction,
+            ..*self
+        };
+        let phase = if resting.slip {
+            Phase::Sticking
+        } else {
+            Phase::Sliding
+        };
+        let mut moving = body.moving_friction(phase, slip);
+        moving[NORMAL] = 1.0;
+        let bounds = resting.bounds(&body);
+        let Response { free, per_force } = body.response();
+        let mobility = (per_force * moving)[NORMAL];
+        let mut at_rest = Vector6::zeros();
+        let mut normal = 0.0;
+        let mut wrench = Vector6::zeros();
+        for _ in 0..MAX_ITERATIONS {
+            let before = wrench;
+            let load = (free + per_force * at_rest)[NORMAL];
+            normal = (-load / mobility).max(0.0);
+            for bound in &bounds {
+                wrench = at_rest + normal * moving;
+                bound.project(
+                    &mut at_rest,
+                    &(free + per_force * wrench),
+                    &per_force,
+                    normal,
+                );
+            }
+            wrench = at_rest + normal * moving;
+            if bounds_converged(&bounds, &before, &wrench, normal) {
+                break;
+            }
+        }
+        let acceleration = free + per_force * wrench;
+        let mut release = Release {
+            normal,
+            slip: None,
+            rocking: None,
+            turning: None,
+        };
+        for bound in &bounds {
+            if bound.holds(&at_rest, normal) {
+                continue;
+            }
+            // Friction opposes the beginning motion.
+            let against = |row: usize| -at_rest[row] / bound.size(&at_rest);
+            match bound.rows.start {
+                0 => release.slip = Some(Vector3::new(against(0), against(1), 0.0)),
+                3 => release.rocking = Some(Vector3::new(against(3), against(4), 0.0)),
+                _ => release.turning = Some(acceleration[TURNING]),
+            }
+        }
+        release
+    }
+}
+
+impl Resting {
+    /// The branches on which the components at rest are held.
+    fn branch(self, moving: &Branch) -> Branch {
+        Branch {
+            turning: if self.turning {
+                Turning::Held
+            } else {
+                moving.turning
+            },
+            rocking: if self.rocking {
+                Rocking::Held
+            } else {
+                moving.rocking
+            },
+        }
+    }
+
+    fn bounds(self, body: &FreeBody<'_>) -> Vec<Bound> {
+        let friction = body.friction;
+        let mut bounds = Vec::new();
+        if self.slip {
+            bounds.push(Bound {
+                rows: 0..2,
+                coefficient: friction.law.static_bound_at(1.0, 0.0),
+            });
+        }
+        if self.rocking {
+            bounds.push(Bound {
+                rows: 3..5,
+                coefficient: friction.rolling_arm(),
+            });
+        }
+        if self.turning {
+            bounds.push(Bound {
+                rows: TURNING..TURNING + 1,
+                coefficient: friction.drilling_bound(1.0, self.slip),
+            });
+        }
+        bounds
+    }
+}
+
+impl Bound {
+    /// The magnitude of this friction in a wrench, N or N m.
+    fn size(&self, wrench: &Vector6<f64>) -> f64 {
+        self.rows
+            .clone()
+            .fold(0.0, |size, row| hypot(size, wrench[row]))
+    }
+
+    /// Changes the friction against the acceleration of its component, within its bound.
+    fn project(
+        &self,
+        wrench: &mut Vector6<f64>,
+        acceleration: &Vector6<f64>,
+        per_force: &Matrix6<f64>,
+        normal: f64,
+    ) {
+        let largest = self
+            .rows
+            .clone()
+            .fold(0.0_f64, |largest, row| largest.max(per_force[(row, row)]));
+        for row in self.rows.clone() {
+            wrench[row] -= acceleration[row] / largest;
+        }
+        let (size, bound) = (self.size(wrench), self.coefficient * normal);
+        if size > bound {
+            for row in self.rows.clone() {
+                wrench[row] *= bound / size;
+            }
+        }
+    }
+
+    /// Whether this friction is within its bound.
+    fn holds(&self, wrench: &Vector6<f64>, normal: f64) -> bool {
+        self.size(wrench) < self.coefficient * normal * (1.0 - 1e-12)
+    }
+}
+
+/// Whether the frictions have stopped changing, relative to their bounds.
+fn bounds_converged(
+    bounds: &[Bound],
+    before: &Vector6<f64>,
+    now: &Vector6<f64>,
+    normal: f64,
+) -> bool {
+    let change = now - before;
+    change[NORMAL].abs() <= CONVERGED * normal
+        && bounds
+            .iter()
+            .all(|bound| bound.size(&change) <= CONVERGED * bound.coefficient * normal)
+}
+
+fn set_column(
+    matrix: &mut Matrix6<f64>,
+    column: usize,
+    linear: &Vector3<f64>,
+    angular: &Vector3<f64>,
+) {
+    let both = Vector6::new(
+        linear.x, linear.y, linear.z, angular.x, angular.y, angular.z,
+    );
+    matrix.set_column(column, &both);
+}
