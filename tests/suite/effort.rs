@@ -46,7 +46,7 @@ fn costly(seed: u64, tops: usize) -> Vec<String> {
             }
             Ok(_) => continue,
         };
-        found.push(format!("{number}: {failure}"));
+        found.push(format!("{number}: {failure}\n{}", scenario.to_toml()));
     }
     found
 }

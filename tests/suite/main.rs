@@ -46,6 +46,7 @@ mod reference;
 mod rerun;
 #[cfg(feature = "rerun")]
 mod rerun_pair;
+mod rest;
 mod scenarios;
 mod support;
 #[cfg(feature = "sweep")]

@@ -29,12 +29,12 @@ impl Random {
     }
 
     /// From 0 to 1.
-    fn unit(&mut self) -> f64 {
+    pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
     /// From −1 to 1.
-    fn symmetric(&mut self) -> f64 {
+    pub fn symmetric(&mut self) -> f64 {
         2.0 * self.unit() - 1.0
     }
 
