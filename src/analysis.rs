@@ -1,10 +1,8 @@
-//! Analysis of runs: verify, diff, explain, figures.
+//! Analysis of runs: verify, diff, explain.
 
 pub mod diff;
 pub mod explain;
-pub mod figures;
 pub mod history;
 pub(crate) mod phrase;
-pub(crate) mod plot;
 pub mod subject;
 pub mod verify;

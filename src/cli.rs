@@ -300,7 +300,7 @@ pub fn schemas() -> Vec<(String, String)> {
         schema::<view::ViewReport>("ViewReport"),
         schema::<analysis::explain::Explanation>("ExplainReport"),
         schema::<analysis::diff::Report>("DiffReport"),
-        schema::<analysis::figures::FiguresReport>("FiguresReport"),
+        schema::<crate::figures::FiguresReport>("FiguresReport"),
         #[cfg(feature = "sweep")]
         schema::<sweep::SweepReport>("SweepReport"),
         schema::<info::InfoReport>("InfoReport"),

@@ -19,10 +19,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Eight modules: [`physics`] (mechanics), [`run`] (scenarios, simulation), [`telemetry`] (channels, encodings),
-//! [`archive`] (recordings), [`analysis`] (verify, diff, explain, figures), `sweep` (tables of runs; feature `sweep`),
-//! `rerun` (Rerun viewer; feature `rerun`), [`cli`] (the program). Each uses only those before it;
-//! `analysis`, `sweep` and `rerun` don't use each other.
+//! Nine modules: [`physics`] (mechanics), [`run`] (scenarios, simulation), [`telemetry`] (channels, encodings),
+//! [`archive`] (recordings), [`analysis`] (verify, diff, explain), `sweep` (tables of runs; feature `sweep`), `rerun`
+//! (Rerun viewer; feature `rerun`), [`figures`] (drawings for print), [`cli`] (the program). Each uses only those before
+//! it; `analysis`, `sweep` and `rerun` don't use each other.
 //!
 //! On WebAssembly there is no [`cli`] and no file access: [`archive::writer`] writes to memory.
 
@@ -44,6 +44,7 @@ pub mod analysis;
 pub mod archive;
 #[cfg(not(target_family = "wasm"))]
 pub mod cli;
+pub mod figures;
 pub mod physics;
 #[cfg(feature = "rerun")]
 pub mod rerun;

@@ -5,10 +5,10 @@ use std::fs;
 use std::path::Path;
 use toprise::analysis::diff::{self, Report, Verdict};
 use toprise::analysis::explain::explain;
-use toprise::analysis::figures::{FIGURES, Figure, Run};
 use toprise::analysis::verify::verify;
 use toprise::archive::input;
 use toprise::archive::recording::{Overview, Recording, Selection};
+use toprise::figures::{FIGURES, Figure, Run};
 use toprise::run::scenario::{Scenario, Values};
 
 /// Reads `data` as a recording in every way there is. It is written into the directory `scratch`.

@@ -8,8 +8,8 @@ use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::path::PathBuf;
-use toprise::analysis::figures::{Drawing, FIGURES, Figure as Kind, Map, MapAxis, MapRun, Run};
 use toprise::archive::publish::{self, Existing};
+use toprise::figures::{Drawing, FIGURES, Figure as Kind, Map, MapAxis, MapRun, Run};
 use toprise::sweep::{Columns, SweepError as TableError};
 
 /// A figure; see `toprise.figures` and `toprise.map`.

@@ -1,5 +1,5 @@
-//! Run history, collected in one pass: events, nutation cycles, energy, momentum, phases of a free peg. Used by diff,
-//! explain and figures.
+//! Run history, collected in one pass: events, nutation cycles, energy, momentum, phases of a free peg. Used by diff
+//! and explain.
 
 pub(crate) mod curve;
 mod cycle;

@@ -13,11 +13,11 @@ use super::progress::Progress;
 use super::report;
 use super::status::Status;
 use super::table::Table;
-use crate::analysis::figures::{
-    Drawing, FIGURES, Figure, FigureFile, FiguresReport, Lacking, LeftOut, Run, RunLoss,
-};
 use crate::archive::publish::{self, Existing};
 use crate::archive::sink::SinkError;
+use crate::figures::{
+    Drawing, FIGURES, Figure, FigureFile, FiguresReport, Lacking, LeftOut, Run, RunLoss,
+};
 use anyhow::{Context as _, Error, bail};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};

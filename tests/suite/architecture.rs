@@ -13,6 +13,7 @@ const LEVELS: &[&[&str]] = &[
     &["telemetry"],
     &["archive"],
     &["analysis", "rerun", "sweep"],
+    &["figures"],
     &["cli"],
 ];
 

@@ -13,10 +13,10 @@ use std::path::Path;
 use std::thread;
 use toprise::analysis::diff::{Options, compare};
 use toprise::analysis::explain::{Fact, explain};
-use toprise::analysis::figures::{Figure, Run};
 use toprise::analysis::verify::Verdict;
 use toprise::archive::recording::{Condition, Overview, Recording, Selection};
 use toprise::archive::writer::Form;
+use toprise::figures::{Figure, Run};
 use toprise::telemetry::encoding::Encoding;
 
 /// Reads everything of the file in every way.

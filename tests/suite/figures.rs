@@ -3,9 +3,9 @@
 use crate::support::{Folder, archive, assert_contains, assert_near, files, scenario};
 use roxmltree::{Document, Node};
 use sha2::{Digest, Sha256};
-use toprise::analysis::figures::{FIGURES, Figure, Run};
 use toprise::archive::recording::Recording;
 use toprise::archive::writer::Form;
+use toprise::figures::{FIGURES, Figure, Run};
 use toprise::telemetry::encoding::Encoding;
 
 fn all() -> Vec<&'static Figure> {

@@ -7,10 +7,10 @@ use mcap::records::{Channel, op};
 use std::fs;
 use std::path::{Path, PathBuf};
 use toprise::analysis::explain::explain;
-use toprise::analysis::figures::{Figure, Run};
 use toprise::analysis::verify::{Verdict, verify};
 use toprise::archive::recording::{Condition, Overview, Recording, RecordingError, Selection};
 use toprise::archive::writer::Form;
+use toprise::figures::{Figure, Run};
 use toprise::telemetry::Topics;
 
 /// A Unix time, ns.

@@ -1,7 +1,7 @@
 //! Figures of sweeps: their columns and runs.
 
-use crate::analysis::figures::{Map, MapAxis, MapRun};
 use crate::cli::arguments::{Override, parse_override};
+use crate::figures::{Map, MapAxis, MapRun};
 use crate::sweep::Columns;
 use anyhow::{Error, bail};
 use clap::Args;

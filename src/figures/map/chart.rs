@@ -1,9 +1,9 @@
 //! The layout that maps and curves share.
 
 use super::along::Along;
-use crate::analysis::plot::frame::{self, Frame};
-use crate::analysis::plot::shape::{Bounds, Colour, Point, Shape};
-use crate::analysis::plot::style::{self, MARGIN};
+use crate::figures::plot::frame::{self, Frame};
+use crate::figures::plot::shape::{Bounds, Colour, Point, Shape};
+use crate::figures::plot::style::{self, MARGIN};
 
 /// The aspect ratio of the frame.
 const HEIGHT: f64 = 0.72;

@@ -1,15 +1,15 @@
 //! The unit sphere, drawn down to the largest inclination of the axis, seen obliquely from above.
 
 use super::trace::{Direction, Trace};
-use crate::analysis::figures::looks::SURFACE;
-use crate::analysis::plot::decimate;
-use crate::analysis::plot::drawing::{Anchor, Drawing};
-use crate::analysis::plot::frame;
-use crate::analysis::plot::range::extremes;
-use crate::analysis::plot::shape::{Bounds, Point, Shape, Stroke};
-use crate::analysis::plot::style::{self, LINE, MARGIN, RESOLUTION};
-use crate::analysis::plot::text::Text;
-use crate::analysis::plot::ticks::{Scale, Tick};
+use crate::figures::looks::SURFACE;
+use crate::figures::plot::decimate;
+use crate::figures::plot::drawing::{Anchor, Drawing};
+use crate::figures::plot::frame;
+use crate::figures::plot::range::extremes;
+use crate::figures::plot::shape::{Bounds, Point, Shape, Stroke};
+use crate::figures::plot::style::{self, LINE, MARGIN, RESOLUTION};
+use crate::figures::plot::text::Text;
+use crate::figures::plot::ticks::{Scale, Tick};
 use crate::physics::math::{atan2, hypot, sin_cos};
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::{PI, TAU};

@@ -159,7 +159,7 @@ impl Rows {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::plot::decimate::by_column;
+    use crate::figures::plot::decimate::by_column;
     use proptest::prelude::*;
 
     /// A reproducible wave: a fast oscillation on a slow one, varied by `seed`.

@@ -5,10 +5,10 @@ use super::bar::Bar;
 use super::chart::{self, aired, dot};
 use super::grid::{Grid, border_shapes};
 use super::runs::{Map, MapAxis, MapRun, outcome_colour};
-use crate::analysis::plot::drawing::Drawing;
-use crate::analysis::plot::legend::{self, Entry};
-use crate::analysis::plot::range::extremes;
-use crate::analysis::plot::style::{self, LINE, MEDIUM};
+use crate::figures::plot::drawing::Drawing;
+use crate::figures::plot::legend::{self, Entry};
+use crate::figures::plot::range::extremes;
+use crate::figures::plot::style::{self, LINE, MEDIUM};
 
 /// Draws the runs of a map as grid cells, or as dots if they don't form a grid.
 pub(super) fn draw(map: &Map, y: &MapAxis, width: f64) -> Result<Drawing, String> {

@@ -3,9 +3,9 @@
 use super::along::Along;
 use super::bar::OVERLAP;
 use super::runs::{Map, MapAxis, MapRun};
-use crate::analysis::plot::frame::Frame;
-use crate::analysis::plot::shape::{Bounds, Colour, Point, Shape};
-use crate::analysis::plot::style::{self, MEDIUM};
+use crate::figures::plot::frame::Frame;
+use crate::figures::plot::shape::{Bounds, Colour, Point, Shape};
+use crate::figures::plot::style::{self, MEDIUM};
 
 /// Length of the ticks on the boundary of looping runs, mm.
 const EDGE_TICK: f64 = 0.9;

@@ -1,8 +1,8 @@
 //! Numbers of a channel over time, and their means over nutations.
 
 use super::sampling::ENOUGH;
-use crate::analysis::plot::rows::{MOST, Rows};
-use crate::analysis::plot::shape::Point;
+use crate::figures::plot::rows::{MOST, Rows};
+use crate::figures::plot::shape::Point;
 use crate::run::time::seconds;
 use crate::telemetry::fields::{NUTATION, NumberField, POSE, acceleration as terms, nutation};
 use crate::telemetry::{Message, Topic};

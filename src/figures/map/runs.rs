@@ -1,7 +1,7 @@
 //! The runs of a sweep that a map shows, and their outcomes.
 
-use crate::analysis::plot::frame::Quantity;
-use crate::analysis::plot::shape::Colour;
+use crate::figures::plot::frame::Quantity;
+use crate::figures::plot::shape::Colour;
 use crate::run::scenario::{KEYS, Key};
 use crate::run::simulation::StopReason;
 use std::collections::BTreeSet;

@@ -2,8 +2,8 @@
 
 use super::channel::Channel;
 use super::sampling;
-use crate::analysis::plot::shape::Point;
 use crate::analysis::subject::Subject;
+use crate::figures::plot::shape::Point;
 use crate::telemetry::fields::{NUTATING, NUTATION, NumberField, nutation};
 use crate::telemetry::{Topic, Topics};
 

@@ -3,14 +3,14 @@
 use super::along::Along;
 use super::chart::{self, aired, dot};
 use super::runs::{Map, MapRun};
-use crate::analysis::figures::looks::Looks;
-use crate::analysis::plot::drawing::Drawing;
-use crate::analysis::plot::frame;
-use crate::analysis::plot::legend::{self, Entry};
-use crate::analysis::plot::range::{NONE, union};
-use crate::analysis::plot::shape::{Bounds, Point, Stroke};
-use crate::analysis::plot::style::{self, COLOURS, DASHES, MEDIUM};
-use crate::analysis::plot::text::Text;
+use crate::figures::looks::Looks;
+use crate::figures::plot::drawing::Drawing;
+use crate::figures::plot::frame;
+use crate::figures::plot::legend::{self, Entry};
+use crate::figures::plot::range::{NONE, union};
+use crate::figures::plot::shape::{Bounds, Point, Stroke};
+use crate::figures::plot::style::{self, COLOURS, DASHES, MEDIUM};
+use crate::figures::plot::text::Text;
 
 /// The height of the marks of runs without a value, and the distance between those of two scenarios, mm.
 const STRIP: f64 = 1.2;

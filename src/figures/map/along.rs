@@ -1,9 +1,9 @@
 //! Values along an axis.
 
 use super::runs::MapAxis;
-use crate::analysis::plot::frame::Quantity;
-use crate::analysis::plot::range::extremes;
-use crate::analysis::plot::ticks::Scale;
+use crate::figures::plot::frame::Quantity;
+use crate::figures::plot::range::extremes;
+use crate::figures::plot::ticks::Scale;
 use crate::physics::math::log10;
 
 /// Range ratio from which an axis is logarithmic, unless the spacing is linear.

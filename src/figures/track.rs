@@ -2,12 +2,12 @@
 
 use super::looks::{self, Looks};
 use super::run::Run;
-use crate::analysis::plot::drawing::Drawing;
-use crate::analysis::plot::frame::{self, Frame, Quantity};
-use crate::analysis::plot::legend::{self, Entry};
-use crate::analysis::plot::range::extremes;
-use crate::analysis::plot::shape::{Bounds, Colour, Point};
-use crate::analysis::plot::style::{self, BLUE, GREEN, LINE, MARGIN, MEDIUM, VERMILION};
+use crate::figures::plot::drawing::Drawing;
+use crate::figures::plot::frame::{self, Frame, Quantity};
+use crate::figures::plot::legend::{self, Entry};
+use crate::figures::plot::range::extremes;
+use crate::figures::plot::shape::{Bounds, Colour, Point};
+use crate::figures::plot::style::{self, BLUE, GREEN, LINE, MARGIN, MEDIUM, VERMILION};
 use crate::telemetry::fields::contact;
 
 /// The maximum side of the square, mm.

@@ -5,7 +5,7 @@
 //! platform `libm`, clock or hash order is used.
 //!
 //! ```
-//! use toprise::analysis::figures::{Figure, Run};
+//! use toprise::figures::{Figure, Run};
 //! use toprise::run::scenario::{Preset, Scenario};
 //!
 //! let mut values = Preset::find("paper")?.values()?;
@@ -23,6 +23,7 @@ mod locus;
 mod looks;
 #[cfg(feature = "sweep")]
 mod map;
+mod plot;
 mod report;
 mod run;
 mod sampling;
@@ -31,9 +32,9 @@ mod track;
 
 #[cfg(feature = "sweep")]
 pub use self::map::{Map, MapAxis, MapRun};
+pub use self::plot::drawing::Drawing;
 pub use self::report::{FigureFile, FiguresReport, Lacking, LeftOut, RunLoss};
 pub use self::run::Run;
-pub use crate::analysis::plot::drawing::Drawing;
 
 use crate::analysis::subject::Subject;
 use crate::telemetry::fields::{
@@ -255,9 +256,9 @@ impl Figure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::plot::drawing::{Drawing, Label};
-    use crate::analysis::plot::shape::{Bounds, Shape};
-    use crate::analysis::plot::style::FONT;
+    use crate::figures::plot::drawing::{Drawing, Label};
+    use crate::figures::plot::shape::{Bounds, Shape};
+    use crate::figures::plot::style::FONT;
     use crate::run::scenario::{Preset, Scenario};
 
     /// A run that is quick to draw and differs from others.

@@ -3,12 +3,12 @@
 use super::along::Along;
 use super::chart;
 use super::runs::Map;
-use crate::analysis::plot::drawing::{Anchor, Drawing};
-use crate::analysis::plot::frame;
-use crate::analysis::plot::shape::{Bounds, Colour, Shape};
-use crate::analysis::plot::style::{self, FONT, MARGIN};
-use crate::analysis::plot::text::Text;
-use crate::analysis::plot::ticks::Scale;
+use crate::figures::plot::drawing::{Anchor, Drawing};
+use crate::figures::plot::frame;
+use crate::figures::plot::shape::{Bounds, Colour, Shape};
+use crate::figures::plot::style::{self, FONT, MARGIN};
+use crate::figures::plot::text::Text;
+use crate::figures::plot::ticks::Scale;
 
 /// The width of the bar of colours, and its distances from the frame and from its numbers, mm.
 const BAR: f64 = 3.0;

@@ -7,13 +7,13 @@ use self::sphere::Sphere;
 use self::trace::{Direction, Trace};
 use super::looks::{self, Looks};
 use super::run::Run;
-use crate::analysis::plot::drawing::Drawing;
-use crate::analysis::plot::frame::{self, Frame, Quantity};
-use crate::analysis::plot::legend::{self, Entry};
-use crate::analysis::plot::range::extremes;
-use crate::analysis::plot::shape::{Bounds, Stroke};
-use crate::analysis::plot::style::{LINE, MARGIN, TWO_COLUMNS};
-use crate::analysis::plot::text::Text;
+use crate::figures::plot::drawing::Drawing;
+use crate::figures::plot::frame::{self, Frame, Quantity};
+use crate::figures::plot::legend::{self, Entry};
+use crate::figures::plot::range::extremes;
+use crate::figures::plot::shape::{Bounds, Stroke};
+use crate::figures::plot::style::{LINE, MARGIN, TWO_COLUMNS};
+use crate::figures::plot::text::Text;
 
 /// The maximum height of the sphere, relative to its width.
 const TALLEST: f64 = 0.8;

@@ -2,13 +2,13 @@
 
 use super::looks::{self, Looks, PALE, SHADE};
 use super::run::Run;
-use crate::analysis::plot::drawing::Drawing;
-use crate::analysis::plot::frame::{Band, Quantity};
-use crate::analysis::plot::legend::Entry;
-use crate::analysis::plot::page::{Curve, Page, Panel};
-use crate::analysis::plot::range::{extremes, overlap};
-use crate::analysis::plot::shape::{Point, Stroke};
-use crate::analysis::plot::text::Text;
+use crate::figures::plot::drawing::Drawing;
+use crate::figures::plot::frame::{Band, Quantity};
+use crate::figures::plot::legend::Entry;
+use crate::figures::plot::page::{Curve, Page, Panel};
+use crate::figures::plot::range::{extremes, overlap};
+use crate::figures::plot::shape::{Point, Stroke};
+use crate::figures::plot::text::Text;
 use crate::telemetry::fields::{
     NumberField, acceleration as terms_of, contact, energy as energies, free_peg, nutation,
     precession as rates, state, torque as torques,

@@ -1,12 +1,12 @@
 //! Line styles of runs and quantities.
 
 use super::run::Run;
-use crate::analysis::plot::legend::Entry;
-use crate::analysis::plot::shape::{Colour, Stroke};
-use crate::analysis::plot::style::{
+use crate::figures::plot::legend::Entry;
+use crate::figures::plot::shape::{Colour, Stroke};
+use crate::figures::plot::style::{
     BLACK, COLOURS, DASHED, DASHES, HAIRLINE, MEDIUM, POINT, SKY, THIN, VERMILION, line,
 };
-use crate::analysis::plot::text::Text;
+use crate::figures::plot::text::Text;
 
 /// The colour of shaded regions.
 pub(super) const SHADE: Colour = Colour(0xf4, 0xee, 0xd6);

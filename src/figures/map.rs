@@ -10,8 +10,8 @@ mod runs;
 
 pub use self::runs::{Map, MapAxis, MapRun};
 
-use crate::analysis::plot::drawing::Drawing;
-use crate::analysis::plot::ticks::BEYOND_USE;
+use crate::figures::plot::drawing::Drawing;
+use crate::figures::plot::ticks::BEYOND_USE;
 
 impl Map {
     /// Draws the map with a width in mm. Runs without a value along an axis are left out.
@@ -58,8 +58,8 @@ impl Map {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::analysis::plot::range::{NONE, extremes, union};
-    use crate::analysis::plot::shape::Shape;
+    use crate::figures::plot::range::{NONE, extremes, union};
+    use crate::figures::plot::shape::Shape;
     const NAN: f64 = f64::NAN;
 
     fn axis(name: &str) -> MapAxis {

@@ -1,11 +1,11 @@
 //! The path of a run's symmetry axis.
 
-use crate::analysis::figures::run::Run;
-use crate::analysis::plot::legend;
-use crate::analysis::plot::range::extremes;
-use crate::analysis::plot::rows::END;
-use crate::analysis::plot::shape::{Point, Shape, Stroke};
-use crate::analysis::plot::style;
+use crate::figures::plot::legend;
+use crate::figures::plot::range::extremes;
+use crate::figures::plot::rows::END;
+use crate::figures::plot::shape::{Point, Shape, Stroke};
+use crate::figures::plot::style;
+use crate::figures::run::Run;
 use crate::telemetry::fields::pose;
 use nalgebra::Vector3;
 
