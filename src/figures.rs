@@ -1,40 +1,45 @@
 //! Figures for print: those of the paper and others.
 //!
-//! A [`Figure`] lists the fields it needs, a [`Run`] collects them from a recording or a simulation, and
+//! A [`Figure`] lists the fields it needs, [`RunData`] collects them from a recording or a simulation, and
 //! [`Figure::draw`] produces a [`Drawing`] (SVG or PNG). The output is reproducible: the font is embedded, and no
 //! platform `libm`, clock or hash order is used.
 //!
 //! ```
-//! use toprise::figures::{Figure, Run};
+//! use toprise::figures::{Figure, RunData};
 //! use toprise::run::scenario::{Preset, Scenario};
 //!
 //! let mut values = Preset::find("paper")?.values()?;
 //! values.set("stop.duration", "0.2")?;
 //! let figure = Figure::find("figure-2").ok_or("no such figure")?;
 //! let scenario = Scenario::new(values)?;
-//! let run = Run::read(&scenario, "paper", &[figure], &|_| {});
+//! let run = RunData::read(&scenario, "paper", &[figure], &|_| {});
 //! let svg = figure.draw(&[&run], 85.0).svg();
 //! assert!(svg.contains("aria-label=\"θ (rad)\""));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod channel;
+mod data;
+#[cfg(feature = "sweep")]
+mod error;
 mod locus;
-mod looks;
 #[cfg(feature = "sweep")]
 mod map;
 mod plot;
 mod report;
-mod run;
 mod sampling;
+mod style;
 mod time;
 mod track;
 
+pub use self::data::{MissingData, RunData};
+#[cfg(feature = "sweep")]
+pub use self::error::FigureError;
 #[cfg(feature = "sweep")]
 pub use self::map::{Map, MapAxis, MapRun};
 pub use self::plot::drawing::Drawing;
+pub use self::plot::png::PngError;
 pub use self::report::{FigureFile, FiguresReport, Lacking, LeftOut, RunLoss};
-pub use self::run::Run;
 
 use crate::analysis::subject::Subject;
 use crate::telemetry::fields::{
@@ -45,28 +50,28 @@ use crate::telemetry::fields::{
 /// A figure of one or several runs.
 #[derive(Debug)]
 pub struct Figure {
-    /// The name, which is also that of its files.
+    /// The name, which is also the name of the files.
     pub name: &'static str,
     /// Content of the figure.
     pub title: &'static str,
     /// Minimum number of runs.
-    pub least_runs: usize,
+    pub min_runs: usize,
     /// Required fields.
     needs: &'static [NumberField],
-    /// Whether means of its fields over nutations are drawn.
+    /// Whether means of the fields over nutations are drawn.
     has_means: bool,
     /// Whether the figure applies to free pegs only.
     is_of_free_pegs: bool,
     /// Reason why the figure does not apply to a run, if any.
-    does_not_apply: fn(&Run) -> Option<&'static str>,
-    draw: fn(&[&Run], f64) -> Drawing,
+    does_not_apply: fn(&RunData) -> Option<&'static str>,
+    draw: fn(&[&RunData], f64) -> Drawing,
 }
 
 /// The defaults of the table below.
 const DEFAULTS: Figure = Figure {
     name: "",
     title: "",
-    least_runs: 1,
+    min_runs: 1,
     needs: &[],
     has_means: false,
     is_of_free_pegs: false,
@@ -98,7 +103,7 @@ pub const FIGURES: &[Figure] = &[
     Figure {
         name: "figure-4",
         title: "θ of each further run, with the averages of the first",
-        least_runs: 2,
+        min_runs: 2,
         needs: &[state::THETA, nutation::THETA_MEAN],
         draw: time::compared,
         ..DEFAULTS
@@ -118,8 +123,8 @@ pub const FIGURES: &[Figure] = &[
         ],
         has_means: true,
         does_not_apply: |run| {
-            let because = "its equations hold for a fixed peg only";
-            run.has_free_peg.then_some(because)
+            run.has_free_peg
+                .then_some("its equations hold for a fixed peg only")
         },
         draw: time::acceleration,
         ..DEFAULTS
@@ -129,8 +134,8 @@ pub const FIGURES: &[Figure] = &[
         title: "φ̇ and the rates of regular precession (θ̈ < 0 between them)",
         needs: &[state::PHI_DOT, precession::SLOW_ROOT, precession::FAST_ROOT],
         does_not_apply: |run| {
-            let because = "the rates of regular precession hold for a fixed peg only";
-            run.has_free_peg.then_some(because)
+            run.has_free_peg
+                .then_some("the rates of regular precession hold for a fixed peg only")
         },
         draw: time::precession,
         ..DEFAULTS
@@ -188,18 +193,22 @@ pub const FIGURES: &[Figure] = &[
         needs: &[contact::NORMAL_FORCE, free_peg::GAP],
         has_means: true,
         is_of_free_pegs: true,
-        does_not_apply: |run| {
-            let gaps = run.series(free_peg::GAP).into_iter().map(|point| point.1);
-            let highest = gaps.reduce(f64::max);
-            let stays = highest.is_some_and(|gap| gap <= 0.0);
-            stays.then_some("the peg does not leave the table")
-        },
+        does_not_apply: |run| stays_on_table(run).then_some("the peg does not leave the table"),
         draw: time::hops,
         ..DEFAULTS
     },
 ];
 
-impl Run {
+/// Whether a free peg is recorded to stay on the table. Without a record of the gap, the figure lacks data instead.
+fn stays_on_table(run: &RunData) -> bool {
+    run.series(free_peg::GAP)
+        .into_iter()
+        .map(|point| point.1)
+        .reduce(f64::max)
+        .is_some_and(|max_gap| max_gap <= 0.0)
+}
+
+impl RunData {
     /// Reads the data that some figures need from a recording or a simulation.
     ///
     /// `progress` receives the number of further bytes that have been read.
@@ -209,12 +218,21 @@ impl Run {
         figures: &[&Figure],
         progress: &dyn Fn(u64),
     ) -> Self {
-        let fields = figures.iter().flat_map(|figure| figure.needs).copied();
-        let fields = fields.chain(NUTATION.numbers()).collect();
-        let with_means = figures.iter().filter(|figure| figure.has_means);
-        let means = with_means.flat_map(|figure| figure.needs).copied();
-        let means: Vec<_> = means.filter(|field| field.topic() != NUTATION).collect();
-        Self::collect(subject.into(), name, fields, &means, progress)
+        // All figures need the nutation cycles, to note where samples are too few for them.
+        let mut fields: Vec<NumberField> = NUTATION.numbers().collect();
+        let mut averaged = Vec::new();
+        for figure in figures {
+            fields.extend(figure.needs);
+            if figure.has_means {
+                averaged.extend(
+                    figure
+                        .needs
+                        .iter()
+                        .filter(|field| field.topic() != NUTATION),
+                );
+            }
+        }
+        Self::collect(subject.into(), name, fields, &averaged, progress)
     }
 }
 
@@ -224,13 +242,13 @@ impl Figure {
         FIGURES.iter().find(|figure| figure.name == name)
     }
 
-    /// The first missing requirement of a run: a channel, its messages, or a field.
-    pub fn missing(&self, run: &Run) -> Option<String> {
+    /// The first missing requirement of a run, if any.
+    pub fn missing(&self, run: &RunData) -> Option<MissingData> {
         self.needs.iter().find_map(|field| run.missing(*field))
     }
 
     /// The reason why the figure does not apply to a run, whatever the run has recorded.
-    pub fn does_not_apply(&self, run: &Run) -> Option<&'static str> {
+    pub fn does_not_apply(&self, run: &RunData) -> Option<&'static str> {
         if self.is_expected_of(run) {
             (self.does_not_apply)(run)
         } else {
@@ -239,12 +257,12 @@ impl Figure {
     }
 
     /// Whether the figure is expected for a run.
-    pub fn is_expected_of(&self, run: &Run) -> bool {
+    pub fn is_expected_of(&self, run: &RunData) -> bool {
         run.has_free_peg || !self.is_of_free_pegs
     }
 
     /// Draws the figure with a width in mm. Several runs are overlaid; missing data is omitted.
-    pub fn draw(&self, runs: &[&Run], width: f64) -> Drawing {
+    pub fn draw(&self, runs: &[&RunData], width: f64) -> Drawing {
         let mut drawing = (self.draw)(runs, width);
         let names: Vec<_> = runs.iter().map(|run| run.name.as_str()).collect();
         drawing.title = format!("{} — {}", self.title, names.join(", "));
@@ -252,26 +270,23 @@ impl Figure {
     }
 }
 
-/// Elements of a figure never overlap and never extend beyond its edges.
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figures::plot::drawing::{Drawing, Label};
+    use crate::figures::plot::drawing::{Drawing, Group, Label};
     use crate::figures::plot::shape::{Bounds, Shape};
-    use crate::figures::plot::style::FONT;
+    use crate::figures::plot::style::FONT_SIZE;
     use crate::run::scenario::{Preset, Scenario};
 
-    /// A run that is quick to draw and differs from others.
-    fn run(preset: &str, name: &str, duration: &str) -> Run {
+    fn run(preset: &str, name: &str, duration: &str) -> RunData {
         let mut values = Preset::find(preset).unwrap().values().unwrap();
         values.set("stop.duration", duration).unwrap();
         let figures: Vec<_> = FIGURES.iter().collect();
-        let mut run = Run::read(&Scenario::new(values).unwrap(), preset, &figures, &|_| {});
-        run.name = name.to_owned();
-        run
+        let scenario = Scenario::new(values).unwrap();
+        RunData::read(&scenario, name, &figures, &|_| {})
     }
 
-    fn runs() -> Vec<Run> {
+    fn runs() -> Vec<RunData> {
         vec![
             run("paper", "paper", "30"),
             run("paper-spin-term-only", &"a-very-long-name-".repeat(5), "40"),
@@ -280,10 +295,9 @@ mod tests {
         ]
     }
 
-    /// The bounds of a label.
-    fn space(label: &Label) -> Bounds {
+    fn bounds_of_label(label: &Label) -> Bounds {
         let ((x, y), text) = (label.origin, &label.text);
-        let [width, above, below] = [text.width, text.above, text.below].map(|em| em * FONT);
+        let [width, above, below] = [text.width, text.above, text.below].map(|em| em * FONT_SIZE);
         if label.is_upward {
             Bounds::between((x - above, y - width), (x + below, y))
         } else {
@@ -295,70 +309,54 @@ mod tests {
         a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom
     }
 
-    fn check(drawing: &Drawing, what: &str) {
+    fn check_labels(drawing: &Drawing, figure: &str) {
         let (width, height) = drawing.size();
+        let frames: Vec<Bounds> = drawing.groups.iter().filter_map(frame).collect();
         for (index, label) in drawing.labels.iter().enumerate() {
-            let bounds = space(label);
-            let said = &label.text.spoken;
+            let bounds = bounds_of_label(label);
+            let text = &label.text.spoken;
             let is_within = bounds.left >= 0.0
                 && bounds.top >= 0.0
                 && bounds.right <= width
                 && bounds.bottom <= height;
-            assert!(is_within, "{what}: {said} sticks out: {bounds:?}");
+            assert!(is_within, "{figure}: {text} exceeds the page: {bounds:?}");
             for other in &drawing.labels[index + 1..] {
-                let other_said = &other.text.spoken;
-                let is_apart = !overlap(&bounds, &space(other));
-                assert!(is_apart, "{what}: {said} lies on {other_said}");
+                let overlaps = overlap(&bounds, &bounds_of_label(other));
+                assert!(!overlaps, "{figure}: {text} covers {}", other.text.spoken);
             }
-        }
-        for frame in frames(drawing) {
-            let inside = |label: &&Label| overlap(&space(label), &frame);
-            let label = drawing.labels.iter().find(inside);
-            assert!(
-                label.is_none(),
-                "{what}: {:?} in a frame",
-                label.map(|l| &l.text.spoken)
-            );
+            for frame in &frames {
+                assert!(!overlap(&bounds, frame), "{figure}: {text} is in a frame");
+            }
         }
     }
 
-    /// The frames of all plots.
-    fn frames(drawing: &Drawing) -> Vec<Bounds> {
-        let groups = drawing
-            .groups
-            .iter()
-            .filter(|group| group.meaning == "frame");
-        groups
-            .filter_map(|group| match group.shapes.first() {
-                Some(Shape::Line { points, .. }) => Some(Bounds {
-                    left: points[0].0,
-                    top: points[0].1,
-                    right: points[2].0,
-                    bottom: points[2].1,
-                }),
-                _ => None,
-            })
-            .collect()
+    /// The bounds of a plot.
+    fn frame(group: &Group) -> Option<Bounds> {
+        match group.shapes.first() {
+            Some(Shape::Line { points, .. }) if group.meaning == "frame" => {
+                Some(Bounds::between(points[0], points[2]))
+            }
+            _ => None,
+        }
     }
 
     #[test]
-    fn labels_lie_within_figures_and_apart() {
+    fn labels_neither_overlap_nor_exceed_the_page() {
         let runs = runs();
-        let alone = |run| vec![run];
-        let mut sets: Vec<Vec<&Run>> = runs.iter().map(alone).collect();
+        let mut sets: Vec<Vec<&RunData>> = runs.iter().map(|run| vec![run]).collect();
         sets.push(runs.iter().collect());
         for figure in FIGURES {
-            for runs in sets.iter().filter(|runs| runs.len() >= figure.least_runs) {
+            for runs in sets.iter().filter(|runs| runs.len() >= figure.min_runs) {
                 for width in [80.0, 85.0, 129.0, 130.0, 170.0, 400.0] {
-                    let what = format!("{} of {} runs, {width} mm", figure.name, runs.len());
-                    check(&figure.draw(runs, width), &what);
+                    let name = format!("{} of {} runs, {width} mm", figure.name, runs.len());
+                    check_labels(&figure.draw(runs, width), &name);
                 }
             }
         }
     }
 
     #[test]
-    fn lines_lie_within_figures() {
+    fn lines_stay_on_the_page() {
         let runs = runs();
         let runs: Vec<_> = runs.iter().collect();
         for figure in FIGURES {

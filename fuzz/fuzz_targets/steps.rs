@@ -8,7 +8,7 @@ use toprise::analysis::explain::explain;
 use toprise::analysis::verify::verify;
 use toprise::archive::input;
 use toprise::archive::recording::{Overview, Recording, Selection};
-use toprise::figures::{FIGURES, Figure, Run};
+use toprise::figures::{FIGURES, Figure, RunData};
 use toprise::run::scenario::{Scenario, Values};
 
 /// Reads `data` as a recording in every way there is. It is written into the directory `scratch`.
@@ -55,9 +55,9 @@ pub fn analyses(recording: &Recording) {
         Err(error) => told(&error.to_string()),
     }
     let all: Vec<&Figure> = FIGURES.iter().collect();
-    let run = Run::read(recording, "a", &all, &|_| {});
+    let run = RunData::read(recording, "a", &all, &|_| {});
     for figure in all.iter().filter(|figure| figure.missing(&run).is_none()) {
-        let runs = vec![&run; figure.least_runs];
+        let runs = vec![&run; figure.min_runs];
         told(&figure.draw(&runs, 85.0).svg());
     }
     if let Some(report) = difference(recording, recording) {

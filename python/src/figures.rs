@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::path::PathBuf;
 use toprise::archive::publish::{self, Existing};
-use toprise::figures::{Drawing, FIGURES, Figure as Kind, Map, MapAxis, MapRun, Run};
+use toprise::figures::{Drawing, FIGURES, Figure as Kind, Map, MapAxis, MapRun, RunData};
 use toprise::sweep::{Columns, SweepError as TableError};
 
 /// A figure; see `toprise.figures` and `toprise.map`.
@@ -73,7 +73,7 @@ pub fn figures(
         let kinds = kinds.clone();
         let name = unique_name(&run.subject().name(), &read);
         read.push(compute(py, move |interrupt| {
-            Run::read(run.subject(), &name, &kinds, &|_| {
+            RunData::read(run.subject(), &name, &kinds, &|_| {
                 interrupt.end_if_asked();
             })
         })?);
@@ -82,7 +82,7 @@ pub fn figures(
     for kind in kinds {
         match read.iter().find_map(|run| obstacle(kind, run)) {
             None => {
-                let runs: Vec<&Run> = read.iter().collect();
+                let runs: Vec<&RunData> = read.iter().collect();
                 drawn.push((kind.name, Figure(kind.draw(&runs, width))));
             }
             Some(reason) if !only.is_empty() => {
@@ -119,7 +119,7 @@ pub fn map(
         .map_err(|error| SweepError::new_err(error.to_string()))?
         .draw(width)
         .map(Figure)
-        .map_err(PyValueError::new_err)
+        .map_err(|error| PyValueError::new_err(error.to_string()))
 }
 
 /// The outcomes that a map shows. A table may lack the columns that say why a run stopped, whether it looped, and from
@@ -159,15 +159,15 @@ fn selected_figures(only: &[String], runs: usize) -> PyResult<Vec<&'static Kind>
     if only.is_empty() {
         return Ok(FIGURES
             .iter()
-            .filter(|kind| kind.least_runs <= runs)
+            .filter(|kind| kind.min_runs <= runs)
             .collect());
     }
     only.iter()
         .map(|name| match Kind::find(name) {
-            Some(kind) if kind.least_runs <= runs => Ok(kind),
+            Some(kind) if kind.min_runs <= runs => Ok(kind),
             Some(kind) => Err(PyValueError::new_err(format!(
                 "{name} compares runs: it needs at least {}",
-                kind.least_runs
+                kind.min_runs
             ))),
             None => {
                 let names: Vec<&str> = FIGURES.iter().map(|kind| kind.name).collect();
@@ -181,7 +181,7 @@ fn selected_figures(only: &[String], runs: usize) -> PyResult<Vec<&'static Kind>
 }
 
 /// The reason why a figure can't show a run.
-fn obstacle(kind: &Kind, run: &Run) -> Option<String> {
+fn obstacle(kind: &Kind, run: &RunData) -> Option<String> {
     match kind.does_not_apply(run) {
         Some(reason) => Some(reason.to_owned()),
         None => kind
@@ -191,7 +191,7 @@ fn obstacle(kind: &Kind, run: &Run) -> Option<String> {
 }
 
 /// A name for a legend that no other run has.
-fn unique_name(name: &str, others: &[Run]) -> String {
+fn unique_name(name: &str, others: &[RunData]) -> String {
     let is_taken = |name: &str| others.iter().any(|other| other.name == name);
     if !is_taken(name) {
         return name.to_owned();

@@ -19,7 +19,7 @@ use toprise::archive::publish::Existing;
 use toprise::archive::recording::Recording;
 use toprise::archive::sink::{RecordError, Sink, SinkError, record};
 use toprise::archive::writer::Form;
-use toprise::figures::{Figure, Run as Curves};
+use toprise::figures::{Figure, RunData};
 use toprise::run::outcome::Outcome;
 use toprise::run::scenario::Scenario as Checked;
 use toprise::run::simulation::{Record, RunEnd, Simulation, StopReason, Tally};
@@ -280,7 +280,7 @@ impl Run {
         };
         let name = self.name();
         let draw = move |subject: Subject<'_>| {
-            let run = Curves::read(subject, &name, &[figure], &|_| {});
+            let run = RunData::read(subject, &name, &[figure], &|_| {});
             if figure.missing(&run).is_some() {
                 return String::new();
             }

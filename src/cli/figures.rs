@@ -16,7 +16,7 @@ use super::table::Table;
 use crate::archive::publish::{self, Existing};
 use crate::archive::sink::SinkError;
 use crate::figures::{
-    Drawing, FIGURES, Figure, FigureFile, FiguresReport, Lacking, LeftOut, Run, RunLoss,
+    Drawing, FIGURES, Figure, FigureFile, FiguresReport, Lacking, LeftOut, RunData, RunLoss,
 };
 use anyhow::{Context as _, Error, bail};
 use clap::builder::PossibleValuesParser;
@@ -117,9 +117,9 @@ impl FiguresArguments {
     fn figures(&self) -> Result<Vec<&'static Figure>, Error> {
         let is_asked = |figure: &&Figure| self.only.iter().any(|name| name == figure.name);
         let runs = self.words().len();
-        let has_runs = |figure: &&Figure| figure.least_runs <= runs;
+        let has_runs = |figure: &&Figure| figure.min_runs <= runs;
         if let Some(figure) = FIGURES.iter().filter(is_asked).find(|f| !has_runs(f)) {
-            let (name, least) = (figure.name, figure.least_runs);
+            let (name, least) = (figure.name, figure.min_runs);
             bail!("{name} compares runs: name at least {least}, or none to draw the paper's runs");
         }
         let is_wanted = |figure: &&Figure| self.only.is_empty() || is_asked(figure);
@@ -154,7 +154,7 @@ impl FiguresArguments {
 
     /// Number of runs in a figure: one of the paper's runs, unless the figure compares runs.
     fn count(&self, figure: &Figure, runs: usize) -> usize {
-        if self.runs.is_empty() && figure.least_runs == 1 {
+        if self.runs.is_empty() && figure.min_runs == 1 {
             1
         } else {
             runs
@@ -162,7 +162,7 @@ impl FiguresArguments {
     }
 
     /// Whether a figure shows a run; otherwise the report says why not.
-    fn can_draw(&self, figure: &Figure, run: &Run, report: &mut FiguresReport) -> bool {
+    fn can_draw(&self, figure: &Figure, run: &RunData, report: &mut FiguresReport) -> bool {
         let (name, run_name) = (figure.name, run.name.clone());
         if let Some(because) = figure.does_not_apply(run) {
             let is_expected = figure.is_expected_of(run) || !self.only.is_empty();
@@ -178,7 +178,7 @@ impl FiguresArguments {
         report.lacking.extend(missing.map(|missing| Lacking {
             figure: name,
             run: run_name,
-            missing,
+            missing: missing.to_string(),
         }));
         is_whole
     }
@@ -208,7 +208,7 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Status, Error> {
         let able = able.filter(|run| arguments.can_draw(figure, run, &mut report));
         let able: Vec<_> = able.collect();
         // Skip comparisons with a missing run.
-        let is_able = figure.least_runs == 1 || able.len() == count;
+        let is_able = figure.min_runs == 1 || able.len() == count;
         if is_able && !able.is_empty() {
             drawn.push((figure, able));
         }
@@ -260,12 +260,12 @@ fn page(report: &FiguresReport) -> Vec<Section> {
 }
 
 /// Reads or simulates the runs in parallel.
-fn runs(arguments: &FiguresArguments, figures: &[&Figure]) -> Result<Vec<Run>, Error> {
+fn runs(arguments: &FiguresArguments, figures: &[&Figure]) -> Result<Vec<RunData>, Error> {
     let inputs = inputs(arguments, figures)?;
     let bytes = inputs.iter().map(|(_, input)| input.bytes()).sum();
     let progress = Progress::of_bytes("reading", bytes);
     let read = |(name, input): &(String, Input)| {
-        Run::read(input.subject(), name, figures, &|bytes| progress.add(bytes))
+        RunData::read(input.subject(), name, figures, &|bytes| progress.add(bytes))
     };
     let runs = inputs.par_iter().map(read).collect();
     progress.finish();
@@ -334,8 +334,7 @@ fn sweep_figure(arguments: &FiguresArguments, table: &Path) -> Result<Status, Er
     arguments.check_files(&[SWEEP.0])?;
     let name = table.display().to_string();
     let map = arguments.sweep.read(table)?;
-    let drawing = map.draw(arguments.width).map_err(Error::msg);
-    let drawing = drawing.with_context(|| name.clone())?;
+    let drawing = map.draw(arguments.width).with_context(|| name.clone())?;
     let report = FiguresReport {
         files: write(arguments, SWEEP, &[name], &drawing)?,
         ..FiguresReport::default()

@@ -1,7 +1,7 @@
 //! Numbers of a channel over time, and their means over nutations.
 
-use super::sampling::ENOUGH;
-use crate::figures::plot::rows::{MOST, Rows};
+use super::sampling::MIN_PER_NUTATION;
+use crate::figures::plot::rows::{MAX_ROWS, Rows};
 use crate::figures::plot::shape::Point;
 use crate::run::time::seconds;
 use crate::telemetry::fields::{NUTATION, NumberField, POSE, acceleration as terms, nutation};
@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 
 /// Number of nutations averaged together where a nutation has too few samples. It divides the error of the integral at
 /// both ends, a few hundredths of the ripple.
-const TOGETHER: u32 = 50;
+const MAX_GROUP: u32 = 50;
 
 /// Numbers whose integrals since the start are recorded too.
 const INTEGRATED: [[NumberField; 2]; 3] = [
@@ -18,6 +18,14 @@ const INTEGRATED: [[NumberField; 2]; 3] = [
     [terms::PHI_DDOT_CORIOLIS, terms::PHI_DOT_CORIOLIS],
     [terms::PHI_DDOT_FRICTIONAL, terms::PHI_DOT_FRICTIONAL],
 ];
+
+/// The field with the recorded integral of another.
+fn recorded_integral(field: NumberField) -> Option<NumberField> {
+    INTEGRATED
+        .iter()
+        .find(|[integrand, _]| *integrand == field)
+        .map(|[_, integral]| *integral)
+}
 
 /// Numbers of a channel over time, and means of some of them over each nutation, computed as samples and nutations
 /// arrive.
@@ -29,10 +37,26 @@ pub(super) struct Channel {
     averaged: Vec<usize>,
     pub(super) rows: Rows,
     /// Nutations that end after the last sample: from and to, s.
-    waiting: VecDeque<(f64, f64)>,
-    /// Nutations that are averaged together, and how many there are.
-    group: Option<(f64, f64, u32)>,
+    pending: VecDeque<(f64, f64)>,
+    group: Option<Group>,
     means: Rows,
+}
+
+/// Consecutive nutations that are averaged together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Group {
+    /// The start of the first, s.
+    from: f64,
+    /// The end of the last, s.
+    to: f64,
+    count: u32,
+}
+
+/// An averaged number and its integral since the start, at a sample.
+struct IntegralSample {
+    time: f64,
+    value: f64,
+    integral: f64,
 }
 
 impl Channel {
@@ -43,127 +67,155 @@ impl Channel {
     ) -> Self {
         fields.sort_unstable_by_key(|field| field.index());
         fields.dedup();
-        let is_averaged = |column: &usize| averaged.contains(&fields[*column]);
-        let averaged: Vec<_> = (0..fields.len()).filter(is_averaged).collect();
+        let averaged: Vec<usize> = (0..fields.len())
+            .filter(|column| averaged.contains(&fields[*column]))
+            .collect();
         // A locus needs enough points to look smooth.
-        let most = if topic == POSE { 2 * MOST } else { MOST };
-        let columns = fields.len() + averaged.len();
+        let max_rows = if topic == POSE {
+            2 * MAX_ROWS
+        } else {
+            MAX_ROWS
+        };
         Self {
-            rows: Rows::new(columns, most, topic != NUTATION),
-            means: Rows::new(averaged.len(), MOST, false),
+            rows: Rows::new(fields.len() + averaged.len(), max_rows, topic != NUTATION),
+            means: Rows::new(averaged.len(), MAX_ROWS, false),
             topic,
             fields,
             averaged,
-            waiting: VecDeque::new(),
+            pending: VecDeque::new(),
             group: None,
         }
     }
 
     /// Adds a message of any channel.
-    pub(super) fn take(&mut self, message: &Message<'_>) {
+    pub(super) fn add(&mut self, message: &Message<'_>) {
         if message.topic() == self.topic {
-            let values = self.fields.iter().map(|field| field.of(message));
-            let values = values.collect();
+            let values = self.fields.iter().map(|field| field.of(message)).collect();
             let time = seconds(message.time_ns);
             self.push(time, values, |field| field.of(message));
         } else if message.topic() == NUTATION && !self.averaged.is_empty() {
             let start = nutation::START.of(message);
             let end = start + nutation::PERIOD.of(message);
             if end.is_finite() {
-                self.waiting.push_back((start, end));
+                self.pending.push_back((start, end));
             }
         }
     }
 
-    /// Adds the values of the fields at a time, with integrals: those that are recorded, or of straight lines between
-    /// the samples.
+    /// Adds the values of the fields at a time, with their integrals. `recorded` returns the value of another field.
     fn push(&mut self, time: f64, mut values: Vec<f64>, recorded: impl Fn(NumberField) -> f64) {
-        for (index, column) in self.averaged.iter().enumerate() {
-            let known = INTEGRATED
-                .iter()
-                .find(|known| known[0] == self.fields[*column]);
-            let known = known.map(|[_, integral]| recorded(*integral));
-            let [value, sum] = [*column, self.fields.len() + index].map(|at| self.rows.last(at));
-            let ahead = value.zip(sum).map(|((before, value), (_, sum))| {
-                sum + (time - before) * f64::midpoint(value, values[*column])
-            });
-            let known = known.filter(|integral| integral.is_finite());
-            values.push(known.or(ahead).unwrap_or(0.0));
+        for index in 0..self.averaged.len() {
+            let integral = recorded_integral(self.fields[self.averaged[index]])
+                .map(&recorded)
+                .filter(|integral| integral.is_finite())
+                .unwrap_or_else(|| self.next_integral(index, time, &values));
+            values.push(integral);
         }
         self.rows.push(time, values);
-        self.close(|end| end < time);
+        self.average_completed(|end| end < time);
+    }
+
+    /// The integral of an averaged number up to the next sample, along straight lines between the samples.
+    fn next_integral(&self, index: usize, time: f64, values: &[f64]) -> f64 {
+        let column = self.averaged[index];
+        let last = self.rows.last(column);
+        let last_integral = self.rows.last(self.integral_column(index));
+        let (Some((last_time, last_value)), Some((_, integral))) = (last, last_integral) else {
+            return 0.0;
+        };
+        integral + (time - last_time) * f64::midpoint(last_value, values[column])
+    }
+
+    fn integral_column(&self, index: usize) -> usize {
+        self.fields.len() + index
     }
 
     /// Computes the remaining means after the last sample.
     pub(super) fn finish(&mut self) {
         if let Some((last, _)) = self.rows.last(0) {
-            self.close(|end| end <= last);
+            self.average_completed(|end| end <= last);
         }
-        if let Some((from, to, _)) = self.group.take() {
-            self.mean(from, to);
+        if let Some(group) = self.group.take() {
+            self.push_means(group);
         }
     }
 
-    /// Computes the means of the completed nutations.
-    fn close(&mut self, has_ended: impl Fn(f64) -> bool) {
-        while let Some((from, to)) = self.waiting.pop_front_if(|(_, to)| has_ended(*to)) {
-            let (from, to, count) = match self.group.take() {
-                Some((start, end, count)) if from - end < 0.5 * (to - from) => {
-                    (start, to, count + 1)
-                }
-                _ => (from, to, 1),
+    /// Computes the means of nutations that have ended.
+    fn average_completed(&mut self, has_ended: impl Fn(f64) -> bool) {
+        while let Some((from, to)) = self.pending.pop_front_if(|(_, to)| has_ended(*to)) {
+            let group = match self.group.take() {
+                Some(group) if from - group.to < 0.5 * (to - from) => Group {
+                    to,
+                    count: group.count + 1,
+                    ..group
+                },
+                // Nutation was interrupted: the earlier group is too short for a mean.
+                _ => Group { from, to, count: 1 },
             };
-            let is_fine = (to - from) / f64::from(count) >= ENOUGH * self.rows.step();
-            if is_fine || count >= TOGETHER {
-                self.mean(from, to);
+            let period = (group.to - group.from) / f64::from(group.count);
+            let is_fine = period >= MIN_PER_NUTATION * self.rows.step();
+            if is_fine || group.count >= MAX_GROUP {
+                self.push_means(group);
             } else {
-                self.group = Some((from, to, count));
+                self.group = Some(group);
             }
         }
     }
 
-    /// Computes the means over a time interval.
-    fn mean(&mut self, from: f64, to: f64) {
-        let mean =
-            |index| Some((self.integral(index, to)? - self.integral(index, from)?) / (to - from));
-        let means: Option<Vec<f64>> = (0..self.averaged.len()).map(mean).collect();
-        if let Some(means) = means {
-            self.means.push(f64::midpoint(from, to), means);
+    /// Adds the means over a group of nutations, unless samples are missing.
+    fn push_means(&mut self, Group { from, to, .. }: Group) {
+        let mut means = Vec::new();
+        for index in 0..self.averaged.len() {
+            let ends = self.integral(index, to).zip(self.integral(index, from));
+            let Some((after, before)) = ends else {
+                return;
+            };
+            means.push((after - before) / (to - from));
         }
+        self.means.push(f64::midpoint(from, to), means);
     }
 
     /// The integral of an averaged number up to a time; `None` if that isn't between samples.
     ///
     /// Between two samples it is the cubic with the integrals and the numbers at both as values and slopes.
     fn integral(&self, index: usize, time: f64) -> Option<f64> {
-        let after = self.rows.until(time);
-        let sample = |row: usize| {
-            let (time, value) = self.rows.point(self.averaged[index], row)?;
-            let (_, integral) = self.rows.point(self.fields.len() + index, row)?;
-            Some((time, value, integral))
+        let next = self.rows.count_until(time);
+        let start = self.integral_sample(index, next.checked_sub(1)?)?;
+        let Some(end) = self.integral_sample(index, next) else {
+            return (time == start.time).then_some(start.integral);
         };
-        let (start, first, before) = sample(after.checked_sub(1)?)?;
-        let Some((end, last, after)) = sample(after) else {
-            return (time == start).then_some(before);
-        };
-        let part = (time - start) / (end - start);
-        let rise = after - before;
-        let [first, last] = [first, last].map(|value| (end - start) * value - rise);
+        let duration = end.time - start.time;
+        let part = (time - start.time) / duration;
+        let rise = end.integral - start.integral;
+        let [first, last] = [start.value, end.value].map(|value| duration * value - rise);
         let bend = part * (1.0 - part) * ((1.0 - part) * first - part * last);
-        Some(before + part * rise + bend)
+        Some(start.integral + part * rise + bend)
+    }
+
+    fn integral_sample(&self, index: usize, row: usize) -> Option<IntegralSample> {
+        let (time, value) = self.rows.point(self.averaged[index], row)?;
+        let (_, integral) = self.rows.point(self.integral_column(index), row)?;
+        Some(IntegralSample {
+            time,
+            value,
+            integral,
+        })
     }
 
     /// A number over time. Missing samples are NaN points.
     pub(super) fn series(&self, field: NumberField) -> Vec<Point> {
-        let column = self.fields.iter().position(|known| *known == field);
-        column.map_or_else(Vec::new, |column| self.rows.points(column).collect())
+        self.fields
+            .iter()
+            .position(|known| *known == field)
+            .map_or_else(Vec::new, |column| self.rows.points(column).collect())
     }
 
     /// The mean over each nutation of a number, in the middle of the nutation.
     pub(super) fn means(&self, field: NumberField) -> Vec<Point> {
-        let mut averaged = self.averaged.iter();
-        let index = averaged.position(|column| self.fields[*column] == field);
-        index.map_or_else(Vec::new, |index| self.means.points(index).collect())
+        self.averaged
+            .iter()
+            .position(|column| self.fields[*column] == field)
+            .map_or_else(Vec::new, |index| self.means.points(index).collect())
     }
 }
 
@@ -176,7 +228,7 @@ mod tests {
     /// A channel with one number, averaged over some nutations.
     fn channel(nutations: impl IntoIterator<Item = (f64, f64)>) -> Channel {
         let mut channel = Channel::new(FIELD.topic(), vec![FIELD], &[FIELD]);
-        channel.waiting.extend(nutations);
+        channel.pending.extend(nutations);
         channel
     }
 
@@ -244,7 +296,7 @@ mod tests {
 
     #[test]
     fn means_of_runs_with_many_samples_are_as_exact() {
-        let count = 5 * u32::try_from(MOST).unwrap();
+        let count = 5 * u32::try_from(MAX_ROWS).unwrap();
         let nutations = (0..count / 40).map(|start| 2.5 * f64::from(start) + 0.125);
         let mut channel = channel(nutations.map(|start| (start, start + 2.5)));
         let middle = |step: u32| 1.0 + f64::from(step / 40);

@@ -1,6 +1,6 @@
 //! The map of a sweep: outcomes of its runs over one or two of the keys that varied.
 
-mod along;
+mod axis_values;
 mod bar;
 mod chart;
 mod curves;
@@ -10,55 +10,69 @@ mod runs;
 
 pub use self::runs::{Map, MapAxis, MapRun};
 
+use super::error::FigureError;
 use crate::figures::plot::drawing::Drawing;
-use crate::figures::plot::ticks::BEYOND_USE;
+use crate::figures::plot::ticks::MAX_MAGNITUDE;
 
 impl Map {
     /// Draws the map with a width in mm. Runs without a value along an axis are left out.
     ///
     /// # Errors
-    /// There are no runs, or several at one place.
-    pub fn draw(mut self, width: f64) -> Result<Drawing, String> {
+    /// There are no runs, several at one place, too many scenarios, or values that no axis can show.
+    pub fn draw(mut self, width: f64) -> Result<Drawing, FigureError> {
         let has_y = self.y.is_some();
-        let is_placed = |run: &MapRun| run.x.is_finite() && (!has_y || run.y.is_finite());
-        self.runs.retain(is_placed);
-        let (x, y) = (&self.x.name, self.y.as_ref().map(|y| &y.name));
+        self.runs
+            .retain(|run| run.x.is_finite() && (!has_y || run.y.is_finite()));
         if self.runs.is_empty() {
-            let also = y.map_or(String::new(), |y| format!(" and one of {y}"));
-            return Err(format!("no run has a value for {x}{also}"));
+            return Err(FigureError::NoValues {
+                x: self.x.name,
+                y: self.y.map(|y| y.name),
+            });
         }
         self.check_magnitudes()?;
         let mut drawing = match &self.y {
             Some(y) => plane::draw(&self, y, width)?,
             None => curves::draw(&self, width)?,
         };
-        let over = y.map_or(String::new(), |y| format!(" and {y}"));
-        drawing.title = format!("{} over {x}{over}", self.color.name);
+        drawing.title = self.title();
         Ok(drawing)
     }
 
+    fn title(&self) -> String {
+        let (color, x) = (&self.color.name, &self.x.name);
+        match &self.y {
+            Some(y) => format!("{color} over {x} and {}", y.name),
+            None => format!("{color} over {x}"),
+        }
+    }
+
     /// Rejects numbers that no axis can show.
-    fn check_magnitudes(&self) -> Result<(), String> {
+    fn check_magnitudes(&self) -> Result<(), FigureError> {
         for run in &self.runs {
-            let axes = [(&self.x, run.x), (&self.color, run.color)];
-            let y = self.y.iter().map(|y| (y, run.y));
-            for (axis, value) in axes.into_iter().chain(y) {
-                if value.is_finite() && value.abs() >= BEYOND_USE {
-                    return Err(format!(
-                        "{} = {value:e} in one run: values above {BEYOND_USE:e} can't be drawn",
-                        axis.name
-                    ));
-                }
+            check_magnitude(&self.x, run.x)?;
+            check_magnitude(&self.color, run.color)?;
+            if let Some(y) = &self.y {
+                check_magnitude(y, run.y)?;
             }
         }
         Ok(())
     }
 }
 
+fn check_magnitude(axis: &MapAxis, value: f64) -> Result<(), FigureError> {
+    if value.is_finite() && value.abs() >= MAX_MAGNITUDE {
+        return Err(FigureError::TooLarge {
+            column: axis.name.clone(),
+            value,
+        });
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figures::plot::range::{NONE, extremes, union};
+    use crate::figures::plot::range::{EMPTY, extremes, union};
     use crate::figures::plot::shape::Shape;
     const NAN: f64 = f64::NAN;
 
@@ -93,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn many_curves_differ_and_leave_room_for_marks() {
+    fn distinguishes_at_most_35_curves_below_their_marks() {
         let drawing = curves(35).draw(150.0).unwrap();
         let shapes = |suffix: &str| {
             let groups = drawing.groups.iter();
@@ -106,7 +120,7 @@ mod tests {
                 Shape::Dot { centre, .. } => (centre.1, centre.1),
                 Shape::Line { points, .. } => extremes(points.iter().map(|point| point.1)),
             });
-            ends.fold(NONE, union)
+            ends.fold(EMPTY, union)
         };
         let mut dots = shapes("");
         dots.retain(|shape| matches!(shape, Shape::Dot { .. }));
@@ -122,7 +136,7 @@ mod tests {
         let strokes: std::collections::BTreeSet<_> = strokes.collect();
         assert_eq!(strokes.len(), 35);
 
-        let message = curves(36).draw(150.0).unwrap_err();
+        let message = curves(36).draw(150.0).unwrap_err().to_string();
         assert!(message.contains("36 scenarios"), "{message}");
     }
 
@@ -144,10 +158,10 @@ mod tests {
         }
     }
 
-    const EDGE: &str = "boundary of looping runs (ticks point inside)";
+    const BOUNDARY: &str = "boundary of looping runs (ticks point inside)";
 
     #[test]
-    fn runs_without_an_outcome_have_no_edge_of_looping() {
+    fn borders_only_known_looping() {
         let (yes, no) = (Some(true), Some(false));
         let (risen, shown) = (
             [Some("risen"), None, Some("risen"), None],
@@ -158,7 +172,7 @@ mod tests {
             let edge = drawing.groups.iter();
             let mut edge = edge.filter(|group| group.meaning == "where looping begins");
             let lines = edge.next().map_or(0, |group| group.shapes.len());
-            assert_eq!(texts(&drawing).contains(&EDGE), lines > 0);
+            assert_eq!(texts(&drawing).contains(&BOUNDARY), lines > 0);
             lines
         };
         // Each border has a tick.
@@ -169,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_drawn_is_neither_in_the_legend_nor_in_the_range() {
+    fn legend_and_range_skip_undrawn_runs() {
         let mut map = grid(
             [1.0, NAN, 2.0, NAN],
             [Some("risen"), Some("fallen"), Some("risen"), Some("rest")],
@@ -192,7 +206,7 @@ mod tests {
             );
         }
         theta(&mut map, [NAN, 1.0, NAN, 1.0]);
-        let message = map.draw(85.0).unwrap_err();
+        let message = map.draw(85.0).unwrap_err().to_string();
         assert_eq!(
             message,
             "no run has a value for friction_k and one of initial_theta"
@@ -200,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn values_that_hardly_differ_are_different_places() {
+    fn rejects_runs_at_the_same_place() {
         let runs = |y: [f64; 3]| {
             let runs = (0..9_usize).map(|run| MapRun {
                 x: [1e15, 1.0000000000000002e15, 1.0000000000000004e15][run % 3],
@@ -214,7 +228,10 @@ mod tests {
             }
         };
         assert!(runs([0.1, 0.2, 0.3]).draw(85.0).is_ok());
-        let message = runs([5e-324, 5e-324, 0.3]).draw(85.0).unwrap_err();
+        let message = runs([5e-324, 5e-324, 0.3])
+            .draw(85.0)
+            .unwrap_err()
+            .to_string();
         assert!(message.contains("initial_theta = 5e-324:"), "{message}");
     }
 }

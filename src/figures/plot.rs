@@ -9,7 +9,7 @@ pub(crate) mod drawing;
 pub(crate) mod frame;
 pub(crate) mod legend;
 pub(crate) mod page;
-mod png;
+pub(crate) mod png;
 pub(crate) mod range;
 pub(crate) mod rows;
 pub(crate) mod shape;

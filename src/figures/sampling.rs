@@ -7,13 +7,13 @@ use crate::run::simulation::{Record, Simulation};
 const PER_NUTATION: f64 = 20.0;
 
 /// Minimum samples per nutation for drawing the samples directly.
-pub(super) const ENOUGH: f64 = 0.9 * PER_NUTATION;
+pub(super) const MIN_PER_NUTATION: f64 = 0.9 * PER_NUTATION;
 
 /// The samples in a run that make its curves smooth.
 const PER_RUN: f64 = 500.0;
 
-/// Allowed ratio of the mean nutation period to the shortest; bounds the sampling cost.
-const SHORTENING: f64 = 8.0;
+/// Maximum ratio of the mean nutation period to the shortest that sampling follows; bounds its cost.
+const MAX_SHORTENING: f64 = 8.0;
 
 /// A sampling period longer than any run, ns.
 const NEVER: u64 = i64::MAX.unsigned_abs();
@@ -22,7 +22,8 @@ const NEVER: u64 = i64::MAX.unsigned_abs();
 /// the motion.
 pub(super) fn finely_sampled(scenario: &Scenario) -> Scenario {
     let period = scenario.sample_period_ns;
-    let wanted = period_ns(scenario).unwrap_or(period as f64);
+    let wanted = max_period_ns(scenario).unwrap_or(period as f64);
+    // A whole fraction, so that the samples of the recording are among the finer ones.
     let parts = (period as f64 / wanted).ceil().max(1.0) as u64;
     sampled(scenario, (period / parts).max(1))
 }
@@ -34,18 +35,20 @@ fn sampled(scenario: &Scenario, period_ns: u64) -> Scenario {
 }
 
 /// The longest time between samples that shows everything, ns; `None` if the run can't be simulated.
-fn period_ns(scenario: &Scenario) -> Option<f64> {
+fn max_period_ns(scenario: &Scenario) -> Option<f64> {
+    // Nutation cycles and the duration don't depend on samples, so a run without them is enough.
     let mut simulation = Simulation::new(&sampled(scenario, NEVER)).ok()?;
-    let (mut shortest, mut count) = (f64::INFINITY, 0.0);
+    let mut shortest = f64::INFINITY;
+    let mut count = 0.0;
     for record in simulation.by_ref() {
         if let Record::Nutation(cycle) = record.ok()? {
-            shortest = f64::min(shortest, cycle.period());
+            shortest = shortest.min(cycle.period());
             count += 1.0;
         }
     }
     let duration = simulation.end().time;
-    let of_nutation = f64::max(shortest, duration / (SHORTENING * count)) / PER_NUTATION;
-    let period = f64::min(of_nutation, duration / PER_RUN);
+    let shortest_drawn = shortest.max(duration / (MAX_SHORTENING * count));
+    let period = (shortest_drawn / PER_NUTATION).min(duration / PER_RUN);
     (period > 0.0).then_some(1e9 * period)
 }
 

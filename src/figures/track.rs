@@ -1,120 +1,193 @@
 //! The track of the contact point on the table.
 
-use super::looks::{self, Looks};
-use super::run::Run;
+use super::data::RunData;
+use super::style::{Style, run_legend};
 use crate::figures::plot::drawing::Drawing;
 use crate::figures::plot::frame::{self, Frame, Quantity};
 use crate::figures::plot::legend::{self, Entry};
 use crate::figures::plot::range::extremes;
 use crate::figures::plot::shape::{Bounds, Colour, Point};
-use crate::figures::plot::style::{self, BLUE, GREEN, LINE, MARGIN, MEDIUM, VERMILION};
+use crate::figures::plot::style::{self, BLUE, GREEN, LINE_HEIGHT, MARGIN, MEDIUM, VERMILION};
 use crate::telemetry::fields::contact;
 
 /// The maximum side of the square, mm.
-const LARGEST: f64 = 110.0;
+const MAX_SIDE: f64 = 110.0;
 
 /// The padding around the track, relative to its extent.
-const AIR: f64 = 0.05;
+const PADDING: f64 = 0.05;
+
+/// Half the range around a point that doesn't move, m.
+const HALF_RANGE_AT_REST: f64 = 1e-3;
 
 /// Horizontal positions, as axis labels.
 const X: Quantity = Quantity::new("*x*", "m");
 const Y: Quantity = Quantity::new("*y*", "m");
 
+/// The contact between peg and table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Contact {
+    Sliding,
+    Rolling,
+    InTheAir,
+}
+
+impl Contact {
+    const ALL: [Self; 3] = [Self::Sliding, Self::Rolling, Self::InTheAir];
+
+    /// The contact with a recorded [`contact::REGIME`].
+    fn from_regime(regime: f64) -> Self {
+        if regime == 1.0 {
+            Self::Sliding
+        } else if regime == 0.0 {
+            Self::Rolling
+        } else {
+            Self::InTheAir
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Sliding => "sliding",
+            Self::Rolling => "rolling",
+            Self::InTheAir => "in the air",
+        }
+    }
+
+    fn colour(self) -> Colour {
+        match self {
+            Self::Sliding => BLUE,
+            Self::Rolling => GREEN,
+            Self::InTheAir => VERMILION,
+        }
+    }
+}
+
+/// The recorded position of a contact point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Position {
+    /// The horizontal position, m.
+    point: Point,
+    contact: Contact,
+}
+
+/// A part of a track with one kind of contact.
+struct Part {
+    contact: Contact,
+    points: Vec<Point>,
+}
+
 /// Draws the tracks of the contact points from above.
-pub(super) fn track(runs: &[&Run], width: f64) -> Drawing {
-    let tracks: Vec<_> = runs.iter().map(|run| places(run)).collect();
-    let mut drawing = Drawing::new(width);
-    let mut legend = looks::legend(runs, Looks::run_in_legend);
+pub(super) fn track(runs: &[&RunData], width: f64) -> Drawing {
+    let tracks: Vec<Vec<Position>> = runs.iter().map(|run| positions(run)).collect();
+    // The tracks of several runs are distinguished by their colours, so they are not divided.
     let parts = match &tracks[..] {
-        [track] => regimes(track),
+        [track] => parts(track),
         _ => Vec::new(),
     };
-    for (name, colour) in REGIMES {
-        if parts.iter().any(|(part, _)| part.0 == name) {
-            legend.push(Entry::line(style::line(colour, MEDIUM), name));
+    let mut drawing = Drawing::new(width);
+    let mut legend = run_legend(runs, Style::run_in_legend);
+    for contact in Contact::ALL {
+        if parts.iter().any(|part| part.contact == contact) {
+            let stroke = style::line(contact.colour(), MEDIUM);
+            legend.push(Entry::line(stroke, contact.name()));
         }
     }
     legend.extend(Entry::ends());
-    let top = legend::draw_at_top(&mut drawing, &legend) + LINE + 0.6;
-    let ranges = ranges(&tracks);
-    let square = |left: f64, side: f64| Frame::square(Bounds::new((left, top), side, side), ranges);
-    let usable = width - 2.0 * MARGIN;
-    // A larger frame has other numbers, which may need more room.
-    let room_at = |side: f64| frame::room_left(&square(0.0, side).y, &Y);
-    let side_for = |room: f64| (usable - room - frame::ROOM_RIGHT).min(LARGEST);
-    let room = room_at(0.7 * usable.min(LARGEST));
-    let room = room.max(room_at(side_for(room)));
-    let frame = square(MARGIN + room, side_for(room));
+    let top = legend::draw_at_top(&mut drawing, &legend) + LINE_HEIGHT + 0.6;
+    let frame = largest_frame(top, width, ranges(&tracks));
     for (index, (run, track)) in runs.iter().zip(&tracks).enumerate() {
-        let stroke = Looks::run_in_legend(index);
         let meaning = format!("{}: track of the contact point", run.name);
-        let places: Vec<_> = track.iter().map(|(place, _)| *place).collect();
+        let points: Vec<Point> = track.iter().map(|position| position.point).collect();
+        let stroke = Style::run_in_legend(index);
         if parts.is_empty() {
-            drawing.group(&meaning, frame.path(&places, stroke));
+            drawing.group(&meaning, frame.path(&points, stroke));
         }
-        for (name, colour) in REGIMES {
-            let parts = parts.iter().filter(|(part, _)| part.0 == name);
-            let stroke = style::line(colour, MEDIUM);
-            let shapes = parts.flat_map(|(_, places)| frame.path(places, stroke));
-            drawing.group(&format!("{meaning}, {name}"), shapes.collect());
+        for contact in Contact::ALL {
+            let stroke = style::line(contact.colour(), MEDIUM);
+            let shapes = parts
+                .iter()
+                .filter(|part| part.contact == contact)
+                .flat_map(|part| frame.path(&part.points, stroke))
+                .collect();
+            drawing.group(&format!("{meaning}, {}", contact.name()), shapes);
         }
-        let last = parts.last().map_or(stroke.colour, |(part, _)| part.1);
-        let ends = [
-            (places.first(), false, stroke.colour),
-            (places.last(), true, last),
-        ];
-        let dots = ends.into_iter().filter_map(|(place, is_end, colour)| {
-            Some(legend::dot(frame.place(*place?), is_end, colour))
-        });
-        drawing.group("start and end", dots.collect());
+        let end_colour = parts
+            .last()
+            .map_or(stroke.colour, |part| part.contact.colour());
+        let mut dots = Vec::new();
+        if let (Some(start), Some(end)) = (points.first(), points.last()) {
+            dots.push(legend::start_dot(frame.place(*start), stroke.colour));
+            dots.push(legend::end_dot(frame.place(*end), end_colour));
+        }
+        drawing.group("start and end", dots);
     }
     frame.finish(&mut drawing, [&X, &Y]);
     drawing
 }
 
-/// A contact regime and its colour.
-type Regime = (&'static str, Colour);
-
-const REGIMES: [Regime; 3] = [
-    ("sliding", BLUE),
-    ("rolling", GREEN),
-    ("in the air", VERMILION),
-];
-
-/// The parts of a track, each with one contact regime.
-fn regimes(track: &[(Point, f64)]) -> Vec<(Regime, Vec<Point>)> {
-    let mut last = None;
-    let parts = track.chunk_by(|one, other| one.1 == other.1).map(|part| {
-        let regime = match part[0].1 {
-            1.0 => REGIMES[0],
-            0.0 => REGIMES[1],
-            _ => REGIMES[2],
-        };
-        // A part begins where the one before it ended.
-        let places = last.into_iter().chain(part.iter().map(|(place, _)| *place));
-        let places: Vec<_> = places.collect();
-        last = places.last().copied();
-        (regime, places)
-    });
-    parts.collect()
+/// The largest square frame below `top` in a drawing of this width.
+fn largest_frame(top: f64, width: f64, ranges: [(f64, f64); 2]) -> Frame {
+    let usable = width - 2.0 * MARGIN;
+    let tentative = square(0.0, top, 0.7 * usable.min(MAX_SIDE), ranges);
+    let tentative_room = frame::room_left(&tentative.y, &Y);
+    // A larger frame has other tick labels, which may need more room.
+    let larger = square(0.0, top, max_side(usable, tentative_room), ranges);
+    let room = tentative_room.max(frame::room_left(&larger.y, &Y));
+    square(MARGIN + room, top, max_side(usable, room), ranges)
 }
 
-/// The recorded positions of a run's contact point, with its regime.
-fn places(run: &Run) -> Vec<(Point, f64)> {
-    let point = contact::CONTACT_POINT;
-    let fields = [point.x(), point.y(), contact::REGIME];
-    let [x, y, regime] = fields.map(|field| run.series(field).into_iter().map(|point| point.1));
-    let is_known = |((x, y), regime): &(Point, f64)| (x + y + regime).is_finite();
-    x.zip(y).zip(regime).filter(is_known).collect()
+fn square(left: f64, top: f64, side: f64, ranges: [(f64, f64); 2]) -> Frame {
+    Frame::square(Bounds::new((left, top), side, side), ranges)
+}
+
+/// The side of a square frame with room to its left, mm.
+fn max_side(usable: f64, room_left: f64) -> f64 {
+    (usable - room_left - frame::ROOM_RIGHT).min(MAX_SIDE)
+}
+
+/// Divides a track into parts with one kind of contact each.
+fn parts(track: &[Position]) -> Vec<Part> {
+    let mut parts: Vec<Part> = Vec::new();
+    for positions in track.chunk_by(|a, b| a.contact == b.contact) {
+        // A part begins where the one before it ended.
+        let previous = parts.last().and_then(|part| part.points.last()).copied();
+        let points = positions.iter().map(|position| position.point);
+        parts.push(Part {
+            contact: positions[0].contact,
+            points: previous.into_iter().chain(points).collect(),
+        });
+    }
+    parts
+}
+
+/// The recorded positions of a run's contact point.
+fn positions(run: &RunData) -> Vec<Position> {
+    let x = run.series(contact::CONTACT_POINT.x());
+    let y = run.series(contact::CONTACT_POINT.y());
+    let regime = run.series(contact::REGIME);
+    let mut positions = Vec::new();
+    for (((_, x), (_, y)), (_, regime)) in x.into_iter().zip(y).zip(regime) {
+        if x.is_finite() && y.is_finite() && regime.is_finite() {
+            positions.push(Position {
+                point: (x, y),
+                contact: Contact::from_regime(regime),
+            });
+        }
+    }
+    positions
 }
 
 /// The ranges of x and y, of equal size, with padding around the tracks.
-fn ranges(tracks: &[Vec<(Point, f64)>]) -> [(f64, f64); 2] {
-    let places = tracks.iter().flatten().map(|(place, _)| place);
-    let x = extremes(places.clone().map(|place| place.0));
-    let y = extremes(places.map(|place| place.1));
+fn ranges(tracks: &[Vec<Position>]) -> [(f64, f64); 2] {
+    let points = tracks.iter().flatten().map(|position| position.point);
+    let x = extremes(points.clone().map(|point| point.0));
+    let y = extremes(points.map(|point| point.1));
     let size = (x.1 - x.0).max(y.1 - y.0);
-    let half = if size > 0.0 { (0.5 + AIR) * size } else { 1e-3 };
+    let half = if size > 0.0 {
+        (0.5 + PADDING) * size
+    } else {
+        HALF_RANGE_AT_REST
+    };
     [x, y].map(|(low, high)| {
         let middle = 0.5 * (low + high);
         (middle - half, middle + half)

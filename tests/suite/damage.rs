@@ -16,7 +16,7 @@ use toprise::analysis::explain::{Fact, explain};
 use toprise::analysis::verify::Verdict;
 use toprise::archive::recording::{Condition, Overview, Recording, Selection};
 use toprise::archive::writer::Form;
-use toprise::figures::{Figure, Run};
+use toprise::figures::{Figure, RunData};
 use toprise::telemetry::encoding::Encoding;
 
 /// Reads everything of the file in every way.
@@ -177,7 +177,7 @@ fn messages_that_come_twice_are_left_out_and_told() {
     let path = folder.write("run.mcap", bytes);
     let recording = Recording::open(&path).unwrap();
     let figure = Figure::find("figure-2").unwrap();
-    let run = Run::read(&recording, "run", &[figure], &|_| {});
+    let run = RunData::read(&recording, "run", &[figure], &|_| {});
     let story = explain(&recording).unwrap();
     for losses in [&run.losses, &story.losses] {
         let part = "messages that repeat others or go back in time";
@@ -185,7 +185,7 @@ fn messages_that_come_twice_are_left_out_and_told() {
     }
     // Sorted and without the repetition it is the run that was recorded.
     let original = Recording::open(&folder.write("original.mcap", &whole)).unwrap();
-    let sound = Run::read(&original, "run", &[figure], &|_| {});
+    let sound = RunData::read(&original, "run", &[figure], &|_| {});
     assert_eq!(sound.losses, Vec::<String>::new());
     let [run, sound] = [run, sound].map(|run| figure.draw(&[&run], 85.0).svg());
     assert_eq!(run, sound);

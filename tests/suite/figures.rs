@@ -5,14 +5,14 @@ use roxmltree::{Document, Node};
 use sha2::{Digest, Sha256};
 use toprise::archive::recording::Recording;
 use toprise::archive::writer::Form;
-use toprise::figures::{FIGURES, Figure, Run};
+use toprise::figures::{FIGURES, Figure, RunData};
 use toprise::telemetry::encoding::Encoding;
 
 fn all() -> Vec<&'static Figure> {
     FIGURES.iter().collect()
 }
 
-fn short(preset: &str) -> Run {
+fn short(preset: &str) -> RunData {
     simulated(preset, &[("stop.duration", "1.0")])
 }
 
@@ -173,7 +173,7 @@ fn every_figure_is_an_svg_image_and_a_png_of_its_size() {
         };
         runs.retain(|run| figure.does_not_apply(run).is_none());
         for runs in [&runs[..1], &runs[..]] {
-            if runs.len() < figure.least_runs {
+            if runs.len() < figure.min_runs {
                 continue;
             }
             let is_complete = runs.iter().all(|run| figure.missing(run).is_none());
@@ -227,11 +227,11 @@ fn axes_are_named_with_symbols_and_units() {
     }
 }
 
-fn simulated(preset: &str, changes: &[(&str, &str)]) -> Run {
-    Run::read(&scenario(preset, changes), preset, &all(), &|_| {})
+fn simulated(preset: &str, changes: &[(&str, &str)]) -> RunData {
+    RunData::read(&scenario(preset, changes), preset, &all(), &|_| {})
 }
 
-fn svg_of(name: &str, runs: &[&Run]) -> String {
+fn svg_of(name: &str, runs: &[&RunData]) -> String {
     Figure::find(name).unwrap().draw(runs, 85.0).svg()
 }
 
@@ -308,7 +308,7 @@ fn figures_say_where_samples_are_too_few() {
     let changes = [("sampling.period", "0.02"), ("stop.duration", "2")];
     let coarse = scenario("paper", &changes);
     archive(&path, &coarse, &[], Form::default()).unwrap();
-    let run = Run::read(&Recording::open(&path).unwrap(), "coarse", &all(), &|_| {});
+    let run = RunData::read(&Recording::open(&path).unwrap(), "coarse", &all(), &|_| {});
     for name in [
         "figure-3",
         "acceleration",
@@ -358,7 +358,7 @@ fn signals_that_are_zero_have_a_plain_axis() {
 #[test]
 fn keys_name_only_what_is_drawn() {
     let key = "key: average over each nutation";
-    let has_key = |run: &Run| has_label(&svg_of("figure-2", &[run]), key);
+    let has_key = |run: &RunData| has_label(&svg_of("figure-2", &[run]), key);
     assert!(has_key(&short("paper")));
     assert!(!has_key(&simulated("paper", &[("initial.psi_dot", "0")])));
 }
@@ -400,7 +400,7 @@ fn the_ends_of_runs_that_part_are_magnified_one_by_one() {
             ("stop.theta_fallen", "2"),
         ],
     );
-    let has_letter = |runs: &[&Run]| has_label(&svg_of("figure-3", runs), "(d)");
+    let has_letter = |runs: &[&RunData]| has_label(&svg_of("figure-3", runs), "(d)");
     assert!(!has_letter(&[&run, &run]));
     assert!(has_letter(&[&run, &fallen]));
 }
@@ -505,7 +505,7 @@ fn whole_runs_make_small_files() {
     let other = simulated("paper-spin-term-only", &[]);
     for figure in FIGURES {
         for runs in [&[&run][..], &[&run, &other]] {
-            if runs.len() < figure.least_runs {
+            if runs.len() < figure.min_runs {
                 continue;
             }
             for width in [85.0, 170.0] {
@@ -531,7 +531,7 @@ fn recordings_draw_as_their_simulation() {
         };
         archive(&path, &scenario, &[], form).unwrap();
         let recording = Recording::open(&path).unwrap();
-        let run = Run::read(&recording, "paper", &all(), &|_| {});
+        let run = RunData::read(&recording, "paper", &all(), &|_| {});
         assert!(run == short("paper"), "{encoding:?}");
     }
 }

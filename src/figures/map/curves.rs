@@ -1,73 +1,98 @@
 //! Curves over one key: one for each scenario.
 
-use super::along::Along;
-use super::chart::{self, aired, dot};
+use super::axis_values::AxisValues;
+use super::chart::{self, dot, padded};
 use super::runs::{Map, MapRun};
-use crate::figures::looks::Looks;
+use crate::figures::error::FigureError;
 use crate::figures::plot::drawing::Drawing;
 use crate::figures::plot::frame;
 use crate::figures::plot::legend::{self, Entry};
-use crate::figures::plot::range::{NONE, union};
 use crate::figures::plot::shape::{Bounds, Point, Stroke};
 use crate::figures::plot::style::{self, COLOURS, DASHES, MEDIUM};
 use crate::figures::plot::text::Text;
+use crate::figures::style::Style;
 
-/// The height of the marks of runs without a value, and the distance between those of two scenarios, mm.
-const STRIP: f64 = 1.2;
-const STRIP_GAP: f64 = 0.5;
+/// The maximum height of the marks of runs without a value, mm.
+const MARK_HEIGHT: f64 = 1.2;
+
+/// The distance between the marks of two scenarios, mm.
+const MARK_GAP: f64 = 0.5;
 
 /// Half the width of these marks, mm.
 const HALF_MARK: f64 = 0.6;
 
-/// The maximum fraction of the frame's height used by these marks.
-const STRIPS: f64 = 0.25;
+/// The maximum height of all marks, relative to the height of the frame.
+const MAX_MARKS: f64 = 0.25;
+
+/// The number of curves that differ in colour or dashes.
+const MAX_CURVES: usize = COLOURS.len() * DASHES.len();
 
 /// Draws a curve for each scenario, and marks above the frame where runs have no value.
-pub(super) fn draw(map: &Map, width: f64) -> Result<Drawing, String> {
-    let across = Along::new(&map.x, map.values(|run| run.x));
-    let upward = Along::new(&map.color, map.values(|run| run.color));
+pub(super) fn draw(map: &Map, width: f64) -> Result<Drawing, FigureError> {
+    let across = AxisValues::new(&map.x, map.values(|run| run.x));
+    let upward = AxisValues::new(&map.color, map.values(|run| run.color));
     let axes = [&across, &upward];
     let curves = curves(map)?;
     let mut drawing = Drawing::new(width);
-    let mut key = Vec::new();
-    if curves.len() > 1 {
-        let entry = |curve: &Curve<'_>| Entry::of(curve.stroke, Text::name(curve.name));
-        key.extend(curves.iter().map(entry));
-    }
-    let outcomes: Vec<_> = map.outcomes().into_iter().map(|(words, _)| words).collect();
-    let strips = if outcomes.is_empty() { 0 } else { curves.len() };
-    if strips > 0 {
-        let outcomes = outcomes.join(", ");
-        key.push(Entry::note(&format!("above the frame: {outcomes}")));
-    }
-    let below_legend = legend::draw_at_top(&mut drawing, &key) + 0.6;
-    let pitch = (STRIP + STRIP_GAP).min(STRIPS * chart::height(width) / strips.max(1) as f64);
-    let strip = pitch * STRIP / (STRIP + STRIP_GAP);
+    let below_legend = legend::draw_at_top(&mut drawing, &legend_of(map, &curves)) + 0.6;
+    let strips = if map.outcomes().is_empty() {
+        0
+    } else {
+        curves.len()
+    };
+    let pitch =
+        (MARK_HEIGHT + MARK_GAP).min(MAX_MARKS * chart::height(width) / strips.max(1) as f64);
+    let mark_height = pitch * MARK_HEIGHT / (MARK_HEIGHT + MARK_GAP);
     let top = below_legend + strips as f64 * pitch;
-    let ranges = [aired(across.range()), aired(union(NONE, upward.range()))];
-    let room = (top, frame::ROOM_RIGHT);
-    let frame = chart::frame(width, room, axes, ranges);
+    let ranges = axes.map(|axis| padded(axis.range()));
+    let frame = chart::frame(width, (top, frame::ROOM_RIGHT), axes, ranges);
     for (index, curve) in curves.iter().enumerate() {
-        let place = |run: &&MapRun| (across.place(run.x), upward.place(run.color));
-        let points: Vec<Point> = curve.runs.iter().map(place).collect();
+        let mut points: Vec<Point> = Vec::new();
+        let mut marks = Vec::new();
+        let mark_top = below_legend + index as f64 * pitch;
+        for run in &curve.runs {
+            let point = (across.position(run.x), upward.position(run.color));
+            points.push(point);
+            if !run.color.is_finite() {
+                let x = frame.place((point.0, ranges[1].0)).0;
+                let mark = Bounds::between(
+                    (x - HALF_MARK, mark_top),
+                    (x + HALF_MARK, mark_top + mark_height),
+                );
+                marks.push(mark.area(curve.stroke.colour));
+            }
+        }
         let mut shapes = frame.line(&points, curve.stroke);
-        let there = points.iter().filter(|point| point.1.is_finite());
-        shapes.extend(there.map(|point| dot(frame.place(*point), curve.stroke.colour)));
+        for point in points.iter().filter(|point| point.1.is_finite()) {
+            shapes.push(dot(frame.place(*point), curve.stroke.colour));
+        }
         drawing.group(curve.name, shapes);
-        let top = below_legend + index as f64 * pitch;
-        let valueless = curve.runs.iter().filter(|run| !run.color.is_finite());
-        let marks = valueless.map(|run| {
-            let x = frame.place((across.place(run.x), ranges[1].0)).0;
-            let mark = Bounds::between((x - HALF_MARK, top), (x + HALF_MARK, top + strip));
-            mark.area(curve.stroke.colour)
-        });
-        let marks: Vec<_> = marks.collect();
         if !marks.is_empty() {
             drawing.group(&format!("{}: no value", curve.name), marks);
         }
     }
     frame.finish(&mut drawing, axes.map(|axis| &axis.quantity));
     Ok(drawing)
+}
+
+/// The names of several curves, and the outcomes of runs without a value.
+fn legend_of(map: &Map, curves: &[Curve<'_>]) -> Vec<Entry> {
+    let mut legend = Vec::new();
+    if curves.len() > 1 {
+        for curve in curves {
+            legend.push(Entry::from_text(curve.stroke, Text::name(curve.name)));
+        }
+    }
+    let outcomes: Vec<String> = map
+        .outcomes()
+        .into_iter()
+        .map(|outcome| outcome.words(&map.color.name))
+        .collect();
+    if !outcomes.is_empty() {
+        let note = format!("above the frame: {}", outcomes.join(", "));
+        legend.push(Entry::note(&note));
+    }
+    legend
 }
 
 /// The runs of a scenario, in the order of x.
@@ -78,32 +103,37 @@ struct Curve<'a> {
 }
 
 /// The curves of all scenarios, in the order of their names.
-fn curves(map: &Map) -> Result<Vec<Curve<'_>>, String> {
+fn curves(map: &Map) -> Result<Vec<Curve<'_>>, FigureError> {
     let mut runs: Vec<&MapRun> = map.runs.iter().collect();
     runs.sort_by(|a, b| a.scenario.cmp(&b.scenario).then(a.x.total_cmp(&b.x)));
-    let parts: Vec<_> = runs.chunk_by(|a, b| a.scenario == b.scenario).collect();
-    let most = COLOURS.len() * DASHES.len();
-    if parts.len() > most {
-        return Err(format!(
-            "{} scenarios, but at most {most} curves can be distinguished: select with --where scenario=NAME",
-            parts.len()
-        ));
+    let scenarios: Vec<&[&MapRun]> = runs.chunk_by(|a, b| a.scenario == b.scenario).collect();
+    if scenarios.len() > MAX_CURVES {
+        return Err(FigureError::TooManyCurves {
+            scenarios: scenarios.len(),
+            max: MAX_CURVES,
+        });
     }
-    let looks = Looks { runs: parts.len() };
+    let style = Style::new(scenarios.len());
     let mut curves = Vec::new();
-    for (index, runs) in parts.into_iter().enumerate() {
+    for (index, runs) in scenarios.into_iter().enumerate() {
         let name = &runs[0].scenario;
         if let Some(pair) = runs.windows(2).find(|pair| pair[0].x == pair[1].x) {
-            return Err(format!(
-                "several runs of {name} have {} = {:?}: select with --where",
-                map.x.name, pair[0].x
-            ));
+            return Err(FigureError::SamePoint {
+                scenario: name.clone(),
+                x: map.x.name.clone(),
+                x_value: pair[0].x,
+            });
         }
         let colour = COLOURS[index % COLOURS.len()];
-        let mut stroke = style::line(colour, MEDIUM + looks.broader(index));
-        stroke.dash = DASHES[index / COLOURS.len()];
-        let runs = runs.to_vec();
-        curves.push(Curve { name, stroke, runs });
+        curves.push(Curve {
+            name,
+            // The dashes change after each round of colours, so that no two curves look alike.
+            stroke: Stroke {
+                dash: DASHES[index / COLOURS.len()],
+                ..style::line(colour, MEDIUM + style.extra_width(index))
+            },
+            runs: runs.to_vec(),
+        });
     }
     Ok(curves)
 }

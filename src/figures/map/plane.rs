@@ -1,60 +1,59 @@
 //! Maps: colours over two keys.
 
-use super::along::Along;
+use super::axis_values::AxisValues;
 use super::bar::Bar;
-use super::chart::{self, aired, dot};
-use super::grid::{Grid, border_shapes};
-use super::runs::{Map, MapAxis, MapRun, outcome_colour};
+use super::chart::{self, dot, padded};
+use super::grid::Grid;
+use super::runs::{Map, MapAxis, MapRun};
+use crate::figures::error::FigureError;
 use crate::figures::plot::drawing::Drawing;
 use crate::figures::plot::legend::{self, Entry};
 use crate::figures::plot::range::extremes;
-use crate::figures::plot::style::{self, LINE, MEDIUM};
+use crate::figures::plot::shape::Colour;
+use crate::figures::plot::style::{self, LINE_HEIGHT, MEDIUM};
 
 /// Draws the runs of a map as grid cells, or as dots if they don't form a grid.
-pub(super) fn draw(map: &Map, y: &MapAxis, width: f64) -> Result<Drawing, String> {
-    let across = Along::new(&map.x, map.values(|run| run.x));
-    let upward = Along::new(y, map.values(|run| run.y));
+pub(super) fn draw(map: &Map, y: &MapAxis, width: f64) -> Result<Drawing, FigureError> {
+    let across = AxisValues::new(&map.x, map.values(|run| run.x));
+    let upward = AxisValues::new(y, map.values(|run| run.y));
     let axes = [&across, &upward];
-    let grid = Grid::of(map, y, axes)?;
+    let grid = Grid::new(map, y, axes)?;
+    let borders = grid.as_ref().map_or_else(Vec::new, Grid::borders);
     let bar = Bar::new(map, width);
-    let colour = |run: &MapRun| {
-        if run.color.is_finite() {
-            bar.colour(run.color)
-        } else {
-            outcome_colour(run.outcome())
-        }
-    };
 
     let mut drawing = Drawing::new(width);
-    let outcomes = map.outcomes().into_iter();
-    let mut key: Vec<_> = outcomes
-        .map(|(words, colour)| Entry::area(colour, &words))
-        .collect();
-    let borders = grid.as_ref().map_or_else(Vec::new, Grid::borders);
+    let mut legend = Vec::new();
+    for outcome in map.outcomes() {
+        let words = outcome.words(&map.color.name);
+        legend.push(Entry::area(outcome.colour(), &words));
+    }
     if !borders.is_empty() {
         let stroke = style::line(style::BLACK, MEDIUM);
-        let words = "boundary of looping runs (ticks point inside)";
-        key.push(Entry::line(stroke, words));
+        let meaning = "boundary of looping runs (ticks point inside)";
+        legend.push(Entry::line(stroke, meaning));
     }
-    let bar_label = if bar.is_empty() { 0.0 } else { LINE };
-    let top = legend::draw_at_top(&mut drawing, &key) + bar_label + 0.6;
+    let bar_label = if bar.is_empty() { 0.0 } else { LINE_HEIGHT };
+    let top = legend::draw_at_top(&mut drawing, &legend) + bar_label + 0.6;
 
     let ranges = axes.map(|axis| match &grid {
         Some(_) => extremes(axis.edges().into_iter()),
-        None => aired(axis.range()),
+        None => padded(axis.range()),
     });
     let frame = chart::frame(width, (top, bar.room()), axes, ranges);
-    if let Some(grid) = &grid {
-        drawing.group("runs", grid.areas(&frame, colour));
+    let runs = if let Some(grid) = &grid {
+        grid.areas(&frame, |run| colour(run, &bar))
     } else {
-        let place = |run: &MapRun| frame.place((across.place(run.x), upward.place(run.y)));
-        let dots = map.runs.iter().map(|run| dot(place(run), colour(run)));
-        drawing.group("runs", dots.collect());
-    }
-    if !borders.is_empty() {
-        let lines = borders
+        map.runs
             .iter()
-            .flat_map(|border| border_shapes(border, &frame));
+            .map(|run| {
+                let point = (across.position(run.x), upward.position(run.y));
+                dot(frame.place(point), colour(run, &bar))
+            })
+            .collect()
+    };
+    drawing.group("runs", runs);
+    if !borders.is_empty() {
+        let lines = borders.iter().flat_map(|border| border.shapes(&frame));
         drawing.group("where looping begins", lines.collect());
     }
     frame.finish(&mut drawing, axes.map(|axis| &axis.quantity));
@@ -62,4 +61,13 @@ pub(super) fn draw(map: &Map, y: &MapAxis, width: f64) -> Result<Drawing, String
         bar.draw(&mut drawing, frame.bounds);
     }
     Ok(drawing)
+}
+
+/// The colour of a run: that of its value, or of its outcome if it has none.
+fn colour(run: &MapRun, bar: &Bar) -> Colour {
+    if run.color.is_finite() {
+        bar.colour(run.color)
+    } else {
+        run.outcome().colour()
+    }
 }

@@ -4,7 +4,13 @@ use crate::figures::plot::frame::Quantity;
 use crate::figures::plot::shape::Colour;
 use crate::run::scenario::{KEYS, Key};
 use crate::run::simulation::StopReason;
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
+
+/// The name of an absent outcome.
+const NO_OUTCOME: &str = "no outcome";
+
+/// Time columns for which a missing value means "not yet" (not those of free pegs).
+const AWAITED: [&str; 3] = ["rise_time", "weak_time", "loop_time"];
 
 /// A quantity of a map.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,40 +51,60 @@ pub struct Map {
     pub runs: Vec<MapRun>,
 }
 
-const NO_OUTCOME: &str = "no outcome";
-
-/// Time columns for which a missing value means "not yet" (not those of free pegs).
-const AWAITED: [&str; 3] = ["rise_time", "weak_time", "loop_time"];
+/// The outcome shown for a missing value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Outcome<'a> {
+    Stopped(StopReason),
+    /// A stop reason of a newer version.
+    Unknown(&'a str),
+    /// The run failed, or was interrupted.
+    Absent,
+}
 
 impl MapAxis {
     /// The quantity of an axis: with the symbol of its key, if it has one.
     pub(super) fn quantity(&self) -> Quantity {
-        let symbol = self.symbol();
+        let symbol = self
+            .key_with_symbol()
+            .map_or_else(|| self.name.replace('_', " "), markup);
         Quantity {
-            symbol: symbol.unwrap_or_else(|| self.name.replace('_', " ")).into(),
+            symbol: symbol.into(),
             unit: self.unit.clone().into(),
         }
     }
 
-    fn symbol(&self) -> Option<String> {
-        let is_own = |key: &&Key| key.path.replace('.', "_") == self.name;
-        let symbol = KEYS.iter().find(is_own)?.symbol()?;
-        // If two keys share a symbol, only the first uses it.
-        let mut of_symbol = KEYS.iter().filter(|key| key.symbol() == Some(symbol));
-        let key = of_symbol.next().filter(is_own)?;
-        let (letter, index) = symbol.split_once('_').unwrap_or((symbol, ""));
-        let is_initial = key.path.starts_with("initial.");
-        Some(match if is_initial { "0" } else { index } {
-            "" => format!("*{letter}*"),
-            index => format!("*{letter}*_{{{index}}}"),
-        })
+    /// The key with values in the column, and its symbol, unless an earlier key has the same symbol.
+    fn key_with_symbol(&self) -> Option<(&'static Key, &'static str)> {
+        let key = KEYS.iter().find(|key| self.is_of(key))?;
+        let symbol = key.symbol()?;
+        let first = KEYS.iter().find(|key| key.symbol() == Some(symbol))?;
+        self.is_of(first).then_some((key, symbol))
+    }
+
+    /// Whether the column has the values of a key.
+    fn is_of(&self, key: &Key) -> bool {
+        key.path.replace('.', "_") == self.name
+    }
+}
+
+/// The symbol of a key, as markup. Initial values have the index 0.
+fn markup((key, symbol): (&Key, &str)) -> String {
+    let (letter, index) = symbol.split_once('_').unwrap_or((symbol, ""));
+    let index = if key.path.starts_with("initial.") {
+        "0"
+    } else {
+        index
+    };
+    if index.is_empty() {
+        format!("*{letter}*")
+    } else {
+        format!("*{letter}*_{{{index}}}")
     }
 }
 
 impl MapRun {
-    /// The outcome shown for a missing value.
-    pub(super) fn outcome(&self) -> &str {
-        self.stop.as_deref().unwrap_or(NO_OUTCOME)
+    pub(super) fn outcome(&self) -> Outcome<'_> {
+        Outcome::new(self.stop.as_deref())
     }
 }
 
@@ -88,41 +114,65 @@ impl Map {
         self.runs.iter().map(value).collect()
     }
 
-    /// The outcomes of runs that have no value to show, in words and with their colours, in the order of their names.
-    pub(super) fn outcomes(&self) -> Vec<(String, Colour)> {
-        let valueless = self.runs.iter().filter(|run| !run.color.is_finite());
-        let outcomes: BTreeSet<_> = valueless.map(MapRun::outcome).collect();
-        let column = self.color.name.as_str();
-        let words = |outcome| (outcome_words(outcome, column), outcome_colour(outcome));
-        outcomes.into_iter().map(words).collect()
+    /// The outcomes of runs that have no value to show, in the order of their names.
+    pub(super) fn outcomes(&self) -> Vec<Outcome<'_>> {
+        let mut outcomes = BTreeMap::new();
+        for run in &self.runs {
+            if !run.color.is_finite() {
+                let outcome = run.outcome();
+                outcomes.insert(outcome.name(), outcome);
+            }
+        }
+        outcomes.into_values().collect()
     }
 }
 
-/// The colour of runs with this outcome and no value: the same in every figure, and outside the colour map.
-pub(super) fn outcome_colour(outcome: &str) -> Colour {
-    let stop = StopReason::ALL.iter().find(|stop| stop.name() == outcome);
-    match stop {
-        Some(StopReason::Fallen) => Colour(0xd5, 0x5e, 0x00),
-        Some(StopReason::Duration) => Colour(0xdd, 0xdd, 0xdd),
-        Some(StopReason::Risen) => Colour(0xcc, 0x79, 0xa7),
-        Some(StopReason::SlipStopped) => Colour(0x99, 0x99, 0x99),
-        Some(StopReason::Rest) => Colour(0xa6, 0xce, 0xe3),
-        Some(StopReason::Singular) => Colour(0x8c, 0x56, 0x4b),
-        Some(StopReason::Jam) => Colour(0x80, 0x00, 0x20),
-        Some(StopReason::Pivot) => Colour(0xff, 0xb6, 0xc1),
-        Some(StopReason::Interrupted | StopReason::Failed) => Colour(0x30, 0x30, 0x30),
-        None if outcome == NO_OUTCOME => Colour(0x30, 0x30, 0x30),
-        // A stop reason of a newer version.
-        None => Colour(0xf0, 0xc8, 0xa0),
+impl<'a> Outcome<'a> {
+    fn new(stop: Option<&'a str>) -> Self {
+        let Some(name) = stop else {
+            return Self::Absent;
+        };
+        match StopReason::ALL.iter().find(|stop| stop.name() == name) {
+            Some(stop) => Self::Stopped(*stop),
+            None => Self::Unknown(name),
+        }
     }
-}
 
-/// A human-readable outcome, where a run has no value in a column.
-fn outcome_words(outcome: &str, column: &str) -> String {
-    match outcome {
-        "duration" if AWAITED.contains(&column) => "not reached".to_owned(),
-        "duration" => "none in the whole run".to_owned(),
-        other => other.replace('_', " "),
+    fn name(self) -> &'a str {
+        match self {
+            Self::Stopped(stop) => stop.name(),
+            Self::Unknown(name) => name,
+            Self::Absent => NO_OUTCOME,
+        }
+    }
+
+    /// The colour of runs with this outcome and no value: the same in every figure, and outside the colour map.
+    pub(super) fn colour(self) -> Colour {
+        match self {
+            Self::Stopped(StopReason::Fallen) => Colour(0xd5, 0x5e, 0x00),
+            Self::Stopped(StopReason::Duration) => Colour(0xdd, 0xdd, 0xdd),
+            Self::Stopped(StopReason::Risen) => Colour(0xcc, 0x79, 0xa7),
+            Self::Stopped(StopReason::SlipStopped) => Colour(0x99, 0x99, 0x99),
+            Self::Stopped(StopReason::Rest) => Colour(0xa6, 0xce, 0xe3),
+            Self::Stopped(StopReason::Singular) => Colour(0x8c, 0x56, 0x4b),
+            Self::Stopped(StopReason::Jam) => Colour(0x80, 0x00, 0x20),
+            Self::Stopped(StopReason::Pivot) => Colour(0xff, 0xb6, 0xc1),
+            Self::Stopped(StopReason::Interrupted | StopReason::Failed) | Self::Absent => {
+                Colour(0x30, 0x30, 0x30)
+            }
+            Self::Unknown(_) => Colour(0xf0, 0xc8, 0xa0),
+        }
+    }
+
+    /// The outcome in words, where a run has no value in a column.
+    pub(super) fn words(self, column: &str) -> String {
+        match self {
+            Self::Stopped(StopReason::Duration) if AWAITED.contains(&column) => {
+                "not reached".to_owned()
+            }
+            Self::Stopped(StopReason::Duration) => "none in the whole run".to_owned(),
+            other => other.name().replace('_', " "),
+        }
     }
 }
 
@@ -131,45 +181,45 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_column_can_never_have_is_not_called_late() {
-        let words = |column| outcome_words("duration", column);
+    fn only_awaited_times_are_not_reached() {
+        let words = |column| Outcome::Stopped(StopReason::Duration).words(column);
         assert_eq!(words("rise_time"), "not reached");
         assert_eq!(words("hops"), "none in the whole run");
     }
 
     #[test]
-    fn labels_have_power_and_unit_where_there_are_any() {
-        let label = |unit: &str, exponent| {
-            let (name, unit) = ("k".to_owned(), unit.to_owned());
-            MapAxis { name, unit }.quantity().text(exponent).spoken
-        };
-        assert_eq!(label("", 0), "k");
-        assert_eq!(label("s", 0), "k (s)");
-        assert_eq!(label("", -3), "k (10^−3)");
-        assert_eq!(label("s", 3), "k (10^3 s)");
-        let label = |name: &str| {
-            let (name, unit) = (name.to_owned(), String::new());
-            MapAxis { name, unit }.quantity().text(0).spoken
-        };
-        assert_eq!(label("friction_k"), "k");
-        assert_eq!(label("drilling_k"), "drilling k");
-        assert_eq!(label("friction_viscous_speed"), "v_0");
-        assert_eq!(label("initial_psi_dot"), "ψ\u{307}_0");
-        assert_eq!(label("initial_height"), "initial height");
-        assert_eq!(label("stop_theta_risen"), "stop theta risen");
-        assert_eq!(label("rise_time"), "rise time");
+    fn labels_have_symbol_power_and_unit() {
+        for (name, unit, exponent, expected) in [
+            ("k", "", 0, "k"),
+            ("k", "s", 0, "k (s)"),
+            ("k", "", -3, "k (10^−3)"),
+            ("k", "s", 3, "k (10^3 s)"),
+            ("friction_k", "", 0, "k"),
+            ("drilling_k", "", 0, "drilling k"),
+            ("friction_viscous_speed", "", 0, "v_0"),
+            ("initial_psi_dot", "", 0, "ψ\u{307}_0"),
+            ("initial_height", "", 0, "initial height"),
+            ("stop_theta_risen", "", 0, "stop theta risen"),
+            ("rise_time", "", 0, "rise time"),
+        ] {
+            let axis = MapAxis {
+                name: name.to_owned(),
+                unit: unit.to_owned(),
+            };
+            assert_eq!(axis.quantity().text(exponent).spoken, expected);
+        }
     }
 
     #[test]
-    fn a_reason_to_stop_has_a_colour_of_its_own() {
-        let all = StopReason::ALL.iter().map(|stop| stop.name());
-        let mut all: Vec<_> = all
-            .chain([NO_OUTCOME, "of a newer version"])
-            .map(|outcome| format!("{:?}", outcome_colour(outcome)))
+    fn stop_reasons_have_their_own_colours() {
+        let stops = StopReason::ALL.iter().map(|stop| Some(stop.name()));
+        let mut colours: Vec<_> = stops
+            .chain([None, Some("of a newer version")])
+            .map(|stop| format!("{:?}", Outcome::new(stop).colour()))
             .collect();
-        all.sort();
-        all.dedup();
-        // Those that leave no outcome share a colour.
-        assert_eq!(all.len(), StopReason::ALL.len());
+        colours.sort();
+        colours.dedup();
+        // Interrupted, failed and absent outcomes share a colour.
+        assert_eq!(colours.len(), StopReason::ALL.len());
     }
 }

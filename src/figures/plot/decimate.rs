@@ -3,23 +3,26 @@
 use super::shape::Point;
 use std::ops::Range;
 
-/// Keeps the first, the lowest, the highest and the last point of each column of this width, so that the envelope of what
-/// oscillates within a column is kept.
+/// Keeps the first, the lowest, the highest and the last point of each column of this width, so that the envelope of an
+/// oscillation within a column is kept.
 ///
 /// The points must be in the order of their columns. A point that is not finite divides the line.
 pub(crate) fn by_column(points: impl IntoIterator<Item = Point>, width: f64) -> Vec<Vec<Point>> {
-    let points: Vec<_> = points.into_iter().collect();
-    let lines = points.split(|(x, y)| !(x.is_finite() && y.is_finite()));
-    let column = |point: &Point| (point.0 / width).floor();
-    let kept = |part: &[Point]| {
-        let rows = envelope(0..part.len(), [|row: usize| part[row].1]);
-        rows.into_iter().map(|row| part[row]).collect::<Vec<_>>()
-    };
-    let thinned = |line: &[Point]| {
-        let columns = line.chunk_by(|a, b| column(a) == column(b));
-        columns.flat_map(kept).collect()
-    };
-    lines.filter(|line| !line.is_empty()).map(thinned).collect()
+    let points: Vec<Point> = points.into_iter().collect();
+    points
+        .split(|(x, y)| !(x.is_finite() && y.is_finite()))
+        .filter(|line| !line.is_empty())
+        .map(|line| thin_line(line, width))
+        .collect()
+}
+
+fn thin_line(line: &[Point], width: f64) -> Vec<Point> {
+    let mut kept = Vec::new();
+    for column in line.chunk_by(|a, b| (a.0 / width).floor() == (b.0 / width).floor()) {
+        let rows = envelope(0..column.len(), [|row: usize| column[row].1]);
+        kept.extend(rows.into_iter().map(|row| column[row]));
+    }
+    kept
 }
 
 /// The first and the last of some rows, and those with the least and the greatest number of each column, in order.
@@ -30,6 +33,7 @@ where
     let mut kept = vec![rows.start, rows.end - 1];
     for value in columns {
         let finite = rows.clone().filter(|row| value(*row).is_finite());
+        // Reversed, because `max_by` takes the last of equal values; both ends of the envelope take the first.
         let greatest = finite
             .clone()
             .min_by(|a, b| value(*b).total_cmp(&value(*a)));
@@ -45,15 +49,22 @@ where
 pub(crate) fn by_distance(points: &[Point], distance: f64) -> Vec<Point> {
     let mut kept: Vec<Point> = Vec::new();
     for (index, point) in points.iter().enumerate() {
-        let is_far = kept.last().is_none_or(|last| {
-            let (dx, dy) = (point.0 - last.0, point.1 - last.1);
-            dx * dx + dy * dy >= distance * distance
-        });
-        if is_far || index + 1 == points.len() {
+        let is_last = index + 1 == points.len();
+        if is_last
+            || kept
+                .last()
+                .is_none_or(|last| is_far(*last, *point, distance))
+        {
             kept.push(*point);
         }
     }
     kept
+}
+
+/// Whether two points are at least this distance apart.
+fn is_far(one: Point, other: Point, distance: f64) -> bool {
+    let (dx, dy) = (other.0 - one.0, other.1 - one.1);
+    dx * dx + dy * dy >= distance * distance
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Drawings: shapes and labels, before they become a file. Lengths are in mm, from the upper left corner.
 
 use super::shape::{Point, Shape};
-use super::style::FONT;
+use super::style::FONT_SIZE;
 use super::text::Text;
 
 /// Shapes that belong together, with a description for screen readers.
@@ -11,7 +11,7 @@ pub(crate) struct Group {
     pub(crate) shapes: Vec<Shape>,
 }
 
-/// Black text of size [`FONT`] at a position in a drawing.
+/// Black text of size [`FONT_SIZE`] at a position in a drawing.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Label {
     pub(crate) text: Text,
@@ -41,12 +41,7 @@ pub struct Drawing {
 }
 
 impl Drawing {
-    /// The width and height, mm.
-    pub fn size(&self) -> (f64, f64) {
-        (self.width, self.height)
-    }
-
-    /// An empty drawing; the height is set when it is known.
+    /// An empty drawing. The height is set when it is known: it follows from the content.
     pub(crate) fn new(width: f64) -> Self {
         Self {
             title: String::new(),
@@ -57,31 +52,37 @@ impl Drawing {
         }
     }
 
+    /// The width and height, mm.
+    pub fn size(&self) -> (f64, f64) {
+        (self.width, self.height)
+    }
+
     /// Adds text on a baseline.
     pub(crate) fn label(&mut self, text: Text, (x, y): Point, anchor: Anchor) {
-        let width = text.width * FONT;
-        let x = match anchor {
+        let width = text.width * FONT_SIZE;
+        let left = match anchor {
             Anchor::Start => x,
             Anchor::Middle => x - width / 2.0,
             Anchor::End => x - width,
         };
         self.labels.push(Label {
             text,
-            origin: (x, y),
+            origin: (left, y),
             is_upward: false,
         });
     }
 
     /// Adds text that runs upwards, midway between two heights, with its ink to the right of `left`.
     pub(crate) fn upward_label(&mut self, text: Text, left: f64, (top, bottom): (f64, f64)) {
-        let y = f64::midpoint(top, bottom) + text.width * FONT / 2.0;
+        let start = f64::midpoint(top, bottom) + text.width * FONT_SIZE / 2.0;
         self.labels.push(Label {
-            origin: (left + text.above * FONT, y),
+            origin: (left + text.above * FONT_SIZE, start),
             text,
             is_upward: true,
         });
     }
 
+    /// Adds shapes with a description for screen readers, above those before.
     pub(crate) fn group(&mut self, meaning: &str, shapes: Vec<Shape>) {
         self.groups.push(Group {
             meaning: meaning.to_owned(),

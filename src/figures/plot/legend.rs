@@ -2,8 +2,23 @@
 
 use super::drawing::{Anchor, Drawing};
 use super::shape::{Bounds, Colour, Point, Shape, Stroke};
-use super::style::{self, FONT, LINE, MARGIN};
+use super::style::{self, FONT_SIZE, LINE_HEIGHT, MARGIN};
 use super::text::Text;
+
+/// The width of lines and areas in a legend, mm.
+const SAMPLE_WIDTH: f64 = 6.5;
+
+/// The space between the sample and the text of an entry, mm.
+const AFTER_SAMPLE: f64 = 1.2;
+
+/// The space between two entries, mm.
+const AFTER_ENTRY: f64 = 4.0;
+
+/// Half the width of a mark at the end of an axis, and half its height, mm.
+const MARK: f64 = 0.9;
+
+/// The radius of the dots at the ends of a path, mm.
+const DOT: f64 = 0.7;
 
 /// An entry of a legend.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,8 +32,8 @@ pub(crate) struct Entry {
 enum Sample {
     Line(Stroke),
     Area(Colour),
-    /// A dot; whether it is filled.
-    Dot(bool),
+    Start,
+    End,
     /// The marks of curves that go beyond their axis.
     Marks,
     /// No symbol: the text is a note.
@@ -30,26 +45,30 @@ impl Entry {
         Self { sample, text }
     }
 
-    /// The entry of a line whose text is set already.
-    pub(crate) fn of(stroke: Stroke, text: Text) -> Self {
+    /// The entry of a line whose text is typeset already.
+    pub(crate) fn from_text(stroke: Stroke, text: Text) -> Self {
         Self::new(Sample::Line(stroke), text)
     }
 
+    /// The entry of a line.
     pub(crate) fn line(stroke: Stroke, markup: &str) -> Self {
-        Self::of(stroke, Text::markup(markup))
+        Self::from_text(stroke, Text::markup(markup))
     }
 
+    /// The entry of an area.
     pub(crate) fn area(fill: Colour, markup: &str) -> Self {
         Self::new(Sample::Area(fill), Text::markup(markup))
     }
 
-    /// The dots at the ends of a path.
+    /// The entries of the dots at the ends of a path.
     pub(crate) fn ends() -> [Self; 2] {
-        [(false, "start"), (true, "end")]
-            .map(|(is_filled, name)| Self::new(Sample::Dot(is_filled), Text::plain(name)))
+        [
+            Self::new(Sample::Start, Text::plain("start")),
+            Self::new(Sample::End, Text::plain("end")),
+        ]
     }
 
-    /// Meaning of the marks where curves exceed their axis.
+    /// The entry of the marks where curves exceed their axis.
     pub(crate) fn beyond() -> Self {
         Self::new(Sample::Marks, Text::plain("beyond the axis"))
     }
@@ -59,45 +78,24 @@ impl Entry {
         Self::new(Sample::None, Text::plain(text))
     }
 
-    /// The space between the sample and the text, mm.
-    const AFTER_SAMPLE: f64 = 1.2;
-
-    /// The space after an entry, mm.
-    const AFTER: f64 = 4.0;
-
+    /// The width of symbol and text, mm.
     fn width(&self) -> f64 {
-        self.indent() + self.text.width * FONT
+        self.indent() + self.text.width * FONT_SIZE
     }
 
     /// The width of the symbol before the text, mm.
     fn indent(&self) -> f64 {
         match self.sample {
-            Sample::Line(_) | Sample::Area(_) => BROAD + Self::AFTER_SAMPLE,
-            Sample::Dot(_) => 2.0 * DOT + Self::AFTER_SAMPLE,
-            Sample::Marks => 4.0 * MARK + 0.6 + Self::AFTER_SAMPLE,
+            Sample::Line(_) | Sample::Area(_) => SAMPLE_WIDTH + AFTER_SAMPLE,
+            Sample::Start | Sample::End => 2.0 * DOT + AFTER_SAMPLE,
+            Sample::Marks => 4.0 * MARK + 0.6 + AFTER_SAMPLE,
             Sample::None => 0.0,
         }
     }
 
     fn draw(&self, drawing: &mut Drawing, left: f64, baseline: f64) {
         let start = left + self.indent();
-        let (right, middle) = (start - Self::AFTER_SAMPLE, baseline - 0.24 * FONT);
-        let shapes = match self.sample {
-            Sample::Line(stroke) => vec![Shape::Line {
-                points: vec![(left, middle), (right, middle)],
-                stroke,
-            }],
-            Sample::Area(fill) => {
-                let (top, bottom) = (middle - 0.35 * FONT, middle + 0.35 * FONT);
-                vec![Bounds::between((left, top), (right, bottom)).area(fill)]
-            }
-            Sample::Dot(is_filled) => vec![dot((left + DOT, middle), is_filled, style::BLACK)],
-            Sample::Marks => vec![
-                mark((left + MARK, middle - MARK), 1.0),
-                mark((right - MARK, middle + MARK), -1.0),
-            ],
-            Sample::None => Vec::new(),
-        };
+        let shapes = self.sample.shapes(left, start - AFTER_SAMPLE, baseline);
         if !shapes.is_empty() {
             drawing.group(&format!("key: {}", self.text.spoken), shapes);
         }
@@ -105,11 +103,29 @@ impl Entry {
     }
 }
 
-/// The width of lines and areas, mm.
-const BROAD: f64 = 6.5;
-
-/// Half the width of a mark, and its height, mm.
-const MARK: f64 = 0.9;
+impl Sample {
+    /// The symbol between two sides, before text on a baseline.
+    fn shapes(self, left: f64, right: f64, baseline: f64) -> Vec<Shape> {
+        let middle = baseline - 0.24 * FONT_SIZE;
+        match self {
+            Self::Line(stroke) => vec![Shape::Line {
+                points: vec![(left, middle), (right, middle)],
+                stroke,
+            }],
+            Self::Area(fill) => {
+                let (top, bottom) = (middle - 0.35 * FONT_SIZE, middle + 0.35 * FONT_SIZE);
+                vec![Bounds::between((left, top), (right, bottom)).area(fill)]
+            }
+            Self::Start => vec![start_dot((left + DOT, middle), style::BLACK)],
+            Self::End => vec![end_dot((left + DOT, middle), style::BLACK)],
+            Self::Marks => vec![
+                mark((left + MARK, middle - MARK), 1.0),
+                mark((right - MARK, middle + MARK), -1.0),
+            ],
+            Self::None => Vec::new(),
+        }
+    }
+}
 
 /// A triangle with its tip at a point; it points upwards for 1 and downwards for −1.
 pub(crate) fn mark((x, y): Point, upward: f64) -> Shape {
@@ -120,41 +136,48 @@ pub(crate) fn mark((x, y): Point, upward: f64) -> Shape {
     }
 }
 
-/// The radius of dots, mm.
-const DOT: f64 = 0.7;
+/// A ring at the start of a path.
+pub(crate) fn start_dot(centre: Point, colour: Colour) -> Shape {
+    dot(centre, style::WHITE, colour)
+}
 
-/// The shape of a dot at a place.
-pub(crate) fn dot(centre: Point, is_filled: bool, colour: Colour) -> Shape {
+/// A filled dot at the end of a path.
+pub(crate) fn end_dot(centre: Point, colour: Colour) -> Shape {
+    dot(centre, colour, colour)
+}
+
+fn dot(centre: Point, fill: Colour, outline: Colour) -> Shape {
     Shape::Dot {
         centre,
         radius: DOT,
-        fill: if is_filled { colour } else { style::WHITE },
-        stroke: style::line(colour, style::HAIRLINE),
+        fill,
+        stroke: style::line(outline, style::HAIRLINE),
     }
 }
 
 /// The number of lines of a legend.
-pub(crate) fn lines(entries: &[Entry], width: f64) -> usize {
-    wrapped(entries, width).len()
+pub(crate) fn line_count(entries: &[Entry], width: f64) -> usize {
+    wrap(entries, width).len()
 }
 
 /// Draws a legend at the top of a drawing and returns the position of its lower edge, mm.
 pub(crate) fn draw_at_top(drawing: &mut Drawing, entries: &[Entry]) -> f64 {
     let sides = (MARGIN, drawing.width - MARGIN);
-    draw(drawing, entries, sides, MARGIN + 0.75 * FONT);
-    MARGIN + lines(entries, sides.1 - sides.0) as f64 * LINE
+    draw(drawing, entries, sides, MARGIN + 0.75 * FONT_SIZE);
+    MARGIN + line_count(entries, sides.1 - sides.0) as f64 * LINE_HEIGHT
 }
 
 /// Divides entries into lines of a width.
-fn wrapped(entries: &[Entry], width: f64) -> Vec<&[Entry]> {
+fn wrap(entries: &[Entry], width: f64) -> Vec<&[Entry]> {
     let mut lines = Vec::new();
     let (mut start, mut used) = (0, 0.0);
     for (index, entry) in entries.iter().enumerate() {
+        // An entry that is wider than a line gets a line of its own.
         if index > start && used + entry.width() > width {
             lines.push(&entries[start..index]);
             (start, used) = (index, 0.0);
         }
-        used += entry.width() + Entry::AFTER;
+        used += entry.width() + AFTER_ENTRY;
     }
     if start < entries.len() {
         lines.push(&entries[start..]);
@@ -169,11 +192,11 @@ pub(crate) fn draw(
     (left, right): (f64, f64),
     baseline: f64,
 ) {
-    for (index, line) in wrapped(entries, right - left).into_iter().enumerate() {
-        let mut at = left;
+    for (index, line) in wrap(entries, right - left).into_iter().enumerate() {
+        let mut entry_left = left;
         for entry in line {
-            entry.draw(drawing, at, baseline + index as f64 * LINE);
-            at += entry.width() + Entry::AFTER;
+            entry.draw(drawing, entry_left, baseline + index as f64 * LINE_HEIGHT);
+            entry_left += entry.width() + AFTER_ENTRY;
         }
     }
 }

@@ -5,8 +5,26 @@ use super::frame::{self, Band, Frame, Quantity};
 use super::legend::{self, Entry};
 use super::range::{self, extremes, union};
 use super::shape::{Bounds, Point, Stroke};
-use super::style::{LINE, MARGIN, TWO_COLUMNS};
+use super::style::{LINE_HEIGHT, MARGIN, TWO_COLUMNS};
 use super::ticks::Scale;
+
+/// The height of a panel relative to its width.
+const PROPORTION: f64 = 0.46;
+
+/// The greatest height of a panel, mm.
+const MAX_HEIGHT: f64 = 48.0;
+
+/// Padding of the vertical axis above and below the curves, relative to their range.
+const PADDING: f64 = 0.06;
+
+/// A range that starts within this fraction of its end above zero is extended to zero.
+const NEARLY_ZERO: f64 = 0.02;
+
+/// The distance between columns, mm.
+const COLUMN_GAP: f64 = 4.0;
+
+/// Space for the letter of a panel in front of its legend, mm.
+const INDENT: f64 = 6.5;
 
 /// A curve of a panel.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,7 +53,7 @@ pub(crate) struct Panel {
     /// Whether the quantity may diverge; brief spikes are clipped and marked.
     pub(crate) is_singular: bool,
     /// The widest range that the axis may show.
-    pub(crate) most: (f64, f64),
+    pub(crate) max_range: (f64, f64),
     /// Values below this magnitude are rounding errors and are drawn as zero.
     pub(crate) rounding: f64,
 }
@@ -51,11 +69,12 @@ impl Panel {
             height: 1.0,
             is_broken: false,
             is_singular: false,
-            most: (f64::NEG_INFINITY, f64::INFINITY),
+            max_range: (f64::NEG_INFINITY, f64::INFINITY),
             rounding: 0.0,
         }
     }
 
+    /// Adds a curve above those before.
     pub(crate) fn curve(&mut self, meaning: impl Into<String>, points: Vec<Point>, stroke: Stroke) {
         self.curves.push(Curve {
             meaning: meaning.into(),
@@ -66,32 +85,40 @@ impl Panel {
 
     /// Whether nothing is drawn.
     pub(crate) fn is_empty(&self) -> bool {
-        self.range() == range::NONE
+        self.range() == range::EMPTY
     }
 
-    /// All lines that determine the range.
+    /// All lines that determine the range: those of curves and the edges of envelopes.
     fn lines(&self) -> Vec<&[Point]> {
-        let curves = self.curves.iter().map(|curve| &curve.points);
-        let envelopes = self.envelopes.iter();
-        let envelopes = envelopes.flat_map(|band| [&band.lower, &band.upper]);
-        curves.chain(envelopes).map(Vec::as_slice).collect()
+        let mut lines: Vec<&[Point]> = Vec::new();
+        for curve in &self.curves {
+            lines.push(&curve.points);
+        }
+        for envelope in &self.envelopes {
+            lines.extend([&envelope.lower[..], &envelope.upper[..]]);
+        }
+        lines
     }
 
     /// The range of values that the axis may show.
     pub(crate) fn range(&self) -> (f64, f64) {
-        let of = |line: &[Point]| {
-            if self.is_singular {
-                range::without_spikes(line)
-            } else {
-                extremes(line.iter().map(|point| point.1))
-            }
-        };
-        let lines = self.lines().into_iter().map(of);
-        let (low, high) = lines.fold(range::NONE, union);
+        let (low, high) = self
+            .lines()
+            .into_iter()
+            .map(|line| self.range_of_line(line))
+            .fold(range::EMPTY, union);
         if low.abs().max(high.abs()) < self.rounding {
             return (0.0, 0.0);
         }
-        (low.max(self.most.0), high.min(self.most.1))
+        (low.max(self.max_range.0), high.min(self.max_range.1))
+    }
+
+    fn range_of_line(&self, line: &[Point]) -> (f64, f64) {
+        if self.is_singular {
+            range::without_spikes(line)
+        } else {
+            extremes(line.iter().map(|point| point.1))
+        }
     }
 
     /// Whether curves go beyond this range.
@@ -103,11 +130,11 @@ impl Panel {
     }
 
     /// The scale of the vertical axis: the range of the curves with padding.
-    fn scale(&self, usual_height: f64) -> Scale {
+    fn scale(&self, normal_height: f64) -> Scale {
         let (low, high) = self.range();
-        let air = 0.06 * (high - low);
-        let most = frame::ticks_up(self.height * usual_height);
-        Scale::new(low - air, high + air, most)
+        let padding = PADDING * (high - low);
+        let max_labels = frame::max_labels_up(self.height * normal_height);
+        Scale::new(low - padding, high + padding, max_labels)
     }
 }
 
@@ -122,40 +149,71 @@ pub(crate) struct Page {
     pub(crate) shares_x: bool,
 }
 
-/// The height of a panel relative to its width.
-const PROPORTION: f64 = 0.46;
+/// The arrangement of panels in columns.
+struct Layout {
+    columns: usize,
+    /// The height of a normal panel, mm.
+    height: f64,
+    /// The vertical axis of each panel.
+    scales: Vec<Scale>,
+    /// The left and the right side of the frames in each column, mm.
+    sides: Vec<(f64, f64)>,
+}
 
-/// The greatest height of a panel, mm.
-const TALLEST: f64 = 48.0;
+impl Layout {
+    fn new(page: &Page, width: f64) -> Self {
+        let count = page.panels.len();
+        // The parts of a broken axis are one above the other.
+        let is_broken = page.panels.iter().any(|panel| panel.is_broken);
+        let is_wide = width >= TWO_COLUMNS && count > 1 && !is_broken;
+        let columns = if is_wide { 2 } else { 1 };
+        let share = (width - 2.0 * MARGIN - (columns - 1) as f64 * COLUMN_GAP) / columns as f64;
+        let height = MAX_HEIGHT.min(share * PROPORTION);
+        let mut layout = Self {
+            columns,
+            height,
+            scales: page
+                .panels
+                .iter()
+                .map(|panel| panel.scale(height))
+                .collect(),
+            sides: Vec::new(),
+        };
+        for column in 0..columns {
+            let left = MARGIN + column as f64 * (share + COLUMN_GAP);
+            let room = layout
+                .panels_in_column(column)
+                .map(|index| frame::room_left(&layout.scales[index], &page.panels[index].quantity))
+                .fold(0.0, f64::max);
+            layout
+                .sides
+                .push((left + room, left + share - frame::ROOM_RIGHT));
+        }
+        layout
+    }
 
-/// A range that starts within this fraction of its end above zero is extended to zero.
-const NEARLY_ZERO: f64 = 0.02;
+    /// The indices of the panels in a column.
+    fn panels_in_column(&self, column: usize) -> impl Iterator<Item = usize> {
+        (column..self.scales.len()).step_by(self.columns)
+    }
 
-/// The distance between columns, mm.
-const COLUMN_GAP: f64 = 4.0;
+    /// Whether a panel is the lowest in its column.
+    fn is_lowest(&self, panel: usize) -> bool {
+        panel + self.columns >= self.scales.len()
+    }
+
+    /// The width of the tick labels in a column, mm.
+    fn tick_labels_width(&self, column: usize) -> f64 {
+        self.panels_in_column(column)
+            .map(|index| frame::tick_labels_width(&self.scales[index]))
+            .fold(0.0, f64::max)
+    }
+}
 
 impl Page {
     /// Draws the page with a width in mm; the height follows.
     pub(crate) fn draw(&self, width: f64) -> Drawing {
-        let count = self.panels.len();
-        let is_divided = self.panels.iter().any(|panel| panel.is_broken);
-        let is_wide = width >= TWO_COLUMNS && count > 1 && !is_divided;
-        let columns = if is_wide { 2 } else { 1 };
-        let share = (width - 2.0 * MARGIN - (columns - 1) as f64 * COLUMN_GAP) / columns as f64;
-        let height = TALLEST.min(share * PROPORTION);
-        let scales = self.panels.iter().map(|panel| panel.scale(height));
-        let scales: Vec<_> = scales.collect();
-        let of_column = |column: usize| (column..count).step_by(columns);
-        let sides = |column: usize| {
-            let left = MARGIN + column as f64 * (share + COLUMN_GAP);
-            let room =
-                |index: usize| frame::room_left(&scales[index], &self.panels[index].quantity);
-            let room = of_column(column).map(room).fold(0.0, f64::max);
-            (left + room, left + share - frame::ROOM_RIGHT)
-        };
-        let sides: Vec<_> = (0..columns).map(sides).collect();
-        let has_x_axis = |index: usize| !self.shares_x || index + columns >= count;
-
+        let layout = Layout::new(self, width);
         let mut drawing = Drawing::new(width);
         let mut legend = self.legend.clone();
         if self.panels.iter().any(Panel::is_cut) {
@@ -163,30 +221,38 @@ impl Page {
         }
         let mut top = legend::draw_at_top(&mut drawing, &legend);
         let mut frames = Vec::new();
-        for panels in self.panels.chunks(columns) {
-            top += self.room_above(frames.len(), &sides);
-            let tall = panels.iter().map(|panel| panel.height * height);
-            let bottom = top + tall.fold(0.0, f64::max);
-            for (panel, (left, right)) in panels.iter().zip(&sides) {
+        for row in self.panels.chunks(layout.columns) {
+            top += self.room_above(frames.len(), &layout.sides);
+            let bottom = top
+                + row
+                    .iter()
+                    .map(|panel| panel.height * layout.height)
+                    .fold(0.0, f64::max);
+            for (panel, (left, right)) in row.iter().zip(&layout.sides) {
                 let index = frames.len();
-                let (first, last) = self.range(panel);
+                let (first, last) = self.x_range(panel);
                 let bounds = Bounds::between((*left, top), (*right, bottom));
                 let frame = Frame {
-                    x: Scale::new(first, last, frame::ticks_across(bounds.width())),
-                    y: scales[index].clone(),
+                    x: Scale::new(first, last, frame::max_labels_across(bounds.width())),
+                    y: layout.scales[index].clone(),
                     bounds,
                 };
-                self.draw_panel(&mut drawing, index, &frame, has_x_axis(index));
+                self.draw_panel(&mut drawing, index, &frame);
+                if self.has_x_axis(index, &layout) {
+                    frame.label_x(&mut drawing, &self.x);
+                }
+                self.draw_heading(&mut drawing, index, &frame);
                 frames.push(frame);
             }
-            let has_axis = has_x_axis(frames.len() - 1);
-            top = bottom + if has_axis { frame::ROOM_BELOW } else { 0.0 };
+            top = bottom;
+            if self.has_x_axis(frames.len() - 1, &layout) {
+                top += frame::ROOM_BELOW;
+            }
         }
         // The labels of vertical axes in one column are aligned.
-        for column in 0..columns {
-            let widths = of_column(column).map(|index| frame::ticks_width(&scales[index]));
-            let width = widths.fold(0.0, f64::max);
-            for index in of_column(column) {
+        for column in 0..layout.columns {
+            let width = layout.tick_labels_width(column);
+            for index in layout.panels_in_column(column) {
                 frames[index].label_y(&mut drawing, &self.panels[index].quantity, width);
             }
         }
@@ -194,29 +260,36 @@ impl Page {
         drawing
     }
 
+    /// Whether a panel has labels at its horizontal axis.
+    fn has_x_axis(&self, index: usize, layout: &Layout) -> bool {
+        !self.shares_x || layout.is_lowest(index)
+    }
+
     /// The range of x of a panel.
-    fn range(&self, panel: &Panel) -> (f64, f64) {
-        let all = if self.shares_x {
+    fn x_range(&self, panel: &Panel) -> (f64, f64) {
+        let panels = if self.shares_x {
             &self.panels[..]
         } else {
             std::slice::from_ref(panel)
         };
-        let lines = all.iter().flat_map(Panel::lines);
+        let lines = panels.iter().flat_map(Panel::lines);
         let (first, last) = extremes(lines.flatten().map(|point| point.0));
         let is_from_zero = (0.0..NEARLY_ZERO * last).contains(&first);
         (if is_from_zero { 0.0 } else { first }, last)
     }
 
-    /// The space above a row, for letters and legends.
+    /// The space above a row, for letters and legends, mm.
     fn room_above(&self, first: usize, sides: &[(f64, f64)]) -> f64 {
         if self.continues(first) {
             return frame::BREAK;
         }
-        let panels = self.panels[first..].iter().zip(sides);
-        let lines = panels
-            .map(|(panel, (left, right))| legend::lines(&panel.legend, right - left - INDENT));
-        let letters = usize::from(self.letter(first).is_some());
-        lines.max().unwrap_or(0).max(letters) as f64 * LINE + 0.6
+        let letter_lines = usize::from(self.letter(first).is_some());
+        let lines = self.panels[first..]
+            .iter()
+            .zip(sides)
+            .map(|(panel, (left, right))| legend::line_count(&panel.legend, right - left - INDENT))
+            .fold(letter_lines, usize::max);
+        lines as f64 * LINE_HEIGHT + 0.6
     }
 
     /// Whether a panel continues the axis of the previous one.
@@ -224,7 +297,8 @@ impl Page {
         index > 0 && self.panels[index - 1].is_broken
     }
 
-    fn draw_panel(&self, drawing: &mut Drawing, index: usize, frame: &Frame, has_x_axis: bool) {
+    /// Draws regions, curves and frame of a panel.
+    fn draw_panel(&self, drawing: &mut Drawing, index: usize, frame: &Frame) {
         let panel = &self.panels[index];
         for band in panel.bands.iter().chain(&panel.envelopes) {
             drawing.group(&band.meaning, frame.areas(band));
@@ -237,27 +311,31 @@ impl Page {
         if panel.is_broken {
             frame.draw_break(drawing);
         }
-        if has_x_axis {
-            frame.label_x(drawing, &self.x);
-        }
+    }
+
+    /// Draws the letter and the legend above a panel.
+    fn draw_heading(&self, drawing: &mut Drawing, index: usize, frame: &Frame) {
+        let entries = &self.panels[index].legend;
         let (left, right) = (frame.bounds.left, frame.bounds.right);
-        let lines = legend::lines(&panel.legend, right - left - INDENT);
-        let baseline = frame.bounds.top - frame::ABOVE - lines.saturating_sub(1) as f64 * LINE;
+        let lines = legend::line_count(entries, right - left - INDENT);
+        let baseline =
+            frame.bounds.top - frame::ABOVE - lines.saturating_sub(1) as f64 * LINE_HEIGHT;
         if let Some(letter) = self.letter(index) {
             frame::draw_letter(drawing, letter, (left, baseline));
         }
-        legend::draw(drawing, &panel.legend, (left + INDENT, right), baseline);
+        legend::draw(drawing, entries, (left + INDENT, right), baseline);
     }
 
-    /// The letter of a panel; the parts of a broken axis share one.
+    /// The letter of a panel; the parts of a broken axis share one. A single plot has none.
     fn letter(&self, index: usize) -> Option<char> {
-        let count = |until: usize| (0..until).filter(|n| !self.continues(*n)).count();
-        if count(self.panels.len()) < 2 || self.continues(index) {
+        if self.plots_before(self.panels.len()) < 2 || self.continues(index) {
             return None;
         }
-        ('a'..='z').nth(count(index))
+        ('a'..='z').nth(self.plots_before(index))
+    }
+
+    /// The number of plots before a panel, in which the parts of a broken axis are one plot.
+    fn plots_before(&self, index: usize) -> usize {
+        (0..index).filter(|panel| !self.continues(*panel)).count()
     }
 }
-
-/// Space for the letter of a panel in front of its legend, mm.
-const INDENT: f64 = 6.5;

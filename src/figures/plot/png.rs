@@ -2,31 +2,44 @@
 
 use super::drawing::{Drawing, Label};
 use super::shape::{Colour, Point, Shape, Stroke};
-use super::style::{BLACK, FONT, RESOLUTION};
-use super::text::{self, UNITS};
+use super::style::{BLACK, FONT_SIZE, RESOLUTION};
+use super::text::{self, UNITS_PER_EM};
 use png::{BitDepth, ColorType, Compression, Encoder, EncodingError, PixelDimensions, Unit};
 use tiny_skia::{FillRule, LineJoin, Paint, Path, PathBuilder, Pixmap, StrokeDash, Transform};
+
+/// A drawing that can't become a PNG file.
+#[derive(Debug, thiserror::Error)]
+pub enum PngError {
+    /// A side is 0 pixels long, or the pixels don't fit into memory.
+    #[error("the figure has no size or is too large")]
+    Size {
+        /// The width, pixels.
+        width: u32,
+        /// The height, pixels.
+        height: u32,
+    },
+    /// The encoder rejects the pixels.
+    #[error(transparent)]
+    Encoding(#[from] EncodingError),
+}
 
 impl Drawing {
     /// The drawing as a PNG file with 300 pixels per inch.
     ///
     /// # Errors
     /// If the drawing has no size, or more pixels than a PNG file can have.
-    pub fn png(&self) -> Result<Vec<u8>, EncodingError> {
-        let [width, height] =
-            [self.width, self.height].map(|length| (length * RESOLUTION).round() as u32);
-        let Some(mut pixels) = Pixmap::new(width, height) else {
-            let error = std::io::Error::other("the figure has no size or is too large");
-            return Err(error.into());
-        };
+    pub fn png(&self) -> Result<Vec<u8>, PngError> {
+        let width = (self.width * RESOLUTION).round() as u32;
+        let height = (self.height * RESOLUTION).round() as u32;
+        let mut pixels = Pixmap::new(width, height).ok_or(PngError::Size { width, height })?;
         pixels.fill(tiny_skia::Color::WHITE);
         for shape in self.groups.iter().flat_map(|group| &group.shapes) {
-            draw(&mut pixels, shape);
+            draw_shape(&mut pixels, shape);
         }
         for label in &self.labels {
-            write(&mut pixels, label);
+            draw_label(&mut pixels, label);
         }
-        encode(&pixels)
+        Ok(encode(&pixels)?)
     }
 }
 
@@ -54,8 +67,8 @@ fn encode(pixels: &Pixmap) -> Result<Vec<u8>, EncodingError> {
     Ok(bytes)
 }
 
-/// The scale from millimetres to pixels.
-fn scale() -> Transform {
+/// The transform from millimetres to pixels.
+fn to_pixels() -> Transform {
     Transform::from_scale(RESOLUTION as f32, RESOLUTION as f32)
 }
 
@@ -67,7 +80,7 @@ fn paint(Colour(red, green, blue): Colour, opacity: f64) -> Paint<'static> {
     paint
 }
 
-fn outline(points: &[Point], is_closed: bool) -> Option<Path> {
+fn path(points: &[Point], is_closed: bool) -> Option<Path> {
     let mut builder = PathBuilder::new();
     for (index, (x, y)) in points.iter().enumerate() {
         if index == 0 {
@@ -82,6 +95,7 @@ fn outline(points: &[Point], is_closed: bool) -> Option<Path> {
     builder.finish()
 }
 
+/// Fills a path; lines of no extent have none.
 fn fill(pixels: &mut Pixmap, path: Option<Path>, colour: Colour, transform: Transform) {
     if let Some(path) = path {
         let paint = paint(colour, 1.0);
@@ -89,7 +103,8 @@ fn fill(pixels: &mut Pixmap, path: Option<Path>, colour: Colour, transform: Tran
     }
 }
 
-fn trace(pixels: &mut Pixmap, path: Option<Path>, stroke: &Stroke) {
+/// Draws the line of a path.
+fn outline(pixels: &mut Pixmap, path: Option<Path>, stroke: &Stroke) {
     let Some(path) = path else {
         return;
     };
@@ -101,39 +116,44 @@ fn trace(pixels: &mut Pixmap, path: Option<Path>, stroke: &Stroke) {
         ..tiny_skia::Stroke::default()
     };
     let paint = paint(stroke.colour, stroke.opacity);
-    pixels.stroke_path(&path, &paint, &pen, scale(), None);
+    pixels.stroke_path(&path, &paint, &pen, to_pixels(), None);
 }
 
-fn draw(pixels: &mut Pixmap, shape: &Shape) {
+fn draw_shape(pixels: &mut Pixmap, shape: &Shape) {
     match shape {
-        Shape::Line { points, stroke } => trace(pixels, outline(points, false), stroke),
-        Shape::Area { points, fill: with } => fill(pixels, outline(points, true), *with, scale()),
+        Shape::Line { points, stroke } => outline(pixels, path(points, false), stroke),
+        Shape::Area {
+            points,
+            fill: colour,
+        } => fill(pixels, path(points, true), *colour, to_pixels()),
         Shape::Dot {
             centre,
             radius,
-            fill: with,
+            fill: colour,
             stroke,
         } => {
             let (x, y) = (centre.0 as f32, centre.1 as f32);
             let circle = PathBuilder::from_circle(x, y, *radius as f32);
-            fill(pixels, circle.clone(), *with, scale());
-            trace(pixels, circle, stroke);
+            fill(pixels, circle.clone(), *colour, to_pixels());
+            outline(pixels, circle, stroke);
         }
     }
 }
 
-fn write(pixels: &mut Pixmap, label: &Label) {
-    let turn = if label.is_upward { -90.0 } else { 0.0 };
-    let em = FONT as f32;
-    let place = scale()
+fn draw_label(pixels: &mut Pixmap, label: &Label) {
+    let degrees = if label.is_upward { -90.0 } else { 0.0 };
+    let em = FONT_SIZE as f32;
+    // Heights of glyphs are upwards, those of pixels downwards.
+    let label_to_pixels = to_pixels()
         .pre_translate(label.origin.0 as f32, label.origin.1 as f32)
-        .pre_rotate(turn)
+        .pre_rotate(degrees)
         .pre_scale(em, -em);
     for glyph in &label.text.glyphs {
-        let size = (glyph.scale / UNITS) as f32;
-        let place = place
+        let size = (glyph.scale / UNITS_PER_EM) as f32;
+        let glyph_to_pixels = label_to_pixels
             .pre_translate(glyph.x as f32, glyph.y as f32)
             .pre_scale(size, size);
-        fill(pixels, text::outline(glyph.style, glyph.id), BLACK, place);
+        let outline = text::outline(glyph.style, glyph.id);
+        fill(pixels, outline, BLACK, glyph_to_pixels);
     }
 }

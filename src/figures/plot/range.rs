@@ -3,29 +3,29 @@
 use super::shape::Point;
 
 /// Number of time intervals into which a curve is divided to find spikes.
-const PARTS: usize = 256;
+const INTERVALS: usize = 256;
 
 /// Curves with fewer non-empty intervals have no spikes, because one interval is too large a fraction.
-const LEAST_PARTS: usize = 40;
+const MIN_INTERVALS: usize = 40;
 
 /// Maximum fraction of the time occupied by a spike, upward or downward.
-const BRIEF: f64 = 0.1;
+const SPIKE_TIME: f64 = 0.1;
 
 /// With a spike, the rest of the curve occupies less than this fraction of the axis.
 const FLAT: f64 = 0.1;
 
 /// Padding of the axis where it clips a spike, relative to the range of the rest of the curve.
-const BEYOND: f64 = 0.5;
+const SPIKE_PADDING: f64 = 0.5;
+
+/// The empty range, contained in any other.
+pub(crate) const EMPTY: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 
 /// The least and the greatest of the numbers that are finite.
 pub(crate) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values
         .filter(|value| value.is_finite())
-        .fold(NONE, |range, value| union(range, (value, value)))
+        .fold(EMPTY, |range, value| union(range, (value, value)))
 }
-
-/// The empty range, contained in any other.
-pub(crate) const NONE: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 
 /// The smallest range that contains two others.
 pub(crate) fn union(one: (f64, f64), other: (f64, f64)) -> (f64, f64) {
@@ -40,33 +40,36 @@ pub(crate) fn overlap(one: (f64, f64), other: (f64, f64)) -> bool {
 /// The range of a curve; if brief spikes would flatten the rest, the range of the rest with padding.
 pub(crate) fn without_spikes(points: &[Point]) -> (f64, f64) {
     let all = extremes(points.iter().map(|point| point.1));
-    let [mut lows, mut highs] = parts(points);
-    if lows.len() < LEAST_PARTS {
+    let (mut lows, mut highs) = extremes_of_intervals(points);
+    if lows.len() < MIN_INTERVALS {
         return all;
     }
     lows.sort_unstable_by(f64::total_cmp);
     highs.sort_unstable_by(|one, other| other.total_cmp(one));
-    let brief = (BRIEF * lows.len() as f64) as usize;
-    let (low, high) = (lows[brief], highs[brief]);
+    // A spike lasts at most this many intervals, so the next lowest and highest ones belong to the rest.
+    let spike = (SPIKE_TIME * lows.len() as f64) as usize;
+    let (low, high) = (lows[spike], highs[spike]);
     let rest = (high - low).max(0.0);
     if rest >= FLAT * (all.1 - all.0) {
         return all;
     }
-    let room = BEYOND * rest;
-    (all.0.max(low - room), all.1.min(high + room))
+    let padding = SPIKE_PADDING * rest;
+    (all.0.max(low - padding), all.1.min(high + padding))
 }
 
-/// The least and the greatest values of a curve in the parts of its time that have values.
-fn parts(points: &[Point]) -> [Vec<f64>; 2] {
+/// The least and the greatest values of a curve in the time intervals that have values.
+fn extremes_of_intervals(points: &[Point]) -> (Vec<f64>, Vec<f64>) {
     let (first, last) = extremes(points.iter().map(|point| point.0));
-    let width = (last - first) / PARTS as f64;
-    let finite = points.iter().filter(|point| point.1.is_finite());
-    let finite: Vec<_> = finite.copied().collect();
-    let part = |point: &Point| ((point.0 - first) / width).floor();
-    let parts = finite.chunk_by(|a, b| part(a) == part(b));
-    let ranges = parts.map(|part| extremes(part.iter().map(|point| point.1)));
-    let (lows, highs) = ranges.unzip();
-    [lows, highs]
+    let width = (last - first) / INTERVALS as f64;
+    let finite: Vec<Point> = points
+        .iter()
+        .copied()
+        .filter(|point| point.1.is_finite())
+        .collect();
+    finite
+        .chunk_by(|a, b| ((a.0 - first) / width).floor() == ((b.0 - first) / width).floor())
+        .map(|interval| extremes(interval.iter().map(|point| point.1)))
+        .unzip()
 }
 
 #[cfg(test)]
@@ -119,12 +122,12 @@ mod tests {
     fn few_points_are_shown_all() {
         let points = [(0.0, 1.0), (1.0, 1.0), (2.0, 1e6), (3.0, 1.0)];
         assert_eq!(without_spikes(&points), (1.0, 1e6));
-        assert_eq!(without_spikes(&[]), NONE);
+        assert_eq!(without_spikes(&[]), EMPTY);
     }
 
     #[test]
     fn ranges_overlap_where_they_touch() {
         assert!(overlap((0.0, 1.0), (1.0, 2.0)) && overlap((0.0, 9.0), (1.0, 2.0)));
-        assert!(!overlap((0.0, 1.0), (1.5, 2.0)) && !overlap((0.0, 1.0), NONE));
+        assert!(!overlap((0.0, 1.0), (1.5, 2.0)) && !overlap((0.0, 1.0), EMPTY));
     }
 }

@@ -3,22 +3,23 @@
 use super::decimate::envelope;
 use super::shape::Point;
 use std::iter;
+use std::ops::Range;
 
 /// Maximum number of rows kept for curves over time: enough for several bins per pixel column.
-pub(crate) const MOST: usize = 1 << 17;
+pub(crate) const MAX_ROWS: usize = 1 << 17;
 
 /// The last part of the time that is kept finer, so that it can be drawn magnified.
 pub(crate) const END: f64 = 0.02;
 
-/// The number of bins in the last part for a bin of the same width elsewhere. Means of nutations that have just ended need
-/// it, too.
+/// The number of bins in the last part for a bin of the same width elsewhere. Means of nutations that have just ended
+/// need it, too.
 const FINER: f64 = 16.0;
 
 /// The width of the narrowest bins, s: a nanosecond, rounded down to a power of two.
-const NARROWEST: f64 = 1.0 / (1_u64 << 30) as f64;
+const MIN_BIN_WIDTH: f64 = 1.0 / (1_u64 << 30) as f64;
 
 /// Maximum step between two samples, as a multiple of the shortest step; a longer step is a gap.
-const LONGEST_STEP: f64 = 1.5;
+const MAX_STEP: f64 = 1.5;
 
 /// Columns of numbers with a common time.
 ///
@@ -29,26 +30,25 @@ const LONGEST_STEP: f64 = 1.5;
 pub(crate) struct Rows {
     times: Vec<f64>,
     columns: Vec<Vec<f64>>,
-    /// Maximum number of rows.
-    most: usize,
+    max_rows: usize,
     /// Whether the rows are equally spaced samples, so that a longer step is a gap.
     are_samples: bool,
     /// The shortest step between two rows, s.
     step: f64,
     /// The width of bins, s.
-    width: f64,
+    bin_width: f64,
 }
 
 impl Rows {
     /// An empty table with this number of columns, which keeps at most this number of rows.
-    pub(crate) fn new(columns: usize, most: usize, are_samples: bool) -> Self {
+    pub(crate) fn new(columns: usize, max_rows: usize, are_samples: bool) -> Self {
         Self {
-            most,
+            max_rows,
             times: Vec::new(),
             columns: vec![Vec::new(); columns],
             are_samples,
             step: f64::INFINITY,
-            width: NARROWEST,
+            bin_width: MIN_BIN_WIDTH,
         }
     }
 
@@ -56,13 +56,13 @@ impl Rows {
     pub(crate) fn push(&mut self, time: f64, values: impl IntoIterator<Item = f64>) {
         if let Some(last) = self.times.last().copied() {
             let step = time - last;
-            if self.are_samples && step > LONGEST_STEP * self.step {
+            if self.are_samples && step > MAX_STEP * self.step {
                 self.add(f64::midpoint(last, time), iter::repeat(f64::NAN));
             }
             self.step = self.step.min(step);
         }
         self.add(time, values);
-        if self.times.len() >= self.most {
+        if self.times.len() >= self.max_rows {
             self.thin();
         }
     }
@@ -85,8 +85,8 @@ impl Rows {
     }
 
     /// The longest time between two rows of which intermediate rows may have been dropped, s.
-    pub(crate) fn coarseness(&self) -> f64 {
-        2.0 * self.width
+    pub(crate) fn max_thinned_step(&self) -> f64 {
+        2.0 * self.bin_width
     }
 
     /// The points of a column.
@@ -96,7 +96,7 @@ impl Rows {
     }
 
     /// The number of rows up to a time.
-    pub(crate) fn until(&self, time: f64) -> usize {
+    pub(crate) fn count_until(&self, time: f64) -> usize {
         self.times.partition_point(|other| *other <= time)
     }
 
@@ -113,47 +113,64 @@ impl Rows {
     /// Reduces the rows to at most half, widening the bins if necessary.
     fn thin(&mut self) {
         let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
-        while self.width * (self.most as f64) < last - first {
-            self.width *= 2.0;
+        while self.bin_width * (self.max_rows as f64) < last - first {
+            self.bin_width *= 2.0;
         }
         loop {
-            let kept = self.kept();
-            let pick =
-                |values: &mut Vec<f64>| *values = kept.iter().map(|row| values[*row]).collect();
-            pick(&mut self.times);
-            self.columns.iter_mut().for_each(pick);
-            if self.times.len() <= self.most / 2 {
+            let kept = self.rows_to_keep();
+            self.times = pick(&self.times, &kept);
+            for column in &mut self.columns {
+                *column = pick(column, &kept);
+            }
+            if self.times.len() <= self.max_rows / 2 {
                 break;
             }
-            self.width *= 2.0;
+            self.bin_width *= 2.0;
         }
     }
 
-    /// The rows to keep.
-    fn kept(&self) -> Vec<usize> {
+    /// The rows that thinning keeps.
+    fn rows_to_keep(&self) -> Vec<usize> {
         let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
         let end = last - END * (last - first);
-        let bin = |time: f64| {
-            let is_end = time >= end;
-            let bins = if is_end { FINER } else { 1.0 };
-            (is_end, (time / self.width * bins).floor())
-        };
-        let is_gap = |row: &usize| self.columns.iter().all(|column| column[*row].is_nan());
         let mut kept = Vec::new();
-        let mut from = 0;
-        for bin in self.times.chunk_by(|a, b| bin(*a) == bin(*b)) {
-            let rows = from..from + bin.len();
-            let columns = self.columns.iter().map(|column| |row: usize| column[row]);
-            let mut of_bin = envelope(rows.clone(), columns);
-            let mut gaps = rows.filter(is_gap);
-            of_bin.extend(gaps.next().into_iter().chain(gaps.next_back()));
-            of_bin.sort_unstable();
-            of_bin.dedup();
-            kept.extend(of_bin);
-            from += bin.len();
+        let mut start = 0;
+        for bin in self
+            .times
+            .chunk_by(|a, b| self.bin(*a, end) == self.bin(*b, end))
+        {
+            kept.extend(self.rows_to_keep_of_bin(start..start + bin.len()));
+            start += bin.len();
         }
         kept
     }
+
+    /// The number of the bin of a time, and whether that is in the finer part, which starts at `end`.
+    fn bin(&self, time: f64, end: f64) -> (bool, f64) {
+        let is_end = time >= end;
+        let finer = if is_end { FINER } else { 1.0 };
+        (is_end, (time / self.bin_width * finer).floor())
+    }
+
+    fn rows_to_keep_of_bin(&self, rows: Range<usize>) -> Vec<usize> {
+        let columns = self.columns.iter().map(|column| |row: usize| column[row]);
+        let mut kept = envelope(rows.clone(), columns);
+        // The envelope skips NaN, so gaps would be lost within a bin.
+        let mut gaps = rows.filter(|row| self.is_gap(*row));
+        kept.extend(gaps.next());
+        kept.extend(gaps.next_back());
+        kept.sort_unstable();
+        kept.dedup();
+        kept
+    }
+
+    fn is_gap(&self, row: usize) -> bool {
+        self.columns.iter().all(|column| column[row].is_nan())
+    }
+}
+
+fn pick(values: &[f64], rows: &[usize]) -> Vec<f64> {
+    rows.iter().map(|row| values[*row]).collect()
 }
 
 #[cfg(test)]
@@ -171,8 +188,8 @@ mod tests {
 
     #[test]
     fn few_rows_stay_as_they_are() {
-        let mut rows = Rows::new(1, MOST, true);
-        let points: Vec<Point> = (0..MOST - 1).map(|i| (i as f64, wave(0, i))).collect();
+        let mut rows = Rows::new(1, MAX_ROWS, true);
+        let points: Vec<Point> = (0..MAX_ROWS - 1).map(|i| (i as f64, wave(0, i))).collect();
         for (time, value) in &points {
             rows.push(*time, [*value]);
         }
@@ -184,19 +201,19 @@ mod tests {
 
         #[test]
         fn memory_is_bounded_and_envelopes_survive(seed in 0_u64..1000, count in 200_000_usize..1_000_000) {
-            let mut rows = Rows::new(2, MOST, true);
+            let mut rows = Rows::new(2, MAX_ROWS, true);
             let points: Vec<Vec<Point>> = [seed, seed + 1]
                 .map(|seed| (0..count).map(|i| (i as f64 * 1e-3, wave(seed, i))).collect())
                 .into();
             for (first, second) in points[0].iter().zip(&points[1]) {
                 rows.push(first.0, [first.1, second.1]);
-                prop_assert!(rows.times.len() < MOST);
+                prop_assert!(rows.times.len() < MAX_ROWS);
             }
                 prop_assert!(rows.times.is_sorted());
-            let bins = count as f64 * 1e-3 / rows.width;
+            let bins = count as f64 * 1e-3 / rows.bin_width;
             prop_assert!(bins > 2000.0, "{bins} bins");
             // Columns of pixels into which the bins fit: they look as if nothing had been thinned.
-            let width = 4.0 * rows.width;
+            let width = 4.0 * rows.bin_width;
             for (column, points) in points.iter().enumerate() {
                 let thinned = by_column(rows.points(column), width);
                 prop_assert!(thinned == by_column(points.iter().copied(), width));
@@ -206,7 +223,7 @@ mod tests {
 
     #[test]
     fn gaps_stay() {
-        let mut rows = Rows::new(1, MOST, true);
+        let mut rows = Rows::new(1, MAX_ROWS, true);
         let is_missing = |i: usize| (170_000..171_000).contains(&i) || i == 5;
         for i in (0..500_000).filter(|i| !is_missing(*i)) {
             rows.push(i as f64, [wave(0, i)]);
@@ -221,7 +238,7 @@ mod tests {
 
     #[test]
     fn the_end_stays_finer() {
-        let mut rows = Rows::new(1, MOST, true);
+        let mut rows = Rows::new(1, MAX_ROWS, true);
         for i in 0..2_000_000 {
             rows.push(i as f64, [wave(0, i)]);
         }

@@ -17,6 +17,11 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
+    /// The rectangle with this upper left corner.
+    pub(crate) fn new((left, top): Point, width: f64, height: f64) -> Self {
+        Self::between((left, top), (left + width, top + height))
+    }
+
     /// The rectangle between its upper left and its lower right corner.
     pub(crate) fn between((left, top): Point, (right, bottom): Point) -> Self {
         Self {
@@ -27,11 +32,6 @@ impl Bounds {
         }
     }
 
-    /// The rectangle with this upper left corner.
-    pub(crate) fn new((left, top): Point, width: f64, height: f64) -> Self {
-        Self::between((left, top), (left + width, top + height))
-    }
-
     pub(crate) fn width(&self) -> f64 {
         self.right - self.left
     }
@@ -40,6 +40,7 @@ impl Bounds {
         self.bottom - self.top
     }
 
+    /// The corners, clockwise from the upper left.
     pub(crate) fn corners(&self) -> Vec<Point> {
         vec![
             (self.left, self.top),
@@ -55,7 +56,7 @@ impl Bounds {
         Shape::Area { points, fill }
     }
 
-    /// The part of a segment within the rectangle.
+    /// The part of a segment within the rectangle, by the algorithm of Liang and Barsky.
     pub(crate) fn clip(&self, a: Point, b: Point) -> Option<(Point, Point)> {
         let (dx, dy) = (b.0 - a.0, b.1 - a.1);
         let (mut from, mut to) = (0.0_f64, 1.0_f64);
@@ -69,15 +70,19 @@ impl Bounds {
             if slope == 0.0 && room < 0.0 {
                 return None;
             }
-            let at = room / slope;
+            let crossing = room / slope;
             if slope < 0.0 {
-                from = from.max(at);
+                from = from.max(crossing);
             } else if slope > 0.0 {
-                to = to.min(at);
+                to = to.min(crossing);
             }
         }
-        let point = |t: f64| (a.0 + t * dx, a.1 + t * dy);
-        (from <= to).then(|| (point(from), point(to)))
+        if from > to {
+            return None;
+        }
+        let start = (a.0 + from * dx, a.1 + from * dy);
+        let end = (a.0 + to * dx, a.1 + to * dy);
+        Some((start, end))
     }
 
     /// The parts of a line within the rectangle.
@@ -96,17 +101,19 @@ impl Bounds {
     }
 }
 
-/// The look of a line.
+/// The pen of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Stroke {
     pub(crate) colour: Colour,
+    /// The width, mm.
     pub(crate) width: f64,
-    /// Alternating lengths of dashes and gaps; empty for a solid line.
+    /// Alternating lengths of dashes and gaps, mm; empty for a solid line.
     pub(crate) dash: &'static [f64],
+    /// The opacity, from 0 to 1.
     pub(crate) opacity: f64,
 }
 
-/// A part of a drawing.
+/// A part of a drawing. Lengths are in mm.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Shape {
     /// An open line.
@@ -120,4 +127,14 @@ pub(crate) enum Shape {
         fill: Colour,
         stroke: Stroke,
     },
+}
+
+impl Shape {
+    /// Open lines of one stroke.
+    pub(crate) fn lines(lines: impl IntoIterator<Item = Vec<Point>>, stroke: Stroke) -> Vec<Self> {
+        lines
+            .into_iter()
+            .map(|points| Self::Line { points, stroke })
+            .collect()
+    }
 }

@@ -13,6 +13,7 @@ pub(crate) const GREEN: Colour = Colour(0x00, 0x9e, 0x73);
 const PURPLE: Colour = Colour(0xcc, 0x79, 0xa7);
 const ORANGE: Colour = Colour(0xe6, 0x9f, 0x00);
 
+// The eighth colour of Okabe and Ito, yellow, is too pale for lines on white paper.
 /// The colours of curves, in order of use.
 pub(crate) const COLOURS: &[Colour] = &[BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK];
 
@@ -32,15 +33,15 @@ pub(crate) const DASHES: &[&[f64]] = &[
 pub(crate) const POINT: f64 = 25.4 / 72.0;
 
 /// The size of all letters, mm: readable in a column 85 mm wide.
-pub(crate) const FONT: f64 = 8.0 * POINT;
+pub(crate) const FONT_SIZE: f64 = 8.0 * POINT;
 
 /// The distance between the baselines of two lines of text, mm.
-pub(crate) const LINE: f64 = 1.35 * FONT;
+pub(crate) const LINE_HEIGHT: f64 = 1.35 * FONT_SIZE;
 
 /// The margin around a drawing, mm.
 pub(crate) const MARGIN: f64 = 0.8;
 
-/// The minimum width of a page with two columns of plots, mm.
+/// The minimum width of a drawing with two columns of plots, mm.
 pub(crate) const TWO_COLUMNS: f64 = 130.0;
 
 /// The width of frames, ticks and guide lines, mm.

@@ -5,78 +5,95 @@
 
 use super::drawing::{Drawing, Label};
 use super::shape::{Colour, Point, Shape, Stroke};
-use super::style::{BLACK, FONT};
-use super::text::{self, Style, UNITS};
+use super::style::{BLACK, FONT_SIZE};
+use super::text::{self, FontStyle, UNITS_PER_EM};
 use std::collections::BTreeSet;
 use tiny_skia::{Path, PathSegment};
 
 /// Units of the drawing in a millimetre.
-const SCALE: f64 = 100.0;
+const UNITS_PER_MM: f64 = 100.0;
 
 impl Drawing {
     /// The drawing as an SVG document.
     pub fn svg(&self) -> String {
-        let [width, height] = [self.width, self.height].map(unit);
+        let [width, height] = [self.width, self.height].map(units);
         let mut svg = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
         svg.push_str(&format!("<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" \
              width=\"{}mm\" height=\"{}mm\" viewBox=\"0 0 {width} {height}\" role=\"img\">\n<title>{}</title>\n",
-            decimal(width as f64 / SCALE),
-            decimal(height as f64 / SCALE),
-            escaped(&self.title)));
-        svg.push_str(&self.glyphs());
+            decimal(width as f64 / UNITS_PER_MM),
+            decimal(height as f64 / UNITS_PER_MM),
+            escape(&self.title)));
+        svg.push_str(&self.glyph_definitions());
         svg.push_str("<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n");
         for group in &self.groups {
-            svg.push_str(&format!("<g aria-label=\"{}\">\n", escaped(&group.meaning)));
+            svg.push_str(&format!("<g aria-label=\"{}\">\n", escape(&group.meaning)));
             for part in &group.shapes {
-                svg.push_str(&shape(part));
+                svg.push_str(&shape_element(part));
             }
             svg.push_str("</g>\n");
         }
-        for text in &self.labels {
-            svg.push_str(&label(text));
+        for label in &self.labels {
+            svg.push_str(&label_element(label));
         }
         svg.push_str("</svg>\n");
         svg
     }
 
     /// The definitions of all glyphs that are used.
-    fn glyphs(&self) -> String {
-        let texts = self.labels.iter().map(|label| &label.text);
-        let used: BTreeSet<_> = texts
-            .flat_map(|text| text.glyphs.iter().map(|glyph| (glyph.style, glyph.id)))
-            .collect();
+    fn glyph_definitions(&self) -> String {
+        // Sorted, so that the bytes don't depend on a hash order.
+        let mut used = BTreeSet::new();
+        for label in &self.labels {
+            used.extend(
+                label
+                    .text
+                    .glyphs
+                    .iter()
+                    .map(|glyph| (glyph.style, glyph.id)),
+            );
+        }
         let mut svg = String::from("<defs>\n");
         for (style, id) in used {
-            let (name, path) = (name(style, id), outline(style, id));
-            svg.push_str(&format!("<path id=\"{name}\" d=\"{path}\"/>\n"));
+            let (id, path) = (glyph_id(style, id), glyph_path(style, id));
+            svg.push_str(&format!("<path id=\"{id}\" d=\"{path}\"/>\n"));
         }
         svg.push_str("</defs>\n");
         svg
     }
 }
 
-fn unit(length: f64) -> i64 {
-    (length * SCALE).round() as i64
+/// A length in mm as units of the drawing.
+fn units(length: f64) -> i64 {
+    (length * UNITS_PER_MM).round() as i64
 }
 
 /// A number with at most four digits after the point.
 fn decimal(value: f64) -> String {
-    let text = format!("{value:.4}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0" } else { text }.to_owned()
+    match format!("{value:.4}")
+        .trim_end_matches('0')
+        .trim_end_matches('.')
+    {
+        "-0" => "0".to_owned(),
+        text => text.to_owned(),
+    }
 }
 
-fn escaped(text: &str) -> String {
-    let text = text.replace('&', "&amp;").replace('"', "&quot;");
-    let text = text.replace('<', "&lt;").replace('>', "&gt;");
-    // XML can't represent these characters.
-    text.replace(char::is_control, "\u{fffd}")
+/// Text for an XML document.
+fn escape(text: &str) -> String {
+    // The ampersand first, because the others add some.
+    text.replace('&', "&amp;")
+        .replace('"', "&quot;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        // XML can't represent control characters.
+        .replace(char::is_control, "\u{fffd}")
 }
 
-fn name(style: Style, id: u16) -> String {
+/// The XML identifier of a glyph.
+fn glyph_id(style: FontStyle, id: u16) -> String {
     let letter = match style {
-        Style::Upright => 'u',
-        Style::Italic => 'i',
+        FontStyle::Upright => 'u',
+        FontStyle::Italic => 'i',
     };
     format!("{letter}{id}")
 }
@@ -85,14 +102,19 @@ fn hex(Colour(red, green, blue): Colour) -> String {
     format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
-fn stroke(stroke: &Stroke) -> String {
+/// The attributes of a line.
+fn stroke_attributes(stroke: &Stroke) -> String {
     let mut svg = format!(
         "stroke=\"{}\" stroke-width=\"{}\"",
         hex(stroke.colour),
-        unit(stroke.width)
+        units(stroke.width)
     );
     if !stroke.dash.is_empty() {
-        let lengths: Vec<_> = stroke.dash.iter().map(|l| unit(*l).to_string()).collect();
+        let lengths: Vec<_> = stroke
+            .dash
+            .iter()
+            .map(|length| units(*length).to_string())
+            .collect();
         svg.push_str(&format!(" stroke-dasharray=\"{}\"", lengths.join(" ")));
     }
     if stroke.opacity < 1.0 {
@@ -102,8 +124,8 @@ fn stroke(stroke: &Stroke) -> String {
 }
 
 /// The data of a path from point to point, in relative steps and without steps of no length.
-fn path(points: &[Point]) -> String {
-    let mut places: Vec<_> = points.iter().map(|(x, y)| (unit(*x), unit(*y))).collect();
+fn path_data(points: &[Point]) -> String {
+    let mut places: Vec<_> = points.iter().map(|(x, y)| (units(*x), units(*y))).collect();
     places.dedup();
     let mut svg = String::new();
     let mut last = (0, 0);
@@ -123,50 +145,51 @@ fn path(points: &[Point]) -> String {
     svg
 }
 
-fn shape(shape: &Shape) -> String {
+fn shape_element(shape: &Shape) -> String {
     match shape {
-        Shape::Line {
-            points,
-            stroke: line,
-        } => format!(
+        Shape::Line { points, stroke } => format!(
             "<path d=\"{}\" fill=\"none\" stroke-linejoin=\"round\" {}/>\n",
-            path(points),
-            stroke(line)
+            path_data(points),
+            stroke_attributes(stroke)
         ),
         Shape::Area { points, fill } => {
-            format!("<path d=\"{}z\" fill=\"{}\"/>\n", path(points), hex(*fill))
+            format!(
+                "<path d=\"{}z\" fill=\"{}\"/>\n",
+                path_data(points),
+                hex(*fill)
+            )
         }
         Shape::Dot {
             centre,
             radius,
             fill,
-            stroke: line,
+            stroke,
         } => format!(
             "<circle cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"{}\" {}/>\n",
-            unit(centre.0),
-            unit(centre.1),
-            unit(*radius),
+            units(centre.0),
+            units(centre.1),
+            units(*radius),
             hex(*fill),
-            stroke(line)
+            stroke_attributes(stroke)
         ),
     }
 }
 
-fn label(label: &Label) -> String {
-    let scale = FONT * SCALE / UNITS;
-    let turn = if label.is_upward { " rotate(-90)" } else { "" };
+fn label_element(label: &Label) -> String {
+    let scale = FONT_SIZE * UNITS_PER_MM / UNITS_PER_EM;
+    let rotation = if label.is_upward { " rotate(-90)" } else { "" };
     let mut svg = format!(
-        "<g aria-label=\"{}\" fill=\"{}\" transform=\"translate({} {}){turn} scale({} {})\">",
-        escaped(&label.text.spoken),
+        "<g aria-label=\"{}\" fill=\"{}\" transform=\"translate({} {}){rotation} scale({} {})\">",
+        escape(&label.text.spoken),
         hex(BLACK),
-        unit(label.origin.0),
-        unit(label.origin.1),
+        units(label.origin.0),
+        units(label.origin.1),
         decimal(scale),
         decimal(-scale)
     );
     for glyph in &label.text.glyphs {
-        let (x, y) = (glyph.x * UNITS, glyph.y * UNITS);
-        let place = if glyph.scale == 1.0 {
+        let (x, y) = (glyph.x * UNITS_PER_EM, glyph.y * UNITS_PER_EM);
+        let position = if glyph.scale == 1.0 {
             format!("x=\"{}\" y=\"{}\"", decimal(x), decimal(y))
         } else {
             format!(
@@ -177,8 +200,8 @@ fn label(label: &Label) -> String {
             )
         };
         svg.push_str(&format!(
-            "<use xlink:href=\"#{}\" {place}/>",
-            name(glyph.style, glyph.id)
+            "<use xlink:href=\"#{}\" {position}/>",
+            glyph_id(glyph.style, glyph.id)
         ));
     }
     svg.push_str("</g>\n");
@@ -186,22 +209,27 @@ fn label(label: &Label) -> String {
 }
 
 /// The data of the path of a glyph.
-fn outline(style: Style, id: u16) -> String {
-    let path = text::outline(style, id);
-    let segments = path.iter().flat_map(Path::segments);
-    segments.map(segment).collect()
+fn glyph_path(style: FontStyle, id: u16) -> String {
+    text::outline(style, id)
+        .iter()
+        .flat_map(Path::segments)
+        .map(path_command)
+        .collect()
 }
 
-fn segment(segment: PathSegment) -> String {
+fn path_command(segment: PathSegment) -> String {
     let (command, points) = match segment {
-        PathSegment::MoveTo(to) => ('M', vec![to]),
-        PathSegment::LineTo(to) => ('L', vec![to]),
-        PathSegment::QuadTo(by, to) => ('Q', vec![by, to]),
-        PathSegment::CubicTo(from, by, to) => ('C', vec![from, by, to]),
+        PathSegment::MoveTo(end) => ('M', vec![end]),
+        PathSegment::LineTo(end) => ('L', vec![end]),
+        PathSegment::QuadTo(control, end) => ('Q', vec![control, end]),
+        PathSegment::CubicTo(first, second, end) => ('C', vec![first, second, end]),
         PathSegment::Close => ('Z', Vec::new()),
     };
-    let numbers = points.iter().flat_map(|point| [point.x, point.y]);
-    let numbers: Vec<_> = numbers.map(|number| decimal(number.into())).collect();
+    let numbers: Vec<_> = points
+        .iter()
+        .flat_map(|point| [point.x, point.y])
+        .map(|number| decimal(number.into()))
+        .collect();
     format!("{command}{}", numbers.join(" "))
 }
 
@@ -230,8 +258,8 @@ mod tests {
         fn paths_lead_from_place_to_place(
             points in prop::collection::vec((-1.0..1.0, -0.1..0.1), 1..30),
         ) {
-            let path = path(&points);
-            let mut expected: Vec<_> = points.iter().map(|(x, y)| (unit(*x), unit(*y))).collect();
+            let path = path_data(&points);
+            let mut expected: Vec<_> = points.iter().map(|(x, y)| (units(*x), units(*y))).collect();
             expected.dedup();
             prop_assert_eq!(path.contains('l'), expected.len() > 1);
             prop_assert_eq!(places(&path), expected);
@@ -241,7 +269,7 @@ mod tests {
     #[test]
     fn paths_are_steps() {
         let points = [(1.0, 1.0), (1.0, 1.001), (1.5, 0.5), (1.25, 0.75)];
-        assert_eq!(path(&points), "M100 100l50-50-25 25");
+        assert_eq!(path_data(&points), "M100 100l50-50-25 25");
     }
 
     #[test]

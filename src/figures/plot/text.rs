@@ -8,43 +8,68 @@ use std::sync::OnceLock;
 use tiny_skia::{Path, PathBuilder};
 use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
-/// The style of a glyph: upright for units and words, italic for symbols.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Style {
-    Upright,
-    Italic,
-}
-
 /// STIX Two Text 2.13, the Latin and Greek part: see `font/OFL.txt`.
 const UPRIGHT: &[u8] = include_bytes!("font/STIXTwoText-Regular.ttf");
 const ITALIC: &[u8] = include_bytes!("font/STIXTwoText-Italic.ttf");
 
 /// Font units per em.
-pub(crate) const UNITS: f64 = 1000.0;
+pub(crate) const UNITS_PER_EM: f64 = 1000.0;
 
-/// The sizes and upward shifts of letters, subscripts and superscripts, em.
-const LETTER: (f64, f64) = (1.0, 0.0);
-const SUBSCRIPT: (f64, f64) = (0.7, -0.18);
-const SUPERSCRIPT: (f64, f64) = (0.7, 0.34);
+/// The size and upward shift of normal letters, em.
+const NORMAL: Script = Script {
+    scale: 1.0,
+    shift: 0.0,
+};
+/// The size and upward shift of subscripts, em.
+const SUBSCRIPT: Script = Script {
+    scale: 0.7,
+    shift: -0.18,
+};
+/// The size and upward shift of superscripts, em.
+const SUPERSCRIPT: Script = Script {
+    scale: 0.7,
+    shift: 0.34,
+};
 
-/// The room between a letter and the dots over it, and between two dots, em.
+/// The room between a letter and the dots over it, em.
 const ACCENT_GAP: f64 = 0.07;
+
+/// The distance between two dots over a letter, em.
 const ACCENT_STEP: f64 = 0.2;
 
 /// The maximum width of names, em; longer ones are truncated.
-const LONGEST_NAME: f64 = 14.0;
+const MAX_NAME_WIDTH: f64 = 14.0;
 
 /// Slant of italic letters, relative to their height.
 const SLANT: f64 = 0.21;
 
-fn face(style: Style) -> Option<&'static Face<'static>> {
+/// The style of a glyph: upright for units and words, italic for symbols.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum FontStyle {
+    Upright,
+    Italic,
+}
+
+/// The size of letters and their shift above the baseline, em.
+#[derive(Clone, Copy)]
+struct Script {
+    scale: f64,
+    shift: f64,
+}
+
+/// The font of a style; `None` if the embedded file can't be read, which a test rules out.
+fn face(style: FontStyle) -> Option<&'static Face<'static>> {
     static FACES: OnceLock<[Option<Face<'static>>; 2]> = OnceLock::new();
-    let faces = FACES.get_or_init(|| [UPRIGHT, ITALIC].map(|font| Face::parse(font, 0).ok()));
-    faces[style as usize].as_ref()
+    let [upright, italic] =
+        FACES.get_or_init(|| [UPRIGHT, ITALIC].map(|font| Face::parse(font, 0).ok()));
+    match style {
+        FontStyle::Upright => upright.as_ref(),
+        FontStyle::Italic => italic.as_ref(),
+    }
 }
 
 /// The outline of a glyph, in font units; empty for a space.
-pub(crate) fn outline(style: Style, id: u16) -> Option<Path> {
+pub(crate) fn outline(style: FontStyle, id: u16) -> Option<Path> {
     let mut outline = Outline(PathBuilder::new());
     face(style)?.outline_glyph(GlyphId(id), &mut outline);
     outline.0.finish()
@@ -78,12 +103,30 @@ impl OutlineBuilder for Outline {
 /// A glyph. Lengths are in em.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Glyph {
-    pub(crate) style: Style,
+    pub(crate) style: FontStyle,
     pub(crate) id: u16,
     pub(crate) x: f64,
     /// The height above the baseline.
     pub(crate) y: f64,
     pub(crate) scale: f64,
+}
+
+impl Glyph {
+    /// The extent of the ink, em, with heights above the baseline.
+    fn ink(&self) -> Option<Bounds> {
+        let bounds = face(self.style)?.glyph_bounding_box(GlyphId(self.id))?;
+        Some(Bounds {
+            left: self.x + self.em(bounds.x_min),
+            right: self.x + self.em(bounds.x_max),
+            bottom: self.y + self.em(bounds.y_min),
+            top: self.y + self.em(bounds.y_max),
+        })
+    }
+
+    /// A length of the glyph in font units, as em.
+    fn em(&self, units: i16) -> f64 {
+        f64::from(units) / UNITS_PER_EM * self.scale
+    }
 }
 
 /// Typeset text. Lengths are in em.
@@ -104,27 +147,27 @@ impl Text {
         Self::default().followed_by(source)
     }
 
-    /// Sets a name. A long name is truncated at its start, because file names usually differ at their ends.
+    /// Typesets a name. A long name is truncated at its start, because file names usually differ at their ends.
     pub(crate) fn name(source: &str) -> Self {
         let mut text = Self::plain(source);
         let mut rest = source.chars();
-        while text.width > LONGEST_NAME && rest.next().is_some() {
+        while text.width > MAX_NAME_WIDTH && rest.next().is_some() {
             text = Self::plain(&format!("…{}", rest.as_str()));
         }
         text
     }
 
-    /// Sets a text in which `*` begins and ends symbols, `_{…}` and `^{…}` are scripts, and combining dots
+    /// Typesets a text in which `*` begins and ends symbols, `_{…}` and `^{…}` are scripts, and combining dots
     /// stand over the letter before them.
     pub(crate) fn markup(source: &str) -> Self {
         let mut text = Self::default();
-        let mut style = Style::Upright;
-        let mut script = LETTER;
+        let mut style = FontStyle::Upright;
+        let mut script = NORMAL;
         let mut letters = source.chars().peekable();
         while let Some(letter) = letters.next() {
             match letter {
-                '*' if style == Style::Upright => style = Style::Italic,
-                '*' => style = Style::Upright,
+                '*' if style == FontStyle::Upright => style = FontStyle::Italic,
+                '*' => style = FontStyle::Upright,
                 '_' | '^' if letters.next_if_eq(&'{').is_some() => {
                     text.spoken.push(letter);
                     script = if letter == '_' {
@@ -133,7 +176,7 @@ impl Text {
                         SUPERSCRIPT
                     };
                 }
-                '}' => script = LETTER,
+                '}' => script = NORMAL,
                 '\u{307}' => text.accent(1, letter),
                 '\u{308}' => text.accent(2, letter),
                 _ => text.push(letter, style, script),
@@ -145,31 +188,33 @@ impl Text {
     /// Appends words to the text.
     pub(crate) fn followed_by(mut self, words: &str) -> Self {
         for letter in words.chars() {
-            self.push(letter, Style::Upright, LETTER);
+            self.push(letter, FontStyle::Upright, NORMAL);
         }
         self
     }
 
-    fn push(&mut self, letter: char, style: Style, (scale, y): (f64, f64)) {
+    /// Appends a letter.
+    fn push(&mut self, letter: char, style: FontStyle, script: Script) {
         self.spoken.push(letter);
         let Some(face) = face(style) else {
             return;
         };
         // The font shows a box for missing letters.
         let id = face.glyph_index(letter).unwrap_or(GlyphId(0));
-        let advance = f64::from(face.glyph_hor_advance(id).unwrap_or(0)) / UNITS;
+        let advance = f64::from(face.glyph_hor_advance(id).unwrap_or(0)) / UNITS_PER_EM;
         self.add(Glyph {
             style,
             id: id.0,
             x: self.width,
-            y,
-            scale,
+            y: script.shift,
+            scale: script.scale,
         });
-        self.width += advance * scale;
+        self.width += advance * script.scale;
     }
 
+    /// Adds a glyph in place, without advancing.
     fn add(&mut self, glyph: Glyph) {
-        if let Some(ink) = ink(&glyph) {
+        if let Some(ink) = glyph.ink() {
             self.above = self.above.max(ink.top);
             self.below = self.below.max(-ink.bottom);
         }
@@ -179,7 +224,7 @@ impl Text {
     /// Puts dots over the last letter.
     fn accent(&mut self, dots: u8, mark: char) {
         self.spoken.push(mark);
-        let style = Style::Upright;
+        let style = FontStyle::Upright;
         let (Some(letter), Some(face)) = (self.glyphs.last().copied(), face(style)) else {
             return;
         };
@@ -190,37 +235,25 @@ impl Text {
             y: 0.0,
             scale: letter.scale,
         };
-        let (Some(under), Some(over)) = (ink(&letter), ink(&dot)) else {
+        let (Some(letter_ink), Some(dot_ink)) = (letter.ink(), dot.ink()) else {
             return;
         };
         let lean = match letter.style {
-            Style::Upright => 0.0,
+            FontStyle::Upright => 0.0,
             // The slant shifts the middle of the ink by half its height, and the dots by more than the full height.
-            Style::Italic => SLANT * (under.top - under.bottom + ACCENT_GAP) / 2.0,
+            FontStyle::Italic => SLANT * (letter_ink.top - letter_ink.bottom + ACCENT_GAP) / 2.0,
         };
-        let middle = f64::midpoint(under.left, under.right) + lean;
+        let middle = f64::midpoint(letter_ink.left, letter_ink.right) + lean;
         let step = ACCENT_STEP * letter.scale;
-        for count in 0..dots {
-            let offset = step * (f64::from(count) - f64::from(dots - 1) / 2.0);
+        for index in 0..dots {
+            let offset = step * (f64::from(index) - f64::from(dots - 1) / 2.0);
             self.add(Glyph {
-                x: middle + offset - f64::midpoint(over.left, over.right),
-                y: under.top + ACCENT_GAP * letter.scale - over.bottom,
+                x: middle + offset - f64::midpoint(dot_ink.left, dot_ink.right),
+                y: letter_ink.top + ACCENT_GAP * letter.scale - dot_ink.bottom,
                 ..dot
             });
         }
     }
-}
-
-/// The extent of the ink of a glyph, em, with heights above the baseline.
-fn ink(glyph: &Glyph) -> Option<Bounds> {
-    let bounds = face(glyph.style)?.glyph_bounding_box(GlyphId(glyph.id))?;
-    let em = |units: i16| f64::from(units) / UNITS * glyph.scale;
-    Some(Bounds {
-        left: glyph.x + em(bounds.x_min),
-        right: glyph.x + em(bounds.x_max),
-        bottom: glyph.y + em(bounds.y_min),
-        top: glyph.y + em(bounds.y_max),
-    })
 }
 
 #[cfg(test)]
@@ -229,7 +262,7 @@ mod tests {
 
     #[test]
     fn the_fonts_have_all_letters_of_labels() {
-        for style in [Style::Upright, Style::Italic] {
+        for style in [FontStyle::Upright, FontStyle::Italic] {
             let face = face(style).unwrap();
             for letter in "θφψωτkR0123456789−.·²³()|/ ".chars() {
                 assert!(
@@ -253,7 +286,7 @@ mod tests {
     #[test]
     fn long_names_keep_their_end() {
         let text = Text::name(&"a/long/directory/".repeat(9));
-        assert!(text.width <= LONGEST_NAME && text.width > LONGEST_NAME - 1.0);
+        assert!(text.width <= MAX_NAME_WIDTH && text.width > MAX_NAME_WIDTH - 1.0);
         assert!(text.spoken.starts_with('…') && text.spoken.ends_with("directory/"));
     }
 

@@ -2,6 +2,24 @@
 
 use std::ops::RangeInclusive;
 
+/// Maximum magnitude of an axis.
+pub(crate) const MAX_MAGNITUDE: f64 = 1e100;
+
+/// Magnitudes below this are zero in SI units.
+const ZERO: f64 = 1e-12;
+
+/// The digits of the minor ticks of a logarithmic scale.
+#[cfg(feature = "sweep")]
+const ALL_DIGITS: &[u8] = &[1, 2, 3, 4, 5, 6, 7, 8, 9];
+
+/// The digits of the labelled ticks in each decade of a logarithmic scale, from many to few.
+#[cfg(feature = "sweep")]
+const LABELLED_DIGITS: [&[u8]; 4] = [ALL_DIGITS, &[1, 2, 3, 5], &[1, 2, 5], &[1, 3]];
+
+/// Powers of ten alone.
+#[cfg(feature = "sweep")]
+const ONE: &[u8] = &[1];
+
 /// The range of values along an axis, with its ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Scale {
@@ -9,9 +27,9 @@ pub(crate) struct Scale {
     pub(crate) high: f64,
     /// Tick labels are in units of ten to this power (a multiple of three).
     pub(crate) exponent: i32,
-    /// The ticks with numbers.
+    /// The ticks with labels.
     pub(crate) ticks: Vec<Tick>,
-    /// The values of the ticks without numbers, between the others.
+    /// The values of the ticks without labels, between the others.
     pub(crate) minor: Vec<f64>,
     step: Step,
 }
@@ -32,9 +50,10 @@ struct Step {
 
 impl Step {
     fn value(self) -> f64 {
-        scaled(self.mantissa as f64, self.exponent)
+        times_power_of_ten(self.mantissa as f64, self.exponent)
     }
 
+    /// The next longer step.
     fn next(self) -> Self {
         let (mantissa, exponent) = match self.mantissa {
             1 => (2, self.exponent),
@@ -44,22 +63,22 @@ impl Step {
         Self { mantissa, exponent }
     }
 
-    /// The tick at a multiple of the step, with a label in units of a power of ten.
+    /// The tick at a multiple of the step, with a label in units of ten to the power `unit`.
     fn tick(self, multiple: i64, unit: i32) -> Tick {
         let number = (multiple * self.mantissa) as f64;
         let decimals = (unit - self.exponent).max(0) as usize;
-        let shown = scaled(number, self.exponent - unit);
+        let shown = times_power_of_ten(number, self.exponent - unit);
         Tick {
-            value: scaled(number, self.exponent),
+            value: times_power_of_ten(number, self.exponent),
             label: format!("{shown:.decimals$}").replace('-', "−"),
         }
     }
 }
 
 /// A number times a power of ten, rounded once.
-fn scaled(number: f64, exponent: i32) -> f64 {
-    let text = format!("{number}e{exponent}");
-    text.parse().unwrap_or(f64::NAN)
+fn times_power_of_ten(number: f64, exponent: i32) -> f64 {
+    // A product with a power of ten would round twice; 1e-3 has no exact value.
+    format!("{number}e{exponent}").parse().unwrap_or(f64::NAN)
 }
 
 /// The multiples of a step in a range.
@@ -69,65 +88,107 @@ fn multiples(step: f64, low: f64, high: f64) -> RangeInclusive<i64> {
     (low / step - slack).ceil() as i64..=(high / step + slack).floor() as i64
 }
 
+/// The shortest step with at most `max` multiples in a range.
+fn shortest_step(low: f64, high: f64, max: usize) -> Step {
+    let mut step = Step {
+        mantissa: 1,
+        exponent: decade(high - low) - 3,
+    };
+    while (high / step.value()).floor() - (low / step.value()).ceil() + 1.0 > max as f64 {
+        step = step.next();
+    }
+    step
+}
+
 impl Scale {
-    /// A scale from `low` to `high` with at most `most` numbers, but with three if they fit the range.
+    /// A scale from `low` to `high` with at most `max_labels` labels, but with three if they fit the range.
     ///
     /// An empty range is widened; if the ends are not finite, it becomes 0 to 1.
-    pub(crate) fn new(low: f64, high: f64, most: usize) -> Self {
+    pub(crate) fn new(low: f64, high: f64, max_labels: usize) -> Self {
         let (low, high) = widened(low, high);
-        let mut step = Step {
-            mantissa: 1,
-            exponent: decade(high - low) - 3,
-        };
-        let count = |step: f64| (high / step).floor() - (low / step).ceil() + 1.0;
-        while count(step.value()) > most.max(3) as f64 {
-            step = step.next();
-        }
-        let exponent = easy_exponent(decade(low.abs().max(high.abs())));
-        let ticks = multiples(step.value(), low, high).map(|number| step.tick(number, exponent));
+        let step = shortest_step(low, high, max_labels.max(3));
+        let exponent = exponent_of_labels(decade(low.abs().max(high.abs())));
+        // Minor ticks are round numbers too: half a unit apart where the step is 2.
         let parts = if step.mantissa == 2 { 4 } else { 5 };
         let part = step.value() / parts as f64;
-        let minor = multiples(part, low, high).filter(|number| number % parts != 0);
         Self {
             low,
             high,
             exponent,
-            ticks: ticks.collect(),
-            minor: minor.map(|number| number as f64 * part).collect(),
+            ticks: multiples(step.value(), low, high)
+                .map(|multiple| step.tick(multiple, exponent))
+                .collect(),
+            minor: multiples(part, low, high)
+                .filter(|multiple| multiple % parts != 0)
+                .map(|multiple| multiple as f64 * part)
+                .collect(),
             step,
         }
     }
 
-    /// A scale of decimal logarithms, from `low` to `high`, with at most `most` numbers, but with three if they fit the
-    /// range: some digits of each decade, powers of ten alone, or what a range of less than a decade needs.
+    /// A scale of decimal logarithms from `low` to `high`, with at most `max_labels` labels, but with three if they fit
+    /// the range: some digits of each decade, powers of ten alone, or round numbers if the range is less than a decade.
     #[cfg(feature = "sweep")]
-    pub(crate) fn of_logarithms(low: f64, high: f64, most: usize) -> Self {
-        const ALL: &[u8] = &[1, 2, 3, 4, 5, 6, 7, 8, 9];
-        let linear = Self::new(low, high, most);
-        let (low, high) = (linear.low, linear.high);
-        let decades = (high - low) as i32 + 1;
-        let of_digits = [ALL, &[1, 2, 3, 5], &[1, 2, 5], &[1, 3]].map(|digits| (digits, 1));
-        let of_powers = (1..=decades).map(|every| (&ALL[..1], every));
-        let fitting = of_digits.into_iter().chain(of_powers).find_map(|choice| {
-            let ticks = linear.of_decades(choice);
-            let fits = (2..=most.max(3)).contains(&ticks.len());
-            fits.then_some((ticks, choice.1))
-        });
-        if let Some((ticks, every)) = fitting {
-            // No minor ticks if not every decade has a label.
-            let digits = if every == 1 { ALL } else { &ALL[..1] };
-            let all = linear.of_decades((digits, 1)).into_iter();
-            let is_minor = |value: &f64| ticks.iter().all(|tick| tick.value != *value);
-            return Self {
-                exponent: 0,
-                minor: all.map(|tick| tick.value).filter(is_minor).collect(),
-                ticks,
-                ..linear
-            };
+    pub(crate) fn logarithmic(low: f64, high: f64, max_labels: usize) -> Self {
+        let linear = Self::new(low, high, max_labels);
+        let Some((ticks, every)) = linear.labelled_decades(max_labels) else {
+            return linear.within_a_decade(max_labels);
+        };
+        // Minor ticks at digits would be misleading if not every decade has a label.
+        let digits = if every == 1 { ALL_DIGITS } else { ONE };
+        Self {
+            exponent: 0,
+            minor: linear
+                .decade_ticks(digits, 1)
+                .into_iter()
+                .map(|tick| tick.value)
+                .filter(|value| ticks.iter().all(|tick| tick.value != *value))
+                .collect(),
+            ticks,
+            ..linear
         }
-        let unit = easy_exponent(low.floor() as i32);
-        let [from, to] = [low, high].map(|value| libm::exp10(value - f64::from(unit)));
-        let mut numbers = Self::new(from, to, most);
+    }
+
+    /// As many labelled ticks of a logarithmic scale as allowed, and the distance between decades with labels.
+    #[cfg(feature = "sweep")]
+    fn labelled_decades(&self, max_labels: usize) -> Option<(Vec<Tick>, i32)> {
+        let decades = (self.high - self.low) as i32 + 1;
+        let powers_of_ten = (1..=decades).map(|every| (ONE, every));
+        LABELLED_DIGITS
+            .map(|digits| (digits, 1))
+            .into_iter()
+            .chain(powers_of_ten)
+            .map(|(digits, every)| (self.decade_ticks(digits, every), every))
+            .find(|(ticks, _)| (2..=max_labels.max(3)).contains(&ticks.len()))
+    }
+
+    /// Ticks at some digits of every n-th decade of a logarithmic scale.
+    #[cfg(feature = "sweep")]
+    fn decade_ticks(&self, digits: &[u8], every: i32) -> Vec<Tick> {
+        let slack = 1e-9 * (self.high - self.low);
+        let range = self.low - slack..=self.high + slack;
+        let mut ticks = Vec::new();
+        for decade in self.low.floor() as i32..=self.high.floor() as i32 {
+            if decade.rem_euclid(every) != 0 {
+                continue;
+            }
+            for digit in digits {
+                let value = f64::from(decade) + libm::log10(f64::from(*digit));
+                if range.contains(&value) {
+                    let label = decimal(*digit, decade);
+                    ticks.push(Tick { value, label });
+                }
+            }
+        }
+        ticks
+    }
+
+    /// The logarithmic scale of the same range with the ticks of a linear one.
+    #[cfg(feature = "sweep")]
+    fn within_a_decade(self, max_labels: usize) -> Self {
+        let unit = exponent_of_labels(self.low.floor() as i32);
+        let [from, to] = [self.low, self.high].map(|log| libm::exp10(log - f64::from(unit)));
+        let mut numbers = Self::new(from, to, max_labels);
         let values = numbers.ticks.iter_mut().map(|tick| &mut tick.value);
         for value in values.chain(&mut numbers.minor) {
             *value = libm::log10(*value) + f64::from(unit);
@@ -136,36 +197,22 @@ impl Scale {
             exponent: numbers.exponent + unit,
             ticks: numbers.ticks,
             minor: numbers.minor,
-            ..linear
+            ..self
         }
     }
 
-    /// Ticks at some digits of every n-th decade of a logarithmic range, with their labels.
-    #[cfg(feature = "sweep")]
-    fn of_decades(&self, (digits, every): (&[u8], i32)) -> Vec<Tick> {
-        let decades = self.low.floor() as i32..=self.high.floor() as i32;
-        let decades = decades.filter(|decade| decade.rem_euclid(every) == 0);
-        let tick = |decade: i32, digit: u8| Tick {
-            value: f64::from(decade) + libm::log10(f64::from(digit)),
-            label: decimal(digit, decade),
-        };
-        let ticks = decades.flat_map(|decade| digits.iter().map(move |digit| tick(decade, *digit)));
-        let slack = 1e-9 * (self.high - self.low);
-        let range = self.low - slack..=self.high + slack;
-        ticks.filter(|tick| range.contains(&tick.value)).collect()
-    }
-
     /// The position of a value in the range, from 0 to 1.
-    pub(crate) fn place(&self, value: f64) -> f64 {
+    pub(crate) fn fraction(&self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)
     }
 
-    /// The ticks with numbers, and one more if the last is not close to the upper end.
-    pub(crate) fn ticks_beyond(self) -> Vec<Tick> {
+    /// The ticks with labels, and one more if the last is not close to the upper end.
+    pub(crate) fn into_ticks_beyond(mut self) -> Vec<Tick> {
         let last = *multiples(self.step.value(), self.low, self.high).end();
-        let is_short = self.step.value() * (last as f64) < 0.99 * self.high;
-        let next = is_short.then(|| self.step.tick(last + 1, self.exponent));
-        self.ticks.into_iter().chain(next).collect()
+        if self.step.value() * (last as f64) < 0.99 * self.high {
+            self.ticks.push(self.step.tick(last + 1, self.exponent));
+        }
+        self.ticks
     }
 }
 
@@ -179,21 +226,18 @@ fn decimal(digit: u8, decade: i32) -> String {
     }
 }
 
-/// Maximum magnitude of an axis.
-pub(crate) const BEYOND_USE: f64 = 1e100;
-
-/// Magnitudes below this are zero in SI units.
-const ZERO: f64 = 1e-12;
-
 /// The exponent of a positive number in scientific notation: its decimal logarithm, rounded down.
 fn decade(number: f64) -> i32 {
-    let text = format!("{number:e}");
-    let exponent = text.split('e').next_back();
-    exponent.and_then(|text| text.parse().ok()).unwrap_or(0)
+    // The logarithm itself may be rounded to the next integer just below a power of ten.
+    format!("{number:e}")
+        .split('e')
+        .next_back()
+        .and_then(|exponent| exponent.parse().ok())
+        .unwrap_or(0)
 }
 
-/// The power of ten used as unit for labels of a decade.
-fn easy_exponent(decade: i32) -> i32 {
+/// The power of ten that is the unit of labels in a decade.
+fn exponent_of_labels(decade: i32) -> i32 {
     match decade {
         -1..=3 => 0,
         decade => decade.div_euclid(3) * 3,
@@ -201,22 +245,23 @@ fn easy_exponent(decade: i32) -> i32 {
 }
 
 /// A range long enough for tick labels to differ. A constant is padded on both sides so that the labels
-/// are short: a tenth of its value, or one around zero.
+/// are short: by a tenth of its value, or by one around zero.
 fn widened(low: f64, high: f64) -> (f64, f64) {
     let magnitude = low.abs().max(high.abs());
-    let is_sound = magnitude < BEYOND_USE && low <= high;
+    // Comparisons with NaN are false.
+    let is_sound = magnitude < MAX_MAGNITUDE && low <= high;
     if !is_sound {
         return (0.0, 1.0);
     }
     if high - low >= (magnitude * 1e-6).max(ZERO) {
         return (low, high);
     }
-    let room = if magnitude < ZERO {
+    let padding = if magnitude < ZERO {
         1.0
     } else {
         0.1 * magnitude
     };
-    (low - room, high + room)
+    (low - padding, high + padding)
 }
 
 #[cfg(test)]
@@ -264,11 +309,11 @@ mod tests {
     fn logarithms_have_the_numbers_that_they_are_of() {
         let log = libm::log10;
         let labels = |low: f64, high: f64, most| {
-            let scale = Scale::of_logarithms(log(low), log(high), most);
+            let scale = Scale::logarithmic(log(low), log(high), most);
             let ticks = &scale.ticks;
             for tick in ticks {
                 let shown: f64 = tick.label.replace('−', "-").parse().unwrap();
-                let shown = scaled(shown, scale.exponent);
+                let shown = times_power_of_ten(shown, scale.exponent);
                 assert!((log(shown) - tick.value).abs() < 1e-14, "{tick:?}");
             }
             let labels = scale.ticks.into_iter().map(|tick| tick.label);
@@ -316,16 +361,16 @@ mod tests {
         fn ticks_of_logarithms_are_few_and_read_as_their_values(
             low in -30.0..6.0, span in 1e-3..18.0, most in 3_usize..10,
         ) {
-            let scale = Scale::of_logarithms(low, low + span, most);
+            let scale = Scale::logarithmic(low, low + span, most);
             let ticks = &scale.ticks;
             let least = if span > 1.0 { 2 } else { 1 };
             prop_assert!((least..=most).contains(&ticks.len()), "{ticks:?}");
             for tick in ticks.iter().map(|tick| tick.value).chain(scale.minor.clone()) {
-                prop_assert!((-1e-6..=1.000_001).contains(&scale.place(tick)));
+                prop_assert!((-1e-6..=1.000_001).contains(&scale.fraction(tick)));
             }
             for tick in ticks {
                 let shown: f64 = tick.label.replace('−', "-").parse().unwrap();
-                let place = libm::log10(scaled(shown, scale.exponent));
+                let place = libm::log10(times_power_of_ten(shown, scale.exponent));
                 prop_assert!((place - tick.value).abs() < 1e-9, "{tick:?}");
                 // More than two numbers a decade would be too many.
                 if 2.0 * span > most as f64 + 2.0 {
@@ -342,10 +387,10 @@ mod tests {
             let ticks = &scale.ticks;
             prop_assert!(ticks.len() <= most && !ticks.is_empty(), "{ticks:?}");
             for tick in ticks {
-                let place = scale.place(tick.value);
+                let place = scale.fraction(tick.value);
                 prop_assert!((-1e-6..=1.000_001).contains(&place));
                 let shown: f64 = tick.label.replace('−', "-").parse().unwrap();
-                let value = scaled(shown, scale.exponent);
+                let value = times_power_of_ten(shown, scale.exponent);
                 prop_assert!((value - tick.value).abs() <= 1e-9 * tick.value.abs().max(1.0));
             }
         }

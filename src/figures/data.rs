@@ -6,13 +6,14 @@ use crate::analysis::subject::Subject;
 use crate::figures::plot::shape::Point;
 use crate::telemetry::fields::{NUTATING, NUTATION, NumberField, nutation};
 use crate::telemetry::{Topic, Topics};
+use std::fmt;
 
 /// Largest gap between two nutations attributed to rounding, relative to the period.
-const GAP: f64 = 0.01;
+const ROUNDING_GAP: f64 = 0.01;
 
 /// The data of a run for some figures, from a recording or a simulation.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Run {
+pub struct RunData {
     /// The name in legends.
     pub name: String,
     /// Missing parts, in sentences: the run was interrupted, or parts of the file can't be read.
@@ -22,7 +23,28 @@ pub struct Run {
     channels: Vec<Channel>,
 }
 
-impl Run {
+/// Data that a figure needs and a run lacks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MissingData {
+    /// The channel.
+    Channel(Topic),
+    /// All messages of the channel.
+    Messages(Topic),
+    /// All values of a field of the channel.
+    Field(NumberField),
+}
+
+impl fmt::Display for MissingData {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Channel(topic) => write!(f, "{topic}"),
+            Self::Messages(topic) => write!(f, "messages of {topic}"),
+            Self::Field(field) => write!(f, "{field}"),
+        }
+    }
+}
+
+impl RunData {
     /// Reads some fields of a recording or a simulation in one pass, with means of some of them.
     pub(super) fn collect(
         subject: Subject<'_>,
@@ -34,51 +56,68 @@ impl Run {
         fields.retain(|field| subject.has_topic(field.topic()));
         let mut run = Self::new(name, &fields, averaged);
         run.has_free_peg = subject.is_of_free_peg();
-        let topics: Vec<_> = run.channels.iter().map(|channel| channel.topic).collect();
-        if !topics.is_empty() {
-            let fine = match subject {
-                Subject::Scenario(scenario) => Some(sampling::finely_sampled(scenario)),
-                Subject::Recording(_) => None,
-            };
-            let source = fine.as_ref().map_or(subject, Subject::Scenario);
-            let ended = source.read(&Topics::Only(topics), &mut |message, bytes| {
-                progress(bytes);
-                run.channels
-                    .iter_mut()
-                    .for_each(|channel| channel.take(message));
-                true
-            });
-            run.losses = ended.losses;
-            run.channels.iter_mut().for_each(Channel::finish);
+        if run.channels.is_empty() {
+            return run;
+        }
+        match subject {
+            Subject::Scenario(scenario) => {
+                let fine = sampling::finely_sampled(scenario);
+                run.fill(Subject::Scenario(&fine), progress);
+            }
+            Subject::Recording(_) => run.fill(subject, progress),
         }
         run
     }
 
     fn new(name: &str, fields: &[NumberField], averaged: &[NumberField]) -> Self {
-        let channel = |topic| {
-            let of_topic = fields.iter().filter(|field| field.topic() == topic);
-            let fields: Vec<_> = of_topic.copied().collect();
-            (!fields.is_empty()).then(|| Channel::new(topic, fields, averaged))
-        };
+        let mut channels = Vec::new();
+        for topic in Topic::all() {
+            let fields_of_topic: Vec<NumberField> = fields
+                .iter()
+                .copied()
+                .filter(|field| field.topic() == topic)
+                .collect();
+            if !fields_of_topic.is_empty() {
+                channels.push(Channel::new(topic, fields_of_topic, averaged));
+            }
+        }
         Self {
             name: name.to_owned(),
             losses: Vec::new(),
             has_free_peg: false,
-            channels: Topic::all().filter_map(channel).collect(),
+            channels,
         }
     }
 
-    /// The missing part of a field: the channel, its messages or the field.
-    pub(super) fn missing(&self, field: NumberField) -> Option<String> {
-        let topic = field.topic();
-        match self.channel(topic) {
-            None => Some(topic.to_string()),
-            Some(channel) if channel.rows.is_empty() => Some(format!("messages of {topic}")),
-            Some(channel) => {
-                let points = channel.series(field);
-                let is_there = points.iter().any(|(_, value)| value.is_finite());
-                (!is_there).then(|| field.to_string())
+    /// Reads the messages of all channels.
+    fn fill(&mut self, subject: Subject<'_>, progress: &dyn Fn(u64)) {
+        let topics = self.channels.iter().map(|channel| channel.topic).collect();
+        let ended = subject.read(&Topics::Only(topics), &mut |message, bytes| {
+            progress(bytes);
+            for channel in &mut self.channels {
+                channel.add(message);
             }
+            true
+        });
+        self.losses = ended.losses;
+        for channel in &mut self.channels {
+            channel.finish();
+        }
+    }
+
+    /// The part of a field that is missing, if any.
+    pub(super) fn missing(&self, field: NumberField) -> Option<MissingData> {
+        let topic = field.topic();
+        let Some(channel) = self.channel(topic) else {
+            return Some(MissingData::Channel(topic));
+        };
+        if channel.rows.is_empty() {
+            return Some(MissingData::Messages(topic));
+        }
+        if has_values(&channel.series(field)) {
+            None
+        } else {
+            Some(MissingData::Field(field))
         }
     }
 
@@ -88,26 +127,28 @@ impl Run {
 
     /// A number over time; empty if it is not recorded. Gaps are NaN points.
     pub(super) fn series(&self, field: NumberField) -> Vec<Point> {
-        let channel = self.channel(field.topic());
-        channel.map_or_else(Vec::new, |channel| channel.series(field))
+        self.channel(field.topic())
+            .map_or_else(Vec::new, |channel| channel.series(field))
     }
 
     /// The mean over each nutation of a number that was sampled, in the middle of the nutation.
     pub(super) fn means(&self, field: NumberField) -> Vec<Point> {
-        let channel = self.channel(field.topic());
-        channel.map_or_else(Vec::new, |channel| channel.means(field))
+        self.channel(field.topic())
+            .map_or_else(Vec::new, |channel| channel.means(field))
     }
 
     /// A number that was recorded of each nutation, in the middle of the nutation. Interruptions of the nutation are
     /// NaN points.
     pub(super) fn averages(&self, field: NumberField) -> Vec<Point> {
+        // Where rows were dropped to save memory, nutations are missing although nothing was interrupted.
+        let thinned = self
+            .channel(NUTATION)
+            .map_or(0.0, |channel| channel.rows.max_thinned_step());
         let mut points: Vec<Point> = Vec::new();
-        let channel = self.channel(NUTATION);
-        let left_out = channel.map_or(0.0, |channel| channel.rows.coarseness());
         let mut last_end = f64::NAN;
         for ((start, period), (_, value)) in self.cycles().zip(self.series(field)) {
             let gap = start - last_end;
-            if gap > left_out + GAP * period {
+            if gap > thinned + ROUNDING_GAP * period {
                 points.push((last_end + 0.5 * gap, f64::NAN));
             }
             points.push((start + 0.5 * period, value));
@@ -119,30 +160,36 @@ impl Run {
     /// The least and the greatest values of a quantity of the state in each nutation, if they are recorded.
     pub(super) fn envelope(&self, field: NumberField) -> Option<[Vec<Point>; 2]> {
         let [_, least, greatest] = NUTATING.iter().find(|[known, ..]| *known == field)?;
-        let envelope = [least, greatest].map(|field| self.averages(*field));
-        let is_there = |(_, value): &Point| value.is_finite();
-        let is_recorded = envelope.iter().all(|line| line.iter().any(is_there));
+        let envelope = [self.averages(*least), self.averages(*greatest)];
+        let is_recorded = envelope.iter().all(|line| has_values(line));
         is_recorded.then_some(envelope)
     }
 
     /// The minimum number of samples per nutation, if too small to show the envelope.
-    pub(super) fn coarseness(&self) -> Option<f64> {
-        let channels = self.channels.iter();
-        let sampled = channels.filter(|channel| channel.topic != NUTATION);
-        let step = sampled.map(|channel| channel.rows.step());
-        let step = step.reduce(f64::min)?;
+    pub(super) fn coarse_samples_per_nutation(&self) -> Option<f64> {
+        let step = self
+            .channels
+            .iter()
+            .filter(|channel| channel.topic != NUTATION)
+            .map(|channel| channel.rows.step())
+            .reduce(f64::min)?;
         let shortest = self.cycles().map(|(_, period)| period).reduce(f64::min)?;
-        Some(shortest / step).filter(|samples| *samples < sampling::ENOUGH)
+        Some(shortest / step).filter(|samples| *samples < sampling::MIN_PER_NUTATION)
     }
 
-    /// The starts and periods of nutations.
+    /// The starts and periods of nutations, s.
     fn cycles(&self) -> impl Iterator<Item = (f64, f64)> {
-        let fields = [nutation::START, nutation::PERIOD];
-        let [starts, periods] = fields.map(|field| self.series(field).into_iter());
+        let starts = self.series(nutation::START);
+        let periods = self.series(nutation::PERIOD);
         starts
+            .into_iter()
             .zip(periods)
             .map(|(start, period)| (start.1, period.1))
     }
+}
+
+fn has_values(points: &[Point]) -> bool {
+    points.iter().any(|(_, value)| value.is_finite())
 }
 
 #[cfg(test)]
@@ -152,8 +199,8 @@ mod tests {
 
     const SLIP: [NumberField; 2] = [contact::SLIP_SPEED, contact::SLIP_PATH];
 
-    fn run(times: &[f64], values: &[f64]) -> Run {
-        let mut run = Run::new("run", &SLIP, &[]);
+    fn run(times: &[f64], values: &[f64]) -> RunData {
+        let mut run = RunData::new("run", &SLIP, &[]);
         for (time, value) in times.iter().zip(values) {
             run.channels[0].rows.push(*time, [*value, *value]);
         }
@@ -162,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn missing_samples_are_a_gap() {
+    fn missing_samples_leave_a_gap() {
         let run = run(&[0.0, 1.0, 2.0, 5.0], &[4.0, 5.0, 6.0, 7.0]);
         let series = run.series(contact::SLIP_SPEED);
         assert_eq!(series.len(), 5);
@@ -172,7 +219,7 @@ mod tests {
     /// The means of θ of nutations with these starts and periods.
     fn averages(cycles: &[[f64; 2]]) -> Vec<Point> {
         let fields = [nutation::START, nutation::PERIOD, nutation::THETA_MEAN];
-        let mut run = Run::new("run", &fields, &[]);
+        let mut run = RunData::new("run", &fields, &[]);
         for [start, period] in cycles {
             run.channels[0]
                 .rows
@@ -183,24 +230,22 @@ mod tests {
     }
 
     #[test]
-    fn averages_are_apart_where_there_was_no_nutation() {
+    fn averages_have_gaps_between_nutations() {
         let found = averages(&[[0.0, 0.25], [0.25, 0.25], [1.0, 0.25]]);
         let is_gap: Vec<_> = found.iter().map(|(_, value)| value.is_nan()).collect();
         assert_eq!(is_gap, [false, false, true, false]);
     }
 
     #[test]
-    fn what_is_missing_is_named() {
-        let missing = |run: &Run| run.missing(contact::SLIP_SPEED);
-        assert_eq!(
-            missing(&Run::new("none", &[], &[])).as_deref(),
-            Some("/top/contact")
-        );
-        assert_eq!(
-            missing(&run(&[], &[])).as_deref(),
-            Some("messages of /top/contact")
-        );
-        let found = missing(&run(&[0.0], &[f64::NAN]));
-        assert_eq!(found.as_deref(), Some("/top/contact.slip_speed"));
+    fn names_missing_channel_messages_or_field() {
+        for (run, expected) in [
+            (RunData::new("none", &[], &[]), "/top/contact"),
+            (run(&[], &[]), "messages of /top/contact"),
+            (run(&[0.0], &[f64::NAN]), "/top/contact.slip_speed"),
+        ] {
+            let missing = run.missing(contact::SLIP_SPEED).unwrap();
+            assert_eq!(missing.to_string(), expected);
+        }
+        assert_eq!(run(&[0.0], &[1.0]).missing(contact::SLIP_SPEED), None);
     }
 }

@@ -1,6 +1,6 @@
-//! Line styles of runs and quantities.
+//! Line styles of runs and quantities, and the legends that explain them.
 
-use super::run::Run;
+use super::data::RunData;
 use crate::figures::plot::legend::Entry;
 use crate::figures::plot::shape::{Colour, Stroke};
 use crate::figures::plot::style::{
@@ -17,14 +17,18 @@ pub(super) const PALE: Colour = Colour(0xc8, 0xc8, 0xc8);
 /// The colour of the unit sphere.
 pub(super) const SURFACE: Colour = Colour(0xf6, 0xf6, 0xf6);
 
-/// The strokes of the runs of a figure.
+/// The strokes of the runs of a figure, which depend on their number.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Looks {
-    /// The number of runs.
-    pub(super) runs: usize,
+pub(super) struct Style {
+    runs: usize,
 }
 
-impl Looks {
+impl Style {
+    /// The style of a figure with this number of runs.
+    pub(super) fn new(runs: usize) -> Self {
+        Self { runs }
+    }
+
     /// The colour of a run.
     fn colour(run: usize) -> Colour {
         COLOURS[run % COLOURS.len()]
@@ -41,12 +45,16 @@ impl Looks {
         }
     }
 
-    /// The colour of the region in which a motion nutates.
+    /// The colour of the region in which a motion nutates: its stroke on white.
     pub(super) fn envelope(self, run: usize) -> Colour {
+        // Areas are opaque, so their colour has to contain the opacity.
         let stroke = self.motion(run);
-        let (Colour(red, green, blue), opacity) = (stroke.colour, stroke.opacity);
-        let on_white = |value: u8| (255.0 - opacity * f64::from(255 - value)).round() as u8;
-        Colour(on_white(red), on_white(green), on_white(blue))
+        let Colour(red, green, blue) = stroke.colour;
+        Colour(
+            on_white(red, stroke.opacity),
+            on_white(green, stroke.opacity),
+            on_white(blue, stroke.opacity),
+        )
     }
 
     /// The stroke of averages. Dashed if there are several runs, because they often coincide.
@@ -64,20 +72,24 @@ impl Looks {
 
     /// The stroke of the locus of the axis, in the order in which the loci of all runs are drawn.
     pub(super) fn locus(self, run: usize, order: usize) -> Stroke {
-        line(Self::colour(run), HAIRLINE + self.broader(order))
+        line(Self::colour(run), HAIRLINE + self.extra_width(order))
     }
 
     /// Extra line width relative to the last run, mm, so that coinciding lines stay visible.
-    pub(super) fn broader(self, run: usize) -> f64 {
+    pub(super) fn extra_width(self, run: usize) -> f64 {
         (self.runs - 1).saturating_sub(run).min(2) as f64 * 0.5 * POINT
     }
 
     /// The stroke of one of several quantities in a plot.
     pub(super) fn term(self, run: usize, term: usize) -> Stroke {
+        // Colours distinguish the runs if there are several; dashes always distinguish the quantities.
         let colour = if self.runs == 1 { term } else { run };
         Stroke {
             dash: DASHES[term % DASHES.len()],
-            ..line(COLOURS[colour % COLOURS.len()], MEDIUM + self.broader(run))
+            ..line(
+                COLOURS[colour % COLOURS.len()],
+                MEDIUM + self.extra_width(run),
+            )
         }
     }
 
@@ -91,20 +103,30 @@ impl Looks {
 
     /// The stroke of a quantity in a legend, where it represents all runs.
     pub(super) fn term_in_legend(self, term: usize) -> Stroke {
-        let mut stroke = self.term(0, term);
-        if self.runs > 1 {
-            (stroke.colour, stroke.width) = (BLACK, MEDIUM);
+        let stroke = self.term(0, term);
+        if self.runs == 1 {
+            return stroke;
         }
-        stroke
+        Stroke {
+            colour: BLACK,
+            width: MEDIUM,
+            ..stroke
+        }
     }
 
-    /// The stroke of the rates of regular precession of a run, or of all runs in a legend.
-    pub(super) fn root(self, run: Option<usize>) -> Stroke {
-        let colour = match run {
-            _ if self.runs == 1 => VERMILION,
-            Some(run) => Self::colour(run),
-            None => BLACK,
+    /// The stroke of the rates of regular precession of a run.
+    pub(super) fn root(self, run: usize) -> Stroke {
+        let colour = if self.runs == 1 {
+            VERMILION
+        } else {
+            Self::colour(run)
         };
+        line(colour, THIN)
+    }
+
+    /// The stroke of the rates of regular precession in a legend, where it represents all runs.
+    pub(super) fn root_in_legend(self) -> Stroke {
+        let colour = if self.runs == 1 { VERMILION } else { BLACK };
         line(colour, THIN)
     }
 
@@ -114,20 +136,28 @@ impl Looks {
     }
 }
 
+/// A component of a translucent colour on white.
+fn on_white(component: u8, opacity: f64) -> u8 {
+    (255.0 - opacity * f64::from(255 - component)).round() as u8
+}
+
 /// Note of a figure whose samples are too few for the nutation of a run.
-pub(super) fn note(runs: &[&Run]) -> Option<Entry> {
-    let fewest = runs.iter().filter_map(|run| run.coarseness());
-    let fewest = fewest.reduce(f64::min)?;
+pub(super) fn sampling_note(runs: &[&RunData]) -> Option<Entry> {
+    let fewest = runs
+        .iter()
+        .filter_map(|run| run.coarse_samples_per_nutation())
+        .reduce(f64::min)?;
     let note = format!("only {fewest:.1} samples per nutation: nutation is not resolved");
     Some(Entry::note(&note))
 }
 
 /// The legend of several runs; a single run needs none.
-pub(super) fn legend(runs: &[&Run], stroke: impl Fn(usize) -> Stroke) -> Vec<Entry> {
+pub(super) fn run_legend(runs: &[&RunData], stroke: impl Fn(usize) -> Stroke) -> Vec<Entry> {
     if runs.len() == 1 {
         return Vec::new();
     }
-    let runs = runs.iter().enumerate();
-    runs.map(|(index, run)| Entry::of(stroke(index), Text::name(&run.name)))
+    runs.iter()
+        .enumerate()
+        .map(|(index, run)| Entry::from_text(stroke(index), Text::name(&run.name)))
         .collect()
 }
