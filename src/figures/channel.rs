@@ -65,6 +65,7 @@ impl Channel {
         mut fields: Vec<NumberField>,
         averaged: &[NumberField],
     ) -> Self {
+        // Several figures need the same fields.
         fields.sort_unstable_by_key(|field| field.index());
         fields.dedup();
         let averaged: Vec<usize> = (0..fields.len())
@@ -96,6 +97,7 @@ impl Channel {
         } else if message.topic() == NUTATION && !self.averaged.is_empty() {
             let start = nutation::START.of(message);
             let end = start + nutation::PERIOD.of(message);
+            // NaN if a recording lacks the fields.
             if end.is_finite() {
                 self.pending.push_back((start, end));
             }
@@ -153,6 +155,7 @@ impl Channel {
                 _ => Group { from, to, count: 1 },
             };
             let period = (group.to - group.from) / f64::from(group.count);
+            // The shortest step so far is that of the samples; a single sample has none.
             let is_fine = period >= MIN_PER_NUTATION * self.rows.step();
             if is_fine || group.count >= MAX_GROUP {
                 self.push_means(group);
@@ -233,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn integrals_are_those_of_straight_lines() {
+    fn integrates_straight_lines_exactly() {
         let mut channel = channel([]);
         for (time, value) in [(0.0, 0.0), (1.0, 2.0), (2.0, 2.0)] {
             channel.push(time, vec![value], |_| f64::NAN);
@@ -245,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mean_waits_for_the_sample_after_its_nutation() {
+    fn means_wait_for_the_sample_after_a_nutation() {
         let mut channel = channel([(0.0, 1.5), (1.5, 3.0)]);
         for time in (0..=48).map(|step| f64::from(step) / 16.0) {
             channel.push(time, vec![2.0 * time], |_| f64::NAN);
@@ -257,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn there_is_no_mean_where_samples_are_missing() {
+    fn skips_means_where_samples_are_missing() {
         let mut channel = channel((0..4).map(f64::from).map(|start| (start, start + 1.0)));
         let is_missing = |time: &f64| *time > 1.5 && *time < 2.5;
         let times = (0..=100).map(|step| f64::from(step) / 25.0);
@@ -271,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn nutations_with_few_samples_are_averaged_together() {
+    fn averages_coarse_nutations_in_groups() {
         let mut channel = channel((0..120).map(f64::from).map(|start| (start, start + 1.0)));
         for time in (0..=480).map(|step| f64::from(step) / 4.0) {
             channel.push(time, vec![2.0 * time], |_| f64::NAN);
@@ -282,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn recorded_integrals_are_taken_for_those_of_the_samples() {
+    fn prefers_recorded_integrals() {
         let mut channel = channel([]);
         // The integral of sin t from 0 is 1 − cos t, regardless of missing samples.
         for time in (0..8).map(f64::from) {
@@ -295,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn means_of_runs_with_many_samples_are_as_exact() {
+    fn thinning_keeps_means_accurate() {
         let count = 5 * u32::try_from(MAX_ROWS).unwrap();
         let nutations = (0..count / 40).map(|start| 2.5 * f64::from(start) + 0.125);
         let mut channel = channel(nutations.map(|start| (start, start + 2.5)));

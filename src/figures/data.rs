@@ -53,9 +53,11 @@ impl RunData {
         averaged: &[NumberField],
         progress: &dyn Fn(u64),
     ) -> Self {
+        // Channels that the run lacks are missing, rather than empty.
         fields.retain(|field| subject.has_topic(field.topic()));
         let mut run = Self::new(name, &fields, averaged);
         run.has_free_peg = subject.is_of_free_peg();
+        // Without a channel there is nothing to read, and a scenario would be simulated twice for nothing.
         if run.channels.is_empty() {
             return run;
         }

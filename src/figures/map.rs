@@ -74,6 +74,8 @@ mod tests {
     use super::*;
     use crate::figures::plot::range::{EMPTY, extremes, union};
     use crate::figures::plot::shape::Shape;
+    use std::collections::BTreeSet;
+
     const NAN: f64 = f64::NAN;
 
     fn axis(name: &str) -> MapAxis {
@@ -106,38 +108,57 @@ mod tests {
         labels.map(|label| label.text.spoken.as_str()).collect()
     }
 
+    /// The shapes of the groups whose meaning ends with this.
+    fn shapes<'a>(drawing: &'a Drawing, suffix: &str) -> Vec<&'a Shape> {
+        drawing
+            .groups
+            .iter()
+            .filter(|group| group.meaning.ends_with(suffix))
+            .flat_map(|group| &group.shapes)
+            .collect()
+    }
+
+    /// The range of heights of some shapes, mm from the top.
+    fn heights(shapes: &[&Shape]) -> (f64, f64) {
+        shapes
+            .iter()
+            .map(|shape| match shape {
+                Shape::Area { points, .. } | Shape::Line { points, .. } => {
+                    extremes(points.iter().map(|point| point.1))
+                }
+                Shape::Dot { centre, .. } => (centre.1, centre.1),
+            })
+            .fold(EMPTY, union)
+    }
+
     #[test]
     fn distinguishes_at_most_35_curves_below_their_marks() {
         let drawing = curves(35).draw(150.0).unwrap();
-        let shapes = |suffix: &str| {
-            let groups = drawing.groups.iter();
-            let groups = groups.filter(|group| group.meaning.ends_with(suffix));
-            groups.flat_map(|group| &group.shapes).collect::<Vec<_>>()
-        };
-        let heights = |shapes: &[&Shape]| {
-            let ends = shapes.iter().map(|shape| match shape {
-                Shape::Area { points, .. } => extremes(points.iter().map(|point| point.1)),
-                Shape::Dot { centre, .. } => (centre.1, centre.1),
-                Shape::Line { points, .. } => extremes(points.iter().map(|point| point.1)),
-            });
-            ends.fold(EMPTY, union)
-        };
-        let mut dots = shapes("");
+        let mut dots = shapes(&drawing, "");
         dots.retain(|shape| matches!(shape, Shape::Dot { .. }));
         assert_eq!(dots.len(), 35);
-        let (marks, frame) = (heights(&shapes("no value")), heights(&shapes("frame")));
+        let marks = heights(&shapes(&drawing, "no value"));
+        let frame = heights(&shapes(&drawing, "frame"));
         assert!(marks.1 < frame.0, "{marks:?} {frame:?}");
-        let keys = drawing.groups.iter();
-        let keys = keys.filter(|group| group.meaning.starts_with("key: s"));
-        let strokes = keys.filter_map(|group| match group.shapes.first() {
-            Some(Shape::Line { stroke, .. }) => Some(format!("{stroke:?}")),
-            _ => None,
-        });
-        let strokes: std::collections::BTreeSet<_> = strokes.collect();
+        let mut strokes = BTreeSet::new();
+        for group in &drawing.groups {
+            if let Some(Shape::Line { stroke, .. }) = group.shapes.first()
+                && group.meaning.starts_with("key: s")
+            {
+                strokes.insert(format!("{stroke:?}"));
+            }
+        }
         assert_eq!(strokes.len(), 35);
+    }
 
-        let message = curves(36).draw(150.0).unwrap_err().to_string();
-        assert!(message.contains("36 scenarios"), "{message}");
+    #[test]
+    fn rejects_36_curves() {
+        let error = curves(36).draw(150.0).unwrap_err();
+        let expected = FigureError::TooManyCurves {
+            scenarios: 36,
+            max: 35,
+        };
+        assert_eq!(error, expected);
     }
 
     /// A grid of two by two, over x = 1, 2 and y = 1, 2.
@@ -160,78 +181,90 @@ mod tests {
 
     const BOUNDARY: &str = "boundary of looping runs (ticks point inside)";
 
-    #[test]
-    fn borders_only_known_looping() {
-        let (yes, no) = (Some(true), Some(false));
-        let (risen, shown) = (
-            [Some("risen"), None, Some("risen"), None],
-            [1.0, NAN, 2.0, NAN],
-        );
-        let lines = |loops| {
-            let drawing = grid(shown, risen, loops).draw(85.0).unwrap();
-            let edge = drawing.groups.iter();
-            let mut edge = edge.filter(|group| group.meaning == "where looping begins");
-            let lines = edge.next().map_or(0, |group| group.shapes.len());
-            assert_eq!(texts(&drawing).contains(&BOUNDARY), lines > 0);
-            lines
-        };
-        // Each border has a tick.
-        assert_eq!(lines([yes, None, no, None]), 2);
-        assert_eq!(lines([yes, None, yes, None]), 0);
-        assert_eq!(lines([yes, None, None, no]), 0);
-        assert_eq!(lines([yes, no, no, no]), 4);
+    /// The number of lines on the boundary of looping runs, each of which has a tick.
+    fn boundary_lines(loops: [Option<bool>; 4]) -> usize {
+        let stops = [Some("risen"), None, Some("risen"), None];
+        let map = grid([1.0, NAN, 2.0, NAN], stops, loops);
+        let drawing = map.draw(85.0).unwrap();
+        let lines = shapes(&drawing, "where looping begins").len();
+        assert_eq!(texts(&drawing).contains(&BOUNDARY), lines > 0);
+        lines
     }
 
     #[test]
-    fn legend_and_range_skip_undrawn_runs() {
+    fn bounds_only_known_looping() {
+        let (yes, no) = (Some(true), Some(false));
+        assert_eq!(boundary_lines([yes, None, no, None]), 2);
+        assert_eq!(boundary_lines([yes, None, yes, None]), 0);
+        assert_eq!(boundary_lines([yes, None, None, no]), 0);
+        assert_eq!(boundary_lines([yes, no, no, no]), 4);
+    }
+
+    /// A map of two runs with a value and two without, over that value and these inclinations.
+    fn map_over_values(thetas: [f64; 4]) -> Map {
         let mut map = grid(
             [1.0, NAN, 2.0, NAN],
             [Some("risen"), Some("fallen"), Some("risen"), Some("rest")],
             [None; 4],
         );
-        let theta = |map: &mut Map, theta: [f64; 4]| {
-            for (run, theta) in map.runs.iter_mut().zip(theta) {
-                (run.x, run.y) = (run.color, theta);
-            }
-        };
-        theta(&mut map, [0.01, 3.0, 0.02, 2.0]);
-        let drawing = map.clone().draw(85.0).unwrap();
-        for absent in ["fallen", "rest", "2", "3"] {
-            let up = texts(&drawing);
-            let is_there = up.iter().filter(|text| **text == absent).count();
-            // The times 1 and 2 are at the x axis and the bar.
-            assert!(
-                is_there <= if absent == "2" { 2 } else { 0 },
-                "{absent}: {up:?}"
-            );
+        for (run, theta) in map.runs.iter_mut().zip(thetas) {
+            (run.x, run.y) = (run.color, theta);
         }
-        theta(&mut map, [NAN, 1.0, NAN, 1.0]);
-        let message = map.draw(85.0).unwrap_err().to_string();
+        map
+    }
+
+    #[test]
+    fn legend_and_range_skip_undrawn_runs() {
+        let drawing = map_over_values([0.01, 3.0, 0.02, 2.0]).draw(85.0).unwrap();
+        let texts = texts(&drawing);
+        // The values 1 and 2 are at the x axis and the bar.
+        for (text, max) in [("fallen", 0), ("rest", 0), ("2", 2), ("3", 0)] {
+            let count = texts.iter().filter(|found| **found == text).count();
+            assert!(count <= max, "{text}: {texts:?}");
+        }
+    }
+
+    #[test]
+    fn rejects_maps_without_values() {
+        let error = map_over_values([NAN, 1.0, NAN, 1.0])
+            .draw(85.0)
+            .unwrap_err();
         assert_eq!(
-            message,
+            error.to_string(),
             "no run has a value for friction_k and one of initial_theta"
         );
     }
 
+    /// Nine runs over adjacent numbers and these.
+    fn adjacent(y: [f64; 3]) -> Map {
+        let runs = (0..9_usize).map(|run| MapRun {
+            x: [1e15, 1.0000000000000002e15, 1.0000000000000004e15][run % 3],
+            y: y[run / 3],
+            color: 1.0,
+            ..MapRun::default()
+        });
+        Map {
+            runs: runs.collect(),
+            ..grid([NAN; 4], [None; 4], [None; 4])
+        }
+    }
+
     #[test]
     fn rejects_runs_at_the_same_place() {
-        let runs = |y: [f64; 3]| {
-            let runs = (0..9_usize).map(|run| MapRun {
-                x: [1e15, 1.0000000000000002e15, 1.0000000000000004e15][run % 3],
-                y: y[run / 3],
-                color: 1.0,
-                ..MapRun::default()
-            });
-            Map {
-                runs: runs.collect(),
-                ..grid([NAN; 4], [None; 4], [None; 4])
-            }
-        };
-        assert!(runs([0.1, 0.2, 0.3]).draw(85.0).is_ok());
-        let message = runs([5e-324, 5e-324, 0.3])
-            .draw(85.0)
-            .unwrap_err()
-            .to_string();
+        assert!(adjacent([0.1, 0.2, 0.3]).draw(85.0).is_ok());
+        let error = adjacent([5e-324, 5e-324, 0.3]).draw(85.0).unwrap_err();
+        let message = error.to_string();
         assert!(message.contains("initial_theta = 5e-324:"), "{message}");
+    }
+
+    #[test]
+    fn rejects_values_beyond_all_axes() {
+        let mut map = curves(1);
+        map.runs[0].color = -1e100;
+        let expected = FigureError::TooLarge {
+            column: "rise_time".to_owned(),
+            value: -1e100,
+        };
+        assert_eq!(map.draw(85.0).unwrap_err(), expected);
     }
 }

@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_without_nutation_stays_as_it_is() {
+    fn runs_without_nutation_need_no_short_period() {
         let falling = [("initial.psi_dot", "0"), ("stop.duration", "0.6")];
         let scenario = scenario("paper", &falling);
         let fine = finely_sampled(&scenario);

@@ -36,6 +36,7 @@ impl Style {
 
     /// The stroke of a motion over which averages are drawn.
     pub(super) fn motion(self, run: usize) -> Stroke {
+        // A single motion needs no transparency: nothing but its averages crosses it.
         if self.runs == 1 {
             return line(SKY, THIN);
         }

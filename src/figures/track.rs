@@ -183,6 +183,7 @@ fn ranges(tracks: &[Vec<Position>]) -> [(f64, f64); 2] {
     let x = extremes(points.clone().map(|point| point.0));
     let y = extremes(points.map(|point| point.1));
     let size = (x.1 - x.0).max(y.1 - y.0);
+    // A square, so that the track has its true shape.
     let half = if size > 0.0 {
         (0.5 + PADDING) * size
     } else {

@@ -109,7 +109,7 @@ fn check_svg(svg: &str, (width, height): (f64, f64), what: &str) {
 }
 
 #[test]
-fn figures_that_say_nothing_of_a_peg_are_left_out_with_a_reason() {
+fn skips_inapplicable_figures_with_a_reason() {
     let (held, free) = (short("paper"), short("drop"));
     for figure in FIGURES {
         let applies = figure.does_not_apply(&held).is_none();
@@ -124,7 +124,7 @@ fn figures_that_say_nothing_of_a_peg_are_left_out_with_a_reason() {
 }
 
 #[test]
-fn hops_are_drawn_only_of_a_peg_that_leaves_the_table() {
+fn skips_hops_of_a_peg_that_stays_on_the_table() {
     let hops = Figure::find("hops").unwrap();
     let does_not_apply = |preset| hops.does_not_apply(&short(preset));
     let reason = Some("the peg does not leave the table");
@@ -133,7 +133,7 @@ fn hops_are_drawn_only_of_a_peg_that_leaves_the_table() {
 }
 
 #[test]
-fn a_ripple_is_pale_below_its_average() {
+fn fast_oscillation_is_a_band_with_its_average() {
     let run = simulated("free-paper", &[("stop.duration", "4.0")]);
     let svg = svg_of("torque", &[&run]);
     assert!(places(&svg, "free-paper: friction_node.y").len() > 1000);
@@ -146,7 +146,7 @@ fn a_ripple_is_pale_below_its_average() {
 }
 
 #[test]
-fn a_track_tells_what_the_peg_does() {
+fn tracks_show_sliding_rolling_and_flight() {
     let run = simulated("free-paper", &[("stop.duration", "8.0")]);
     let svg = svg_of("track", &[&run]);
     for part in ["sliding", "rolling", "in the air"] {
@@ -159,7 +159,7 @@ fn a_track_tells_what_the_peg_does() {
 }
 
 #[test]
-fn every_figure_is_an_svg_image_and_a_png_of_its_size() {
+fn every_figure_is_valid_svg_and_png() {
     let runs = [short("paper"), short("full-coulomb"), short("frictionless")];
     let held: Vec<_> = runs.iter().collect();
     let [free, tippe] = [short("drop"), short("tippe-top")];
@@ -196,7 +196,7 @@ fn every_figure_is_an_svg_image_and_a_png_of_its_size() {
 }
 
 #[test]
-fn axes_are_named_with_symbols_and_units() {
+fn axes_have_symbols_and_units() {
     let run = short("paper");
     let svg = |name| Figure::find(name).unwrap().draw(&[&run], 85.0).svg();
     for (name, expected) in [
@@ -278,7 +278,7 @@ fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
 const FAST: [(&str, &str); 2] = [("initial.psi_dot", "3000"), ("stop.duration", "0.5")];
 
 #[test]
-fn val_simulated_runs_show_nutation_that_is_faster_than_their_samples() {
+fn val_simulations_are_sampled_finely_enough_for_nutation() {
     let run = simulated("frictionless", &FAST);
     let svg = svg_of("figure-2", &[&run]);
     for quantity in ["theta_dot", "phi_dot"] {
@@ -302,7 +302,7 @@ fn val_simulated_runs_show_nutation_that_is_faster_than_their_samples() {
 }
 
 #[test]
-fn figures_say_where_samples_are_too_few() {
+fn notes_too_few_samples() {
     let folder = Folder::new();
     let path = folder.at("coarse.mcap");
     let changes = [("sampling.period", "0.02"), ("stop.duration", "2")];
@@ -332,7 +332,7 @@ fn figures_say_where_samples_are_too_few() {
 }
 
 #[test]
-fn spikes_at_upright_are_cut_off_and_marked() {
+fn clips_and_marks_spikes_at_upright() {
     // The passages through upright are around 33 s.
     let upright = simulated("lifecycle", &[("stop.duration", "45")]);
     let svg = svg_of("figure-2", &[&upright]);
@@ -343,7 +343,7 @@ fn spikes_at_upright_are_cut_off_and_marked() {
 }
 
 #[test]
-fn signals_that_are_zero_have_a_plain_axis() {
+fn zero_signals_have_a_plain_axis() {
     let run = simulated("frictionless", &[("stop.duration", "0.5")]);
     for (name, unit) in [
         ("torque", "τ (N m)"),
@@ -356,7 +356,7 @@ fn signals_that_are_zero_have_a_plain_axis() {
 }
 
 #[test]
-fn keys_name_only_what_is_drawn() {
+fn legend_skips_absent_averages() {
     let key = "key: average over each nutation";
     let has_key = |run: &RunData| has_label(&svg_of("figure-2", &[run]), key);
     assert!(has_key(&short("paper")));
@@ -364,7 +364,7 @@ fn keys_name_only_what_is_drawn() {
 }
 
 #[test]
-fn the_rate_of_precession_stands_with_the_root_that_it_follows() {
+fn precession_shares_a_panel_with_the_root_it_follows() {
     for (preset, changes, root, is_above) in [
         ("paper", &[][..], "slow_root", false),
         (
@@ -390,7 +390,7 @@ fn the_rate_of_precession_stands_with_the_root_that_it_follows() {
 }
 
 #[test]
-fn the_ends_of_runs_that_part_are_magnified_one_by_one() {
+fn magnifies_separate_ends_separately() {
     let run = short("paper");
     let fallen = simulated(
         "paper",
@@ -406,7 +406,7 @@ fn the_ends_of_runs_that_part_are_magnified_one_by_one() {
 }
 
 #[test]
-fn circles_of_small_inclinations_are_told_in_powers_of_ten() {
+fn caption_of_small_circles_has_a_power_of_ten() {
     let run = simulated(
         "paper",
         &[
@@ -424,7 +424,7 @@ fn circles_of_small_inclinations_are_told_in_powers_of_ten() {
 }
 
 #[test]
-fn names_of_runs_are_escaped() {
+fn escapes_names_of_runs() {
     let mut run = short("paper");
     run.name = "<a & \"b\">\u{1}".to_owned();
     let svg = svg_of("figure-2", &[&run, &run]);
@@ -439,7 +439,7 @@ fn names_of_runs_are_escaped() {
 
 /// Figures, and the SHA-256 of their SVG and PNG.
 ///
-/// They change with the looks of figures, and with the physics. They must be the same on every machine.
+/// They change with the style of figures, and with the physics. They must be the same on every machine.
 #[rustfmt::skip]
 const GOLDEN: &[(&str, &str, &str)] = &[
     ("figure-2",
@@ -479,7 +479,7 @@ fn regress_bytes() {
 }
 
 #[test]
-fn tracks_fill_the_width_up_to_eleven_centimetres() {
+fn tracks_fill_the_width_up_to_110_mm() {
     let run = short("drop");
     let edges = |width: f64| {
         let svg = Figure::find("track").unwrap().draw(&[&run], width).svg();
@@ -500,7 +500,7 @@ fn tracks_fill_the_width_up_to_eleven_centimetres() {
 }
 
 #[test]
-fn whole_runs_make_small_files() {
+fn files_of_whole_runs_are_small() {
     let run = simulated("paper", &[]);
     let other = simulated("paper-spin-term-only", &[]);
     for figure in FIGURES {
@@ -520,7 +520,7 @@ fn whole_runs_make_small_files() {
 }
 
 #[test]
-fn recordings_draw_as_their_simulation() {
+fn recordings_and_simulations_have_equal_data() {
     let folder = Folder::new();
     let scenario = scenario("paper", &[("stop.duration", "1.0")]);
     for encoding in [Encoding::Json, Encoding::Protobuf] {
@@ -537,7 +537,7 @@ fn recordings_draw_as_their_simulation() {
 }
 
 #[test]
-fn the_command_writes_both_kinds_and_overwrites_nothing() {
+fn command_writes_both_kinds_without_overwriting() {
     let folder = Folder::new();
     record(&folder, "a.mcap", &[]);
     let line = "figures a.mcap -o out --only figure-2,energy";
@@ -556,7 +556,7 @@ fn the_command_writes_both_kinds_and_overwrites_nothing() {
 }
 
 #[test]
-fn without_a_run_the_presets_are_drawn() {
+fn command_without_runs_draws_the_paper() {
     let folder = Folder::new();
     folder.toprise("figures --only figure-4 --kinds svg --width 170", 0);
     let svg = folder.text("figures/figure-4.svg");
@@ -570,7 +570,7 @@ fn without_a_run_the_presets_are_drawn() {
 }
 
 #[test]
-fn what_is_missing_is_told_and_the_rest_is_drawn() {
+fn command_reports_missing_data_and_draws_the_rest() {
     let folder = Folder::new();
     record(&folder, "some.mcap", &["/top/state", "/top/nutation"]);
     record(&folder, "other.mcap", &["/events"]);
@@ -588,7 +588,7 @@ fn what_is_missing_is_told_and_the_rest_is_drawn() {
 }
 
 #[test]
-fn an_interrupted_run_is_drawn_as_far_as_it_goes() {
+fn command_draws_interrupted_runs() {
     let folder = Folder::new();
     record(&folder, "whole.mcap", &[]);
     let whole = folder.read("whole.mcap");

@@ -59,6 +59,7 @@ pub(super) struct Sphere {
 fn to_view(axis: &Direction) -> Direction {
     let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), -AZIMUTH);
     let lower = Rotation3::from_axis_angle(&Vector3::y_axis(), ELEVATION);
+    // Both rotations leave x pointing at the viewer and z upwards.
     (lower * (turn * axis)).yzx()
 }
 
@@ -110,17 +111,20 @@ impl Sphere {
     pub(super) fn around(traces: &[&Trace]) -> Self {
         let axes = traces.iter().flat_map(|trace| &trace.axes);
         let (_, max_theta) = extremes(axes.map(|axis| atan2(hypot(axis.x, axis.y), axis.z)));
+        // The cap of an axis that stays vertical has an extent too.
         let scale = Scale::new(0.0, max_theta.max(1e-6), MAX_CIRCLES);
         let exponent = scale.exponent;
         let mut ticks = scale.into_ticks_beyond();
         ticks.retain(|tick| 0.0 < tick.value && tick.value < PI);
         let edge = ticks.last().map_or(PI, |tick| tick.value);
+        // Below the horizon, the cap is as wide as the sphere.
         let vertical = MAX_VERTICAL.min(VERTICAL * sin_cos(edge.min(PI / 2.0)).0);
         Self {
             circles: ticks.iter().map(|tick| circle(tick.value)).collect(),
             labels: ticks.into_iter().map(|tick| tick.label).collect(),
             exponent,
             meridians: steps(TAU, MERIDIANS)
+                // The first and the last step are the same meridian.
                 .skip(1)
                 .map(|azimuth| meridian(azimuth, edge))
                 .collect(),

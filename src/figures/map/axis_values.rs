@@ -70,6 +70,7 @@ impl AxisValues {
             .windows(2)
             .map(|pair| f64::midpoint(pair[0], pair[1]))
             .collect();
+        // The cell of a single value has no neighbours that could give it a size.
         let margin = if *first == 0.0 {
             1.0
         } else {

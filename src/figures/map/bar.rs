@@ -48,6 +48,7 @@ impl Bar {
     /// The bar of a map's values, next to the frame of a drawing of this width.
     pub(super) fn new(map: &Map, width: f64) -> Self {
         let values = AxisValues::for_colours(&map.color, map.values(|run| run.color));
+        // The bar is as high as the frame.
         let max_labels = frame::max_labels_up(chart::height(width));
         let scale = values.scale(values.range(), max_labels);
         Self { values, scale }

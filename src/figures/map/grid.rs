@@ -42,6 +42,7 @@ impl<'a> Grid<'a> {
         }
         let mut cells = vec![None; columns * rows];
         for run in &map.runs {
+            // Runs without a value along an axis are left out before.
             let [Some(column), Some(row)] = [axes[0].index(run.x), axes[1].index(run.y)] else {
                 continue;
             };
@@ -103,6 +104,7 @@ impl<'a> Grid<'a> {
                 if neighbour_loops.is_none_or(|neighbour| neighbour == loops) {
                     continue;
                 }
+                // Towards this cell if it is the one that loops, else towards the neighbour.
                 let sign = if loops { -1.0 } else { 1.0 };
                 borders.push(Border {
                     ends: [from, corner],

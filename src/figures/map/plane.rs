@@ -32,6 +32,7 @@ pub(super) fn draw(map: &Map, y: &MapAxis, width: f64) -> Result<Drawing, Figure
         let meaning = "boundary of looping runs (ticks point inside)";
         legend.push(Entry::line(stroke, meaning));
     }
+    // The label of the bar stands between legend and frame.
     let bar_label = if bar.is_empty() { 0.0 } else { LINE_HEIGHT };
     let top = legend::draw_at_top(&mut drawing, &legend) + bar_label + 0.6;
 

@@ -77,6 +77,7 @@ impl MapAxis {
     fn key_with_symbol(&self) -> Option<(&'static Key, &'static str)> {
         let key = KEYS.iter().find(|key| self.is_of(key))?;
         let symbol = key.symbol()?;
+        // No two axes have the same label.
         let first = KEYS.iter().find(|key| key.symbol() == Some(symbol))?;
         self.is_of(first).then_some((key, symbol))
     }

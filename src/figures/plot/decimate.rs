@@ -9,6 +9,7 @@ use std::ops::Range;
 /// The points must be in the order of their columns. A point that is not finite divides the line.
 pub(crate) fn by_column(points: impl IntoIterator<Item = Point>, width: f64) -> Vec<Vec<Point>> {
     let points: Vec<Point> = points.into_iter().collect();
+    // A pixel column can't show more of a line than where it enters, its extremes, and where it leaves.
     points
         .split(|(x, y)| !(x.is_finite() && y.is_finite()))
         .filter(|line| !line.is_empty())
@@ -103,14 +104,14 @@ mod tests {
     }
 
     #[test]
-    fn gaps_divide_the_line() {
+    fn gaps_divide_lines() {
         let points = [(0.0, 1.0), (1.0, f64::NAN), (2.0, 1.0), (3.0, 2.0)];
         let lines = by_column(points, 0.5);
         assert_eq!(lines, [vec![(0.0, 1.0)], vec![(2.0, 1.0), (3.0, 2.0)]]);
     }
 
     #[test]
-    fn the_ends_of_a_path_stay() {
+    fn keeps_both_ends_of_a_path() {
         let points = [(0.0, 0.0), (0.1, 0.0), (1.0, 0.0), (1.1, 0.0)];
         assert_eq!(
             by_distance(&points, 0.5),

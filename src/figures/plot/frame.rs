@@ -130,6 +130,7 @@ impl Frame {
     /// The shapes of a curve whose points are in any order.
     pub(crate) fn path(&self, points: &[Point], stroke: Stroke) -> Vec<Shape> {
         let places: Vec<Point> = points.iter().map(|point| self.place(*point)).collect();
+        // Half a pixel, so that small loops stay round.
         let thinned = decimate::by_distance(&places, 0.5 / RESOLUTION);
         Shape::lines(self.bounds.clip_line(&thinned), stroke)
     }
@@ -171,6 +172,7 @@ impl Frame {
         // One corner more than a closed line needs, so that the first corner is joined like the others.
         border.extend_from_within(..2);
         let mut lines = vec![border];
+        // Ticks on all sides help to read values far from the labels.
         for (value, length) in all_ticks(&self.x) {
             let x = self.place((value, self.y.low)).0;
             lines.push(vec![(x, bounds.bottom), (x, bounds.bottom - length)]);

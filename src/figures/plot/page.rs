@@ -274,6 +274,7 @@ impl Page {
         };
         let lines = panels.iter().flat_map(Panel::lines);
         let (first, last) = extremes(lines.flatten().map(|point| point.0));
+        // Means begin half a nutation after the start, where an axis should not begin.
         let is_from_zero = (0.0..NEARLY_ZERO * last).contains(&first);
         (if is_from_zero { 0.0 } else { first }, last)
     }

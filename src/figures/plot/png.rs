@@ -45,6 +45,7 @@ impl Drawing {
 
 /// A PNG file of opaque pixels.
 fn encode(pixels: &Pixmap) -> Result<Vec<u8>, EncodingError> {
+    // The background is opaque, so alpha would only make the file larger.
     let rgb: Vec<u8> = pixels
         .pixels()
         .iter()
@@ -111,6 +112,7 @@ fn outline(pixels: &mut Pixmap, path: Option<Path>, stroke: &Stroke) {
     let dash = stroke.dash.iter().map(|length| *length as f32).collect();
     let pen = tiny_skia::Stroke {
         width: stroke.width as f32,
+        // A mitre would extend beyond the sharp peaks of a curve.
         line_join: LineJoin::Round,
         dash: StrokeDash::new(dash, 0.0),
         ..tiny_skia::Stroke::default()

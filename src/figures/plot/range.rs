@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn a_spike_is_left_out_and_the_rest_fills_the_axis() {
+    fn clips_brief_spikes() {
         // From −1 to 1 and back, every two seconds.
         let spike = |t: f64| {
             1.0 - 2.0 * (t % 2.0 - 1.0).abs()
@@ -100,13 +100,13 @@ mod tests {
     }
 
     #[test]
-    fn a_pole_is_left_out() {
+    fn clips_poles() {
         let (low, high) = without_spikes(&curve(|t| 1.0 / (10.000_001 - t)));
         assert!(low == 1.0 / 10.000_001 && high < 5.0, "{low} {high}");
     }
 
     #[test]
-    fn what_grows_steadily_is_shown_whole() {
+    fn keeps_steady_growth() {
         for value in [
             |t: f64| t,
             |t: f64| t * t * t * t,
@@ -119,14 +119,14 @@ mod tests {
     }
 
     #[test]
-    fn few_points_are_shown_all() {
+    fn keeps_all_of_few_points() {
         let points = [(0.0, 1.0), (1.0, 1.0), (2.0, 1e6), (3.0, 1.0)];
         assert_eq!(without_spikes(&points), (1.0, 1e6));
         assert_eq!(without_spikes(&[]), EMPTY);
     }
 
     #[test]
-    fn ranges_overlap_where_they_touch() {
+    fn touching_ranges_overlap() {
         assert!(overlap((0.0, 1.0), (1.0, 2.0)) && overlap((0.0, 9.0), (1.0, 2.0)));
         assert!(!overlap((0.0, 1.0), (1.5, 2.0)) && !overlap((0.0, 1.0), EMPTY));
     }

@@ -116,6 +116,7 @@ impl Rows {
         while self.bin_width * (self.max_rows as f64) < last - first {
             self.bin_width *= 2.0;
         }
+        // Down to half, so that thinning is rare and its cost per row is constant.
         loop {
             let kept = self.rows_to_keep();
             self.times = pick(&self.times, &kept);
@@ -187,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn few_rows_stay_as_they_are() {
+    fn keeps_few_rows_unchanged() {
         let mut rows = Rows::new(1, MAX_ROWS, true);
         let points: Vec<Point> = (0..MAX_ROWS - 1).map(|i| (i as f64, wave(0, i))).collect();
         for (time, value) in &points {
@@ -200,7 +201,7 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(6))]
 
         #[test]
-        fn memory_is_bounded_and_envelopes_survive(seed in 0_u64..1000, count in 200_000_usize..1_000_000) {
+        fn thinning_bounds_memory_and_keeps_envelopes(seed in 0_u64..1000, count in 200_000_usize..1_000_000) {
             let mut rows = Rows::new(2, MAX_ROWS, true);
             let points: Vec<Vec<Point>> = [seed, seed + 1]
                 .map(|seed| (0..count).map(|i| (i as f64 * 1e-3, wave(seed, i))).collect())
@@ -222,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn gaps_stay() {
+    fn thinning_keeps_gaps() {
         let mut rows = Rows::new(1, MAX_ROWS, true);
         let is_missing = |i: usize| (170_000..171_000).contains(&i) || i == 5;
         for i in (0..500_000).filter(|i| !is_missing(*i)) {
@@ -237,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn the_end_stays_finer() {
+    fn thinning_keeps_the_end_finer() {
         let mut rows = Rows::new(1, MAX_ROWS, true);
         for i in 0..2_000_000 {
             rows.push(i as f64, [wave(0, i)]);

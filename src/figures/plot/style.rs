@@ -20,6 +20,7 @@ pub(crate) const COLOURS: &[Colour] = &[BLUE, VERMILION, GREEN, PURPLE, ORANGE, 
 const SOLID: &[f64] = &[];
 pub(crate) const DASHED: &[f64] = &[1.5, 0.8];
 
+// The 6.5 mm of a line in a legend show each pattern more than once.
 /// The dash patterns of curves, in order of use: alternating lengths of dashes and gaps, mm.
 pub(crate) const DASHES: &[&[f64]] = &[
     SOLID,
@@ -41,6 +42,7 @@ pub(crate) const LINE_HEIGHT: f64 = 1.35 * FONT_SIZE;
 /// The margin around a drawing, mm.
 pub(crate) const MARGIN: f64 = 0.8;
 
+// A column is then at least 62 mm wide.
 /// The minimum width of a drawing with two columns of plots, mm.
 pub(crate) const TWO_COLUMNS: f64 = 130.0;
 

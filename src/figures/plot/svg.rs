@@ -17,6 +17,7 @@ impl Drawing {
     /// The drawing as an SVG document.
     pub fn svg(&self) -> String {
         let [width, height] = [self.width, self.height].map(units);
+        // `xlink:href` below is SVG 1.1: many programs don't read the plain `href` of SVG 2.
         let mut svg = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
         svg.push_str(&format!("<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" \
              width=\"{}mm\" height=\"{}mm\" viewBox=\"0 0 {width} {height}\" role=\"img\">\n<title>{}</title>\n",
@@ -131,7 +132,7 @@ fn path_data(points: &[Point]) -> String {
     let mut last = (0, 0);
     for (index, place) in places.into_iter().enumerate() {
         let (dx, dy) = (place.0 - last.0, place.1 - last.1);
-        // A minus sign separates as well as a space does.
+        // A minus sign separates numbers as a space does, and curves are most of a file.
         let before = match index {
             0 => "M",
             1 => "l",
@@ -177,6 +178,7 @@ fn shape_element(shape: &Shape) -> String {
 
 fn label_element(label: &Label) -> String {
     let scale = FONT_SIZE * UNITS_PER_MM / UNITS_PER_EM;
+    // Heights of glyphs are upwards, those of SVG downwards: hence the negative scale.
     let rotation = if label.is_upward { " rotate(-90)" } else { "" };
     let mut svg = format!(
         "<g aria-label=\"{}\" fill=\"{}\" transform=\"translate({} {}){rotation} scale({} {})\">",
@@ -189,6 +191,7 @@ fn label_element(label: &Label) -> String {
     );
     for glyph in &label.text.glyphs {
         let (x, y) = (glyph.x * UNITS_PER_EM, glyph.y * UNITS_PER_EM);
+        // Most glyphs are not in a script, and need no transform of their own.
         let position = if glyph.scale == 1.0 {
             format!("x=\"{}\" y=\"{}\"", decimal(x), decimal(y))
         } else {
@@ -255,7 +258,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn paths_lead_from_place_to_place(
+        fn paths_visit_all_points(
             points in prop::collection::vec((-1.0..1.0, -0.1..0.1), 1..30),
         ) {
             let path = path_data(&points);
@@ -267,13 +270,13 @@ mod tests {
     }
 
     #[test]
-    fn paths_are_steps() {
+    fn paths_are_relative_steps() {
         let points = [(1.0, 1.0), (1.0, 1.001), (1.5, 0.5), (1.25, 0.75)];
         assert_eq!(path_data(&points), "M100 100l50-50-25 25");
     }
 
     #[test]
-    fn numbers_are_short() {
+    fn decimals_are_short() {
         assert_eq!(decimal(85.0), "85");
         assert_eq!(decimal(-0.000_01), "0");
         assert_eq!(decimal(0.28222), "0.2822");

@@ -176,6 +176,7 @@ impl Text {
                         SUPERSCRIPT
                     };
                 }
+                // Scripts don't nest in labels.
                 '}' => script = NORMAL,
                 '\u{307}' => text.accent(1, letter),
                 '\u{308}' => text.accent(2, letter),
@@ -199,7 +200,7 @@ impl Text {
         let Some(face) = face(style) else {
             return;
         };
-        // The font shows a box for missing letters.
+        // Glyph 0 is a box for missing letters, as in names of files.
         let id = face.glyph_index(letter).unwrap_or(GlyphId(0));
         let advance = f64::from(face.glyph_hor_advance(id).unwrap_or(0)) / UNITS_PER_EM;
         self.add(Glyph {
@@ -261,7 +262,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_fonts_have_all_letters_of_labels() {
+    fn fonts_contain_all_letters_of_labels() {
         for style in [FontStyle::Upright, FontStyle::Italic] {
             let face = face(style).unwrap();
             for letter in "θφψωτkR0123456789−.·²³()|/ ".chars() {
@@ -274,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn dots_stand_over_their_letter_and_take_no_width() {
+    fn accents_add_height_but_no_width() {
         let bare = Text::markup("*θ*");
         let dotted = Text::markup("*θ\u{308}*");
         assert_eq!(dotted.glyphs.len(), 3);
@@ -284,14 +285,14 @@ mod tests {
     }
 
     #[test]
-    fn long_names_keep_their_end() {
+    fn truncates_long_names_at_the_start() {
         let text = Text::name(&"a/long/directory/".repeat(9));
         assert!(text.width <= MAX_NAME_WIDTH && text.width > MAX_NAME_WIDTH - 1.0);
         assert!(text.spoken.starts_with('…') && text.spoken.ends_with("directory/"));
     }
 
     #[test]
-    fn names_are_set_as_they_are() {
+    fn plain_text_has_no_markup() {
         assert_eq!(Text::plain("a*b_{c}").spoken, "a*b_{c}");
         assert_eq!(Text::markup("*E*_{kin} (J)").spoken, "E_kin (J)");
     }

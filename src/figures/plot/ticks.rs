@@ -70,6 +70,7 @@ impl Step {
         let shown = times_power_of_ten(number, self.exponent - unit);
         Tick {
             value: times_power_of_ten(number, self.exponent),
+            // A hyphen is shorter than a minus sign in print.
             label: format!("{shown:.decimals$}").replace('-', "−"),
         }
     }
@@ -90,6 +91,7 @@ fn multiples(step: f64, low: f64, high: f64) -> RangeInclusive<i64> {
 
 /// The shortest step with at most `max` multiples in a range.
 fn shortest_step(low: f64, high: f64, max: usize) -> Step {
+    // A thousandth of the range has more multiples than any axis has labels.
     let mut step = Step {
         mantissa: 1,
         exponent: decade(high - low) - 3,
@@ -108,7 +110,7 @@ impl Scale {
         let (low, high) = widened(low, high);
         let step = shortest_step(low, high, max_labels.max(3));
         let exponent = exponent_of_labels(decade(low.abs().max(high.abs())));
-        // Minor ticks are round numbers too: half a unit apart where the step is 2.
+        // Minor ticks are at round numbers too: 0.5 apart where the step is 2, 0.2 where it is 1, 1 where it is 5.
         let parts = if step.mantissa == 2 { 4 } else { 5 };
         let part = step.value() / parts as f64;
         Self {
@@ -208,6 +210,7 @@ impl Scale {
 
     /// The ticks with labels, and one more if the last is not close to the upper end.
     pub(crate) fn into_ticks_beyond(mut self) -> Vec<Tick> {
+        // A last tick within a hundredth of the end stands for it.
         let last = *multiples(self.step.value(), self.low, self.high).end();
         if self.step.value() * (last as f64) < 0.99 * self.high {
             self.ticks.push(self.step.tick(last + 1, self.exponent));
@@ -286,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn small_and_large_numbers_share_a_power() {
+    fn labels_share_a_power_of_ten() {
         let scale = Scale::new(0.0, 0.000_23, 5);
         assert_eq!(scale.exponent, -6);
         assert_eq!(scale.ticks.last().unwrap().label, "200");
@@ -295,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn constants_have_short_numbers() {
+    fn labels_of_constants_are_short() {
         assert_eq!(labels(0.0, 0.0, 5), ["−1.0", "−0.5", "0.0", "0.5", "1.0"]);
         assert_eq!(labels(0.0, 1e-13, 5), labels(0.0, 0.0, 5));
         assert_eq!(
@@ -306,7 +309,7 @@ mod tests {
 
     #[cfg(feature = "sweep")]
     #[test]
-    fn logarithms_have_the_numbers_that_they_are_of() {
+    fn logarithmic_labels_are_round_numbers() {
         let log = libm::log10;
         let labels = |low: f64, high: f64, most| {
             let scale = Scale::logarithmic(log(low), log(high), most);
@@ -339,7 +342,7 @@ mod tests {
     }
 
     #[test]
-    fn ranges_without_length_have_one() {
+    fn widens_empty_and_infinite_ranges() {
         for (low, high) in [
             (1.0, 1.0),
             (0.0, 0.0),
@@ -358,7 +361,7 @@ mod tests {
     proptest! {
         #[cfg(feature = "sweep")]
         #[test]
-        fn ticks_of_logarithms_are_few_and_read_as_their_values(
+        fn logarithmic_labels_are_few_and_equal_their_values(
             low in -30.0..6.0, span in 1e-3..18.0, most in 3_usize..10,
         ) {
             let scale = Scale::logarithmic(low, low + span, most);
@@ -380,7 +383,7 @@ mod tests {
         }
 
         #[test]
-        fn ticks_lie_in_the_range_are_few_and_read_as_their_values(
+        fn labels_are_few_and_equal_their_values(
             middle in -1e6..1e6, span in 1e-3..1e6, most in 3_usize..10,
         ) {
             let scale = Scale::new(middle - span, middle + span, most);

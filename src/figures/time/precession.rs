@@ -24,6 +24,7 @@ pub(in crate::figures) fn precession(runs: &[&RunData], width: f64) -> Drawing {
     near.is_singular = true;
     let mut far = near.clone();
     add_motions(&mut near, runs, state::PHI_DOT);
+    // A root that diverges must not flatten the motion.
     near.max_range = around(near.range());
     for (index, run) in runs.iter().enumerate() {
         let [near_root, far_root] = roots_by_distance(run);

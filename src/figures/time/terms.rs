@@ -42,6 +42,7 @@ impl<'a> Terms<'a> {
     /// average as a line.
     fn number(mut self, name: &str, field: NumberField) -> Self {
         let style = Style::new(self.runs.len());
+        // Bands come before all lines, so that none hides the average of another quantity.
         for (index, run) in self.runs.iter().enumerate() {
             if averages_of_band(run, field).is_some() {
                 let band = Curve {
