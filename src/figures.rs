@@ -1,4 +1,4 @@
-//! Figures for print: those of the paper and others.
+//! Figures for print: the figures of the paper, and others.
 //!
 //! A [`Figure`] lists the fields it needs, [`RunData`] collects them from a recording or a simulation, and
 //! [`Figure::draw`] produces a [`Drawing`] (SVG or PNG). The output is reproducible: the font is embedded, and no

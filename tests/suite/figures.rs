@@ -31,11 +31,11 @@ fn parsed(svg: &str) -> Document<'_> {
 
 /// The labels of all groups, as a reader of the document gets them.
 fn labels(svg: &str) -> Vec<String> {
-    let document = parsed(svg);
-    let labels = document
+    parsed(svg)
         .descendants()
-        .filter_map(|node| node.attribute("aria-label"));
-    labels.map(str::to_owned).collect()
+        .filter_map(|node| node.attribute("aria-label"))
+        .map(str::to_owned)
+        .collect()
 }
 
 fn has_label(svg: &str, label: &str) -> bool {
@@ -53,8 +53,15 @@ fn assert_label(svg: &str, label: &str) {
 
 /// The note that samples are too few to show nutation.
 fn unresolved(svg: &str) -> Option<String> {
-    let mut labels = labels(svg).into_iter();
-    labels.find(|label| label.contains("not resolved"))
+    labels(svg)
+        .into_iter()
+        .find(|label| label.contains("not resolved"))
+}
+
+/// The value of an attribute in mm.
+fn millimetres(node: Node<'_, '_>, name: &str) -> f64 {
+    let text = node.attribute(name).unwrap();
+    text.strip_suffix("mm").unwrap().parse().unwrap()
 }
 
 /// Asserts that a document is an SVG image of this size in mm, made of known elements, whose references lead somewhere.
@@ -63,16 +70,17 @@ fn check_svg(svg: &str, (width, height): (f64, f64), what: &str) {
     let root = document.root_element();
     let tag = root.tag_name();
     assert!(root.has_tag_name((SVG, "svg")), "{what}: {tag:?}");
-    let length = |name| {
-        let text = root.attribute(name).unwrap().strip_suffix("mm").unwrap();
-        text.parse::<f64>().unwrap()
-    };
+    let (svg_width, svg_height) = (millimetres(root, "width"), millimetres(root, "height"));
     // Lengths are whole hundredths of a millimetre, and the view box counts these.
-    assert!((length("width") - width).abs() <= 0.005, "{what}");
-    assert!((length("height") - height).abs() <= 0.005, "{what}");
-    let view = root.attribute("viewBox").unwrap().split(' ');
-    let view: Vec<f64> = view.map(|number| number.parse().unwrap()).collect();
-    let expected = [0.0, 0.0, 100.0 * length("width"), 100.0 * length("height")];
+    assert!((svg_width - width).abs() <= 0.005, "{what}");
+    assert!((svg_height - height).abs() <= 0.005, "{what}");
+    let view: Vec<f64> = root
+        .attribute("viewBox")
+        .unwrap()
+        .split(' ')
+        .map(|number| number.parse().unwrap())
+        .collect();
+    let expected = [0.0, 0.0, 100.0 * svg_width, 100.0 * svg_height];
     let is_right = view.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6);
     assert!(is_right, "{what}: {view:?}");
     let title = root.first_element_child().unwrap();
@@ -115,21 +123,23 @@ fn skips_inapplicable_figures_with_a_reason() {
         let applies = figure.does_not_apply(&held).is_none();
         assert_eq!(applies, figure.is_expected_of(&held), "{}", figure.name);
     }
-    let silent = FIGURES
+    let inapplicable: Vec<_> = FIGURES
         .iter()
-        .filter(|figure| figure.does_not_apply(&free).is_some());
-    let silent: Vec<_> = silent.map(|figure| figure.name).collect();
-    assert_eq!(silent, ["acceleration", "precession"]);
+        .filter(|figure| figure.does_not_apply(&free).is_some())
+        .map(|figure| figure.name)
+        .collect();
+    assert_eq!(inapplicable, ["acceleration", "precession"]);
     Folder::new().refuses("figures paper --only track", "the peg is fixed");
 }
 
 #[test]
 fn skips_hops_of_a_peg_that_stays_on_the_table() {
     let hops = Figure::find("hops").unwrap();
-    let does_not_apply = |preset| hops.does_not_apply(&short(preset));
-    let reason = Some("the peg does not leave the table");
-    assert_eq!(does_not_apply("tippe-top"), reason);
-    assert_eq!(does_not_apply("drop"), None);
+    assert_eq!(
+        hops.does_not_apply(&short("tippe-top")),
+        Some("the peg does not leave the table")
+    );
+    assert_eq!(hops.does_not_apply(&short("drop")), None);
 }
 
 #[test]
@@ -237,24 +247,30 @@ fn svg_of(name: &str, runs: &[&RunData]) -> String {
 
 /// The places on the lines and areas of a group, in hundredths of a millimetre from the upper left corner.
 fn places(svg: &str, group: &str) -> Vec<(f64, f64)> {
-    let document = parsed(svg);
-    let of_group = |node: &Node<'_, '_>| node.attribute("aria-label") == Some(group);
-    let groups = document.descendants().filter(of_group);
-    let paths = groups.flat_map(|group| group.children().filter_map(|path| path.attribute("d")));
-    let along = |path: &str| {
-        let spaced = path.replace('-', " -").replace(['M', 'l', 'z'], " ");
-        let numbers = spaced
-            .split_whitespace()
-            .map(|number| number.parse().unwrap());
-        let steps: Vec<f64> = numbers.collect();
-        let mut place = (0.0, 0.0);
-        let places = steps.chunks(2).map(|step| {
-            place = (place.0 + step[0], place.1 + step[1]);
-            place
-        });
-        places.collect::<Vec<_>>()
-    };
-    paths.flat_map(along).collect()
+    parsed(svg)
+        .descendants()
+        .filter(|node| node.attribute("aria-label") == Some(group))
+        .flat_map(|group| group.children())
+        .filter_map(|path| path.attribute("d"))
+        .flat_map(places_on_path)
+        .collect()
+}
+
+/// The places on a path of relative steps.
+fn places_on_path(path: &str) -> Vec<(f64, f64)> {
+    let numbers: Vec<f64> = path
+        .replace('-', " -")
+        .replace(['M', 'l', 'z'], " ")
+        .split_whitespace()
+        .map(|number| number.parse().unwrap())
+        .collect();
+    let mut places = Vec::new();
+    let mut place = (0.0, 0.0);
+    for step in numbers.chunks(2) {
+        place = (place.0 + step[0], place.1 + step[1]);
+        places.push(place);
+    }
+    places
 }
 
 /// The least and greatest heights of a group where it is between these parts of its width.
@@ -357,10 +373,11 @@ fn zero_signals_have_a_plain_axis() {
 
 #[test]
 fn legend_skips_absent_averages() {
-    let key = "key: average over each nutation";
-    let has_key = |run: &RunData| has_label(&svg_of("figure-2", &[run]), key);
-    assert!(has_key(&short("paper")));
-    assert!(!has_key(&simulated("paper", &[("initial.psi_dot", "0")])));
+    let average = "key: average over each nutation";
+    let nutating = short("paper");
+    assert!(has_label(&svg_of("figure-2", &[&nutating]), average));
+    let falling = simulated("paper", &[("initial.psi_dot", "0")]);
+    assert!(!has_label(&svg_of("figure-2", &[&falling]), average));
 }
 
 #[test]
@@ -400,9 +417,8 @@ fn magnifies_separate_ends_separately() {
             ("stop.theta_fallen", "2"),
         ],
     );
-    let has_letter = |runs: &[&RunData]| has_label(&svg_of("figure-3", runs), "(d)");
-    assert!(!has_letter(&[&run, &run]));
-    assert!(has_letter(&[&run, &fallen]));
+    assert!(!has_label(&svg_of("figure-3", &[&run, &run]), "(d)"));
+    assert!(has_label(&svg_of("figure-3", &[&run, &fallen]), "(d)"));
 }
 
 #[test]
@@ -453,29 +469,21 @@ const GOLDEN: &[(&str, &str, &str)] = &[
      "d34ab2dde661d2393cb7410b0eb34d714d5c2e6675328df9105c8ef44bb97d0c"),
 ];
 
+/// The SHA-256 of the SVG and the PNG of a figure.
+fn digests(name: &str) -> [String; 2] {
+    let drawing = Figure::find(name).unwrap().draw(&[&short("paper")], 85.0);
+    [drawing.svg().into_bytes(), drawing.png().unwrap()]
+        .map(|bytes| format!("{:x}", Sha256::digest(bytes)))
+}
+
 #[test]
 fn regress_bytes() {
-    let found: Vec<_> = GOLDEN
-        .iter()
-        .map(|(name, ..)| {
-            let draw = || {
-                let drawing = Figure::find(name).unwrap().draw(&[&short("paper")], 85.0);
-                let sum = |bytes: &[u8]| format!("{:x}", Sha256::digest(bytes));
-                (sum(drawing.svg().as_bytes()), sum(&drawing.png().unwrap()))
-            };
-            let (svg, png) = draw();
-            let again = draw();
-            assert!(
-                (&svg, &png) == (&again.0, &again.1),
-                "{name} differs from itself"
-            );
-            (*name, svg, png)
-        })
-        .collect();
-    let golden = |(name, svg, png): &(&'static str, &str, &str)| {
-        (*name, (*svg).to_owned(), (*png).to_owned())
-    };
-    assert_eq!(found, GOLDEN.iter().map(golden).collect::<Vec<_>>());
+    for (name, svg, png) in GOLDEN {
+        // Twice: nothing depends on the order of a hash table.
+        for _ in 0..2 {
+            assert_eq!(digests(name), [*svg, *png], "{name}");
+        }
+    }
 }
 
 #[test]

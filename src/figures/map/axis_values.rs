@@ -135,13 +135,6 @@ mod tests {
     #[test]
     fn widely_spread_values_have_a_logarithmic_axis() {
         let axis = MapAxis::default();
-        let is_log = |values: Vec<f64>| {
-            [
-                AxisValues::new(&axis, values.clone()),
-                AxisValues::for_colours(&axis, values),
-            ]
-            .map(|values| values.is_log)
-        };
         // From a ratio of 30 along axes and of 10 in colours; never with zeros or negative numbers.
         for (values, expected) in [
             (vec![1.0, 4.0, 9.0], [false, false]),
@@ -154,17 +147,28 @@ mod tests {
             (vec![1.0, 20.5, 40.0], [false, true]),
             (vec![f64::NAN], [false, false]),
         ] {
-            assert_eq!(is_log(values.clone()), expected, "{values:?}");
+            let along_axis = AxisValues::new(&axis, values.clone());
+            let colours = AxisValues::for_colours(&axis, values.clone());
+            assert_eq!([along_axis.is_log, colours.is_log], expected, "{values:?}");
         }
     }
 
     #[test]
     fn single_value_is_centred() {
-        let edges = |values: &[f64]| AxisValues::new(&MapAxis::default(), values.to_vec()).edges();
-        assert_eq!(edges(&[0.5]), [0.45, 0.55]);
-        assert_eq!(edges(&[-20.0]), [-22.0, -18.0]);
-        assert_eq!(edges(&[0.0]), [-1.0, 1.0]);
-        assert_eq!(edges(&[1.0, 2.0]), [0.5, 1.5, 2.5]);
+        for (value, expected) in [
+            (0.5, [0.45, 0.55]),
+            (-20.0, [-22.0, -18.0]),
+            (0.0, [-1.0, 1.0]),
+        ] {
+            let values = AxisValues::new(&MapAxis::default(), vec![value]);
+            assert_eq!(values.edges(), expected);
+        }
+    }
+
+    #[test]
+    fn cells_meet_halfway_between_values() {
+        let values = AxisValues::new(&MapAxis::default(), vec![1.0, 2.0]);
+        assert_eq!(values.edges(), [0.5, 1.5, 2.5]);
     }
 
     #[test]

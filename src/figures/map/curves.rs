@@ -35,31 +35,23 @@ pub(super) fn draw(map: &Map, width: f64) -> Result<Drawing, FigureError> {
     let curves = curves(map)?;
     let mut drawing = Drawing::new(width);
     let below_legend = legend::draw_at_top(&mut drawing, &legend_of(map, &curves)) + 0.6;
-    let strips = if map.outcomes().is_empty() {
+    let strip_count = if map.outcomes().is_empty() {
         0
     } else {
         curves.len()
     };
-    let pitch =
-        (MARK_HEIGHT + MARK_GAP).min(MAX_MARKS * chart::height(width) / strips.max(1) as f64);
-    let mark_height = pitch * MARK_HEIGHT / (MARK_HEIGHT + MARK_GAP);
-    let top = below_legend + strips as f64 * pitch;
+    let strips = Strips::new(below_legend, strip_count, width);
     let ranges = axes.map(|axis| padded(axis.range()));
-    let frame = chart::frame(width, (top, frame::ROOM_RIGHT), axes, ranges);
+    let frame = chart::frame(width, (strips.bottom(), frame::ROOM_RIGHT), axes, ranges);
     for (index, curve) in curves.iter().enumerate() {
         let mut points: Vec<Point> = Vec::new();
         let mut marks = Vec::new();
-        let mark_top = below_legend + index as f64 * pitch;
         for run in &curve.runs {
             let point = (across.position(run.x), upward.position(run.color));
             points.push(point);
             if !run.color.is_finite() {
-                let x = frame.place((point.0, ranges[1].0)).0;
-                let mark = Bounds::between(
-                    (x - HALF_MARK, mark_top),
-                    (x + HALF_MARK, mark_top + mark_height),
-                );
-                marks.push(mark.area(curve.stroke.colour));
+                let (x, _) = frame.place((point.0, ranges[1].0));
+                marks.push(strips.mark(index, x).area(curve.stroke.colour));
             }
         }
         let mut shapes = frame.line(&points, curve.stroke);
@@ -73,6 +65,38 @@ pub(super) fn draw(map: &Map, width: f64) -> Result<Drawing, FigureError> {
     }
     frame.finish(&mut drawing, axes.map(|axis| &axis.quantity));
     Ok(drawing)
+}
+
+/// Strips above the frame, one for each curve, with marks where its runs have no value.
+struct Strips {
+    top: f64,
+    count: usize,
+    /// The distance between the upper edges of two strips, mm.
+    pitch: f64,
+}
+
+impl Strips {
+    /// The strips below `top` in a drawing of this width, which shrink if there are many.
+    fn new(top: f64, count: usize, width: f64) -> Self {
+        let max_pitch = MAX_MARKS * chart::height(width) / count.max(1) as f64;
+        Self {
+            top,
+            count,
+            pitch: max_pitch.min(MARK_HEIGHT + MARK_GAP),
+        }
+    }
+
+    /// The lower edge of all strips, mm.
+    fn bottom(&self) -> f64 {
+        self.top + self.count as f64 * self.pitch
+    }
+
+    /// A mark in a strip, around x.
+    fn mark(&self, strip: usize, x: f64) -> Bounds {
+        let top = self.top + strip as f64 * self.pitch;
+        let height = self.pitch * MARK_HEIGHT / (MARK_HEIGHT + MARK_GAP);
+        Bounds::between((x - HALF_MARK, top), (x + HALF_MARK, top + height))
+    }
 }
 
 /// The names of several curves, and the outcomes of runs without a value.

@@ -183,9 +183,9 @@ mod tests {
 
     #[test]
     fn only_awaited_times_are_not_reached() {
-        let words = |column| Outcome::Stopped(StopReason::Duration).words(column);
-        assert_eq!(words("rise_time"), "not reached");
-        assert_eq!(words("hops"), "none in the whole run");
+        let outcome = Outcome::Stopped(StopReason::Duration);
+        assert_eq!(outcome.words("rise_time"), "not reached");
+        assert_eq!(outcome.words("hops"), "none in the whole run");
     }
 
     #[test]

@@ -202,6 +202,13 @@ impl Layout {
         panel + self.columns >= self.scales.len()
     }
 
+    /// The height of the highest panel in a row, mm.
+    fn row_height(&self, row: &[Panel]) -> f64 {
+        row.iter()
+            .map(|panel| panel.height * self.height)
+            .fold(0.0, f64::max)
+    }
+
     /// The width of the tick labels in a column, mm.
     fn tick_labels_width(&self, column: usize) -> f64 {
         self.panels_in_column(column)
@@ -223,15 +230,11 @@ impl Page {
         let mut frames = Vec::new();
         for row in self.panels.chunks(layout.columns) {
             top += self.room_above(frames.len(), &layout.sides);
-            let bottom = top
-                + row
-                    .iter()
-                    .map(|panel| panel.height * layout.height)
-                    .fold(0.0, f64::max);
+            let bottom = top + layout.row_height(row);
             for (panel, (left, right)) in row.iter().zip(&layout.sides) {
                 let index = frames.len();
-                let (first, last) = self.x_range(panel);
                 let bounds = Bounds::between((*left, top), (*right, bottom));
+                let (first, last) = self.x_range(panel);
                 let frame = Frame {
                     x: Scale::new(first, last, frame::max_labels_across(bounds.width())),
                     y: layout.scales[index].clone(),

@@ -30,7 +30,7 @@ const MAX_STEP: f64 = 1.5;
 pub(crate) struct Rows {
     times: Vec<f64>,
     columns: Vec<Vec<f64>>,
-    max_rows: usize,
+    max_len: usize,
     /// Whether the rows are equally spaced samples, so that a longer step is a gap.
     are_samples: bool,
     /// The shortest step between two rows, s.
@@ -41,9 +41,9 @@ pub(crate) struct Rows {
 
 impl Rows {
     /// An empty table with this number of columns, which keeps at most this number of rows.
-    pub(crate) fn new(columns: usize, max_rows: usize, are_samples: bool) -> Self {
+    pub(crate) fn new(columns: usize, max_len: usize, are_samples: bool) -> Self {
         Self {
-            max_rows,
+            max_len,
             times: Vec::new(),
             columns: vec![Vec::new(); columns],
             are_samples,
@@ -62,7 +62,7 @@ impl Rows {
             self.step = self.step.min(step);
         }
         self.add(time, values);
-        if self.times.len() >= self.max_rows {
+        if self.times.len() >= self.max_len {
             self.thin();
         }
     }
@@ -113,7 +113,7 @@ impl Rows {
     /// Reduces the rows to at most half, widening the bins if necessary.
     fn thin(&mut self) {
         let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
-        while self.bin_width * (self.max_rows as f64) < last - first {
+        while self.bin_width * (self.max_len as f64) < last - first {
             self.bin_width *= 2.0;
         }
         // Down to half, so that thinning is rare and its cost per row is constant.
@@ -123,7 +123,7 @@ impl Rows {
             for column in &mut self.columns {
                 *column = pick(column, &kept);
             }
-            if self.times.len() <= self.max_rows / 2 {
+            if self.times.len() <= self.max_len / 2 {
                 break;
             }
             self.bin_width *= 2.0;

@@ -18,7 +18,7 @@ const QUANTITIES: [(&str, NumberField, NumberField); 4] = [
 ];
 
 /// The paper's figure 2: the inclination and the rates with their averages over nutations.
-pub(in crate::figures) fn motion(runs: &[&RunData], width: f64) -> Drawing {
+pub(crate) fn motion(runs: &[&RunData], width: f64) -> Drawing {
     let mut legend = motion_legend(runs);
     legend.extend(note(runs, &QUANTITIES.map(|(_, field, _)| field)));
     let mut panels = Vec::new();
@@ -41,7 +41,7 @@ fn note(runs: &[&RunData], fields: &[NumberField]) -> Option<Entry> {
 }
 
 /// The paper's figure 4: θ of each further run with the averages of the first.
-pub(in crate::figures) fn compared(runs: &[&RunData], width: f64) -> Drawing {
+pub(crate) fn compared(runs: &[&RunData], width: f64) -> Drawing {
     let Some((reference, others)) = runs.split_first() else {
         return Drawing::new(width);
     };

@@ -18,7 +18,7 @@ const FAR_HEIGHT: f64 = 0.45;
 const BEYOND_AXES: f64 = 1e9;
 
 /// φ̇ and the rates of regular precession, with the region between them in which θ̈ is negative.
-pub(in crate::figures) fn precession(runs: &[&RunData], width: f64) -> Drawing {
+pub(crate) fn precession(runs: &[&RunData], width: f64) -> Drawing {
     let style = Style::new(runs.len());
     let mut near = Panel::new("*φ\u{307}*", "rad/s");
     near.is_singular = true;

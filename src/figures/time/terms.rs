@@ -123,7 +123,7 @@ fn max_magnitude(curves: impl Iterator<Item = Vec<Point>>) -> f64 {
 }
 
 /// The terms of θ̈ and φ̈, averaged over nutations.
-pub(in crate::figures) fn acceleration(runs: &[&RunData], width: f64) -> Drawing {
+pub(crate) fn acceleration(runs: &[&RunData], width: f64) -> Drawing {
     let theta = Terms::new(runs, "mean *θ\u{308}*", "rad/s²")
         .mean("gravitational", accelerations::THETA_DDOT_GRAVITATIONAL)
         .mean("gyroscopic", accelerations::THETA_DDOT_GYROSCOPIC)
@@ -143,7 +143,7 @@ pub(in crate::figures) fn acceleration(runs: &[&RunData], width: f64) -> Drawing
 }
 
 /// The torques in the node frame.
-pub(in crate::figures) fn torque(runs: &[&RunData], width: f64) -> Drawing {
+pub(crate) fn torque(runs: &[&RunData], width: f64) -> Drawing {
     let gravity =
         Terms::new(runs, "*τ*", "N m").number("gravity, *τ*_{*x*}", torques::GRAVITY_NODE.x());
     let friction = Terms::new(runs, "*τ*", "N m")
@@ -154,21 +154,21 @@ pub(in crate::figures) fn torque(runs: &[&RunData], width: f64) -> Drawing {
 }
 
 /// The slip speed and the slip path.
-pub(in crate::figures) fn slip(runs: &[&RunData], width: f64) -> Drawing {
+pub(crate) fn slip(runs: &[&RunData], width: f64) -> Drawing {
     let speed = Terms::new(runs, "|*v*|", "m/s").number("slip speed", contact::SLIP_SPEED);
     let path = Terms::new(runs, "*s*", "m").number("slip path", contact::SLIP_PATH);
     draw(runs, width, vec![speed, path])
 }
 
 /// The normal force and the height of the peg above the table.
-pub(in crate::figures) fn hops(runs: &[&RunData], width: f64) -> Drawing {
+pub(crate) fn hops(runs: &[&RunData], width: f64) -> Drawing {
     let force = Terms::new(runs, "*N*", "N").number("normal force", contact::NORMAL_FORCE);
     let gap = Terms::new(runs, "*h*", "m").number("height of the peg", free_peg::GAP);
     draw(runs, width, vec![force, gap])
 }
 
 /// The energies, and the work and power of friction.
-pub(in crate::figures) fn energy(runs: &[&RunData], width: f64) -> Drawing {
+pub(crate) fn energy(runs: &[&RunData], width: f64) -> Drawing {
     let kinetic = Terms::new(runs, "*E*", "J")
         .number("total", energies::TOTAL)
         .number("kinetic", energies::KINETIC);
