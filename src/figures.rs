@@ -61,9 +61,9 @@ pub struct Figure {
     /// Whether means of the fields over nutations are drawn.
     has_means: bool,
     /// Whether the figure applies to free pegs only.
-    is_of_free_pegs: bool,
+    needs_free_peg: bool,
     /// Reason why the figure does not apply to a run, if any.
-    does_not_apply: fn(&RunData) -> Option<&'static str>,
+    exclusion: fn(&RunData) -> Option<&'static str>,
     draw: fn(&[&RunData], f64) -> Drawing,
 }
 
@@ -74,8 +74,8 @@ const DEFAULTS: Figure = Figure {
     min_runs: 1,
     needs: &[],
     has_means: false,
-    is_of_free_pegs: false,
-    does_not_apply: |_| None,
+    needs_free_peg: false,
+    exclusion: |_| None,
     draw: |_, width| Drawing::new(width),
 };
 
@@ -122,7 +122,7 @@ pub const FIGURES: &[Figure] = &[
             nutation::START,
         ],
         has_means: true,
-        does_not_apply: |run| {
+        exclusion: |run| {
             run.has_free_peg
                 .then_some("its equations hold for a fixed peg only")
         },
@@ -133,7 +133,7 @@ pub const FIGURES: &[Figure] = &[
         name: "precession",
         title: "φ̇ and the rates of regular precession (θ̈ < 0 between them)",
         needs: &[state::PHI_DOT, precession::SLOW_ROOT, precession::FAST_ROOT],
-        does_not_apply: |run| {
+        exclusion: |run| {
             run.has_free_peg
                 .then_some("the rates of regular precession hold for a fixed peg only")
         },
@@ -183,7 +183,7 @@ pub const FIGURES: &[Figure] = &[
             contact::CONTACT_POINT.y(),
             contact::REGIME,
         ],
-        is_of_free_pegs: true,
+        needs_free_peg: true,
         draw: track::track,
         ..DEFAULTS
     },
@@ -192,8 +192,8 @@ pub const FIGURES: &[Figure] = &[
         title: "The normal force on a free peg, and its height above the table",
         needs: &[contact::NORMAL_FORCE, free_peg::GAP],
         has_means: true,
-        is_of_free_pegs: true,
-        does_not_apply: |run| stays_on_table(run).then_some("the peg does not leave the table"),
+        needs_free_peg: true,
+        exclusion: |run| stays_on_table(run).then_some("the peg does not leave the table"),
         draw: time::hops,
         ..DEFAULTS
     },
@@ -248,17 +248,17 @@ impl Figure {
     }
 
     /// The reason why the figure does not apply to a run, whatever the run has recorded.
-    pub fn does_not_apply(&self, run: &RunData) -> Option<&'static str> {
-        if self.is_expected_of(run) {
-            (self.does_not_apply)(run)
+    pub fn exclusion(&self, run: &RunData) -> Option<&'static str> {
+        if self.is_expected_for(run) {
+            (self.exclusion)(run)
         } else {
             Some("the peg is fixed")
         }
     }
 
     /// Whether the figure is expected for a run.
-    pub fn is_expected_of(&self, run: &RunData) -> bool {
-        run.has_free_peg || !self.is_of_free_pegs
+    pub fn is_expected_for(&self, run: &RunData) -> bool {
+        run.has_free_peg || !self.needs_free_peg
     }
 
     /// Draws the figure with a width in mm. Several runs are overlaid; missing data is omitted.

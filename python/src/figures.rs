@@ -182,7 +182,7 @@ fn selected_figures(only: &[String], runs: usize) -> PyResult<Vec<&'static Kind>
 
 /// The reason why a figure can't show a run.
 fn obstacle(kind: &Kind, run: &RunData) -> Option<String> {
-    match kind.does_not_apply(run) {
+    match kind.exclusion(run) {
         Some(reason) => Some(reason.to_owned()),
         None => kind
             .missing(run)

@@ -164,8 +164,8 @@ impl FiguresArguments {
     /// Whether a figure shows a run; otherwise the report says why not.
     fn can_draw(&self, figure: &Figure, run: &RunData, report: &mut FiguresReport) -> bool {
         let (name, run_name) = (figure.name, run.name.clone());
-        if let Some(because) = figure.does_not_apply(run) {
-            let is_expected = figure.is_expected_of(run) || !self.only.is_empty();
+        if let Some(because) = figure.exclusion(run) {
+            let is_expected = figure.is_expected_for(run) || !self.only.is_empty();
             report.left_out.extend(is_expected.then_some(LeftOut {
                 figure: name,
                 run: run_name,

@@ -34,14 +34,16 @@ enum Contact {
 impl Contact {
     const ALL: [Self; 3] = [Self::Sliding, Self::Rolling, Self::InTheAir];
 
-    /// The contact with a recorded [`contact::REGIME`].
-    fn from_regime(regime: f64) -> Self {
-        if regime == 1.0 {
-            Self::Sliding
-        } else if regime == 0.0 {
-            Self::Rolling
+    /// The contact with a recorded [`contact::REGIME`]; `None` if the recording lacks it.
+    fn from_regime(regime: f64) -> Option<Self> {
+        if regime == 0.0 {
+            Some(Self::Rolling)
+        } else if regime == 1.0 {
+            Some(Self::Sliding)
+        } else if regime == 2.0 {
+            Some(Self::InTheAir)
         } else {
-            Self::InTheAir
+            None
         }
     }
 
@@ -167,11 +169,12 @@ fn positions(run: &RunData) -> Vec<Position> {
     let regime = run.series(contact::REGIME);
     let mut positions = Vec::new();
     for (((_, x), (_, y)), (_, regime)) in x.into_iter().zip(y).zip(regime) {
-        if x.is_finite() && y.is_finite() && regime.is_finite() {
-            positions.push(Position {
-                point: (x, y),
-                contact: Contact::from_regime(regime),
-            });
+        if x.is_finite()
+            && y.is_finite()
+            && let Some(contact) = Contact::from_regime(regime)
+        {
+            let point = (x, y);
+            positions.push(Position { point, contact });
         }
     }
     positions
@@ -193,4 +196,34 @@ fn ranges(tracks: &[Vec<Position>]) -> [(f64, f64); 2] {
         let middle = 0.5 * (low + high);
         (middle - half, middle + half)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unknown_regimes_have_no_contact() {
+        for regime in [f64::NAN, -1.0, 0.5, 3.0] {
+            assert_eq!(Contact::from_regime(regime), None);
+        }
+        let known = [0.0, 1.0, 2.0].map(Contact::from_regime);
+        let expected = [Contact::Rolling, Contact::Sliding, Contact::InTheAir];
+        assert_eq!(known, expected.map(Some));
+    }
+
+    #[test]
+    fn parts_begin_where_the_previous_part_ends() {
+        let track = [
+            ((0.0, 0.0), Contact::Sliding),
+            ((1.0, 0.0), Contact::Sliding),
+            ((2.0, 0.0), Contact::Rolling),
+        ]
+        .map(|(point, contact)| Position { point, contact });
+        let parts = parts(&track);
+        assert_eq!(parts.len(), 2);
+        assert_eq!(parts[0].points, [(0.0, 0.0), (1.0, 0.0)]);
+        assert_eq!(parts[1].points, [(1.0, 0.0), (2.0, 0.0)]);
+        assert_eq!(parts[1].contact, Contact::Rolling);
+    }
 }

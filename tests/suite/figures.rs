@@ -120,12 +120,12 @@ fn check_svg(svg: &str, (width, height): (f64, f64), what: &str) {
 fn skips_inapplicable_figures_with_a_reason() {
     let (held, free) = (short("paper"), short("drop"));
     for figure in FIGURES {
-        let applies = figure.does_not_apply(&held).is_none();
-        assert_eq!(applies, figure.is_expected_of(&held), "{}", figure.name);
+        let applies = figure.exclusion(&held).is_none();
+        assert_eq!(applies, figure.is_expected_for(&held), "{}", figure.name);
     }
     let inapplicable: Vec<_> = FIGURES
         .iter()
-        .filter(|figure| figure.does_not_apply(&free).is_some())
+        .filter(|figure| figure.exclusion(&free).is_some())
         .map(|figure| figure.name)
         .collect();
     assert_eq!(inapplicable, ["acceleration", "precession"]);
@@ -136,10 +136,10 @@ fn skips_inapplicable_figures_with_a_reason() {
 fn skips_hops_of_a_peg_that_stays_on_the_table() {
     let hops = Figure::find("hops").unwrap();
     assert_eq!(
-        hops.does_not_apply(&short("tippe-top")),
+        hops.exclusion(&short("tippe-top")),
         Some("the peg does not leave the table")
     );
-    assert_eq!(hops.does_not_apply(&short("drop")), None);
+    assert_eq!(hops.exclusion(&short("drop")), None);
 }
 
 #[test]
@@ -175,13 +175,13 @@ fn every_figure_is_valid_svg_and_png() {
     let [free, tippe] = [short("drop"), short("tippe-top")];
     let free = vec![&free, &tippe];
     for figure in FIGURES {
-        let is_of_held = figure.is_expected_of(held[0]);
+        let is_of_held = figure.is_expected_for(held[0]);
         let mut runs = if is_of_held {
             held.clone()
         } else {
             free.clone()
         };
-        runs.retain(|run| figure.does_not_apply(run).is_none());
+        runs.retain(|run| figure.exclusion(run).is_none());
         for runs in [&runs[..1], &runs[..]] {
             if runs.len() < figure.min_runs {
                 continue;
