@@ -10,7 +10,7 @@ use toprise::analysis::explain::explain;
 use toprise::analysis::verify::{Verdict, verify};
 use toprise::archive::recording::{Condition, Overview, Recording, RecordingError, Selection};
 use toprise::archive::writer::Form;
-use toprise::figures::{Figure, Run};
+use toprise::figures::{Figure, RunData};
 use toprise::telemetry::Topics;
 
 /// A Unix time, ns.
@@ -261,7 +261,7 @@ fn recordings_ordered_by_topic_lose_nothing() {
     assert_eq!(stories[0], stories[1]);
     let figure = Figure::find("figure-2").unwrap();
     let drawn = [&original, &sorted].map(|recording| {
-        let run = Run::read(recording, "run", &[figure], &|_| {});
+        let run = RunData::read(recording, "run", &[figure], &|_| {});
         assert_eq!(run.losses, Vec::<String>::new());
         figure.draw(&[&run], 85.0).svg()
     });
