@@ -251,7 +251,7 @@ fn show(
         name: name.to_owned(),
         state: recording.condition(),
         messages: replayed.messages,
-        undecodable: replayed.undecodable.map_or(0, |(_, count)| count),
+        undecodable: replayed.undecodable.as_ref().map_or(0, |(_, count)| *count),
         losses: losses(&replayed),
         rrd,
     })
