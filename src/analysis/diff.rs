@@ -59,6 +59,7 @@ pub use crate::analysis::history::{PegSummary, RunSummary};
 pub use crate::analysis::subject::Subject;
 
 use self::pairing::{Limits, Paired, common_level, read_both};
+use crate::analysis::verify::{Verdict as VerifyVerdict, verify};
 use crate::archive::recording::{FileChannel, Recording};
 use crate::run::scenario::Scenario;
 use crate::run::time::seconds;
@@ -105,9 +106,11 @@ fn compare_runs(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Result<Report, DiffError> {
-    let again = resampled(inputs);
-    let [a, b] = inputs;
-    let runs = [a, again.as_ref().map_or(b, Subject::Scenario)];
+    let resampled = resample(inputs)?;
+    let mut runs = inputs;
+    if let Some((side, scenario)) = &resampled {
+        runs[*side] = Subject::Scenario(scenario);
+    }
     let topics = runs.map(Subject::topics);
     let mut fields = Vec::new();
     for topic in topics.iter().flatten() {
@@ -150,8 +153,8 @@ fn compare_runs(
         _ => Vec::new(),
     };
     let mut report = Report::of_runs(runs, &paired, setup, others, integrations);
-    if again.is_some() {
-        report.note_resampling();
+    if let Some((side, _)) = resampled {
+        report.note_resampling(side);
     }
     Ok(report)
 }
@@ -209,15 +212,41 @@ fn compare_bytes(
     others::compare([a, b], &Vec::from_iter(topics), &mut |_| {}).0
 }
 
-/// B with A's sampling period, if the periods are incommensurate.
-fn resampled(runs: [Subject<'_>; 2]) -> Option<Scenario> {
-    let [a, b] = [runs[0].scenario()?, runs[1].scenario()?];
-    let periods = [&a, &b].map(|scenario| scenario.sample_period_ns);
+/// The run that is simulated with the sampling period of the other, if neither period is a multiple of the other: one
+/// that is simulated anyway, or B.
+///
+/// # Errors
+/// [`DiffError::NotReproduced`] if both are recordings, and B has not exactly what its scenario gives: a new simulation
+/// can't stand for it then.
+fn resample(runs: [Subject<'_>; 2]) -> Result<Option<(usize, Scenario)>, DiffError> {
+    let [Some(a), Some(b)] = runs.map(Subject::scenario) else {
+        return Ok(None);
+    };
+    let periods = [a.sample_period_ns, b.sample_period_ns];
     if periods[0].is_multiple_of(periods[1]) || periods[1].is_multiple_of(periods[0]) {
-        return None;
+        return Ok(None);
     }
-    let period = seconds(periods[0]);
-    b.with([("sampling.period", period.into())]).ok()
+    let (side, own, other) = match runs {
+        [Subject::Scenario(_), Subject::Recording(_)] => (0, a, periods[1]),
+        [_, Subject::Scenario(_)] => (1, b, periods[0]),
+        [Subject::Recording(_), Subject::Recording(recording)] => {
+            check_reproduced(recording, periods)?;
+            (1, b, periods[0])
+        }
+    };
+    let resampled = own.with([("sampling.period", seconds(other).into())]);
+    Ok(resampled.ok().map(|scenario| (side, scenario)))
+}
+
+/// Checks that a recording has exactly what its scenario gives.
+fn check_reproduced(recording: &Recording, periods: [u64; 2]) -> Result<(), DiffError> {
+    match verify(recording, &|_| {}).map(|report| report.verdict) {
+        Ok(VerifyVerdict::Verified | VerifyVerdict::PackedOtherwise) => Ok(()),
+        Ok(VerifyVerdict::OtherVersion | VerifyVerdict::Incomplete | VerifyVerdict::Different)
+        | Err(_) => Err(DiffError::NotReproduced {
+            periods: periods.map(seconds),
+        }),
+    }
 }
 
 /// The topics that are compared, and those that only A and only B has. Ignored topics are left out, and others than those

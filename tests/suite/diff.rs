@@ -15,8 +15,8 @@ use std::fs::{self, File};
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use toprise::analysis::diff::{
-    ChannelDifference, FieldDifference, Finding, Observer, Options, Report, TopicBytes, Verdict,
-    compare, compare_observed,
+    ChannelDifference, DiffError, FieldDifference, Finding, Observer, Options, Report, TopicBytes,
+    Verdict, compare, compare_observed,
 };
 use toprise::archive::memory::Owned;
 use toprise::archive::pipeline::McapSink;
@@ -159,24 +159,43 @@ fn a_finer_run_agrees_at_the_times_that_both_have() {
 /// Of 0.7 ms and 1 ms neither is a multiple of the other. Nothing that was not compared is identical, not even where
 /// B's own messages are.
 #[test]
-fn a_run_with_other_sample_times_is_simulated_again() {
+fn simulates_a_run_with_the_sample_times_of_the_other() {
     let folder = Folder::new();
-    let other = short(&[("sampling.period", "0.0007")]);
-    let recording = recorded(&folder, "b.mcap", &other, Encoding::Protobuf);
-    for report in [
-        compare(&short(&[]), &other, &quick()),
-        compare(&short(&[]), &recording, &quick()),
+    let (a, b) = (short(&[]), short(&[("sampling.period", "0.0007")]));
+    let of_a = recorded(&folder, "a.mcap", &a, Encoding::Json);
+    let of_b = recorded(&folder, "b.mcap", &b, Encoding::Protobuf);
+    for (name, report, resampled, pairs) in [
+        ("scenarios", compare(&a, &b, &quick()), "B", 2001),
+        ("B recorded", compare(&a, &of_b, &quick()), "A", 2858),
+        ("A recorded", compare(&of_a, &b, &quick()), "B", 2001),
+        ("both recorded", compare(&of_a, &of_b, &quick()), "B", 2001),
     ] {
         let report = report.unwrap();
-        assert_eq!(report.verdict, Verdict::Agreeing);
-        assert!(report.notes[0].starts_with("B was simulated again with A's"));
+        assert_eq!(report.verdict, Verdict::Agreeing, "{name}");
+        let note = format!("{resampled} was simulated with ");
+        assert!(report.notes[0].starts_with(&note), "{name}");
         let state = channel(&report, "/top/state");
-        assert_eq!((state.pairs, state.identical), (2001, 2001));
+        assert_eq!((state.pairs, state.identical), (pairs, pairs), "{name}");
         assert_eq!(report.setup.scenario[0].key, "sampling.period");
     }
     let more = short(&[("sampling.period", "0.0007"), ("friction.k", "0.031")]);
-    let report = compare(&short(&[]), &more, &quick()).unwrap();
+    let report = compare(&a, &more, &quick()).unwrap();
     assert_eq!(report.verdict, Verdict::Different);
+}
+
+#[test]
+fn simulates_no_recording_that_its_scenario_does_not_give() {
+    let folder = Folder::new();
+    let a = recorded(&folder, "a.mcap", &short(&[]), Encoding::Json);
+    let b = short(&[("sampling.period", "0.0007")]);
+    let whole = recorded(&folder, "b.mcap", &b, Encoding::Json);
+    let bytes = fs::read(whole.path()).unwrap();
+    let cut = folder.write("cut.mcap", &bytes[..bytes.len() / 2]);
+    let error = compare(&a, &Recording::open(&cut).unwrap(), &quick()).unwrap_err();
+    let DiffError::NotReproduced { periods } = error else {
+        panic!("{error}");
+    };
+    assert_eq!(periods, [0.001, 0.0007]);
 }
 
 #[test]

@@ -19,6 +19,16 @@ pub enum DiffError {
         "nothing can be compared: the readable parts of A and B have no message of the same time"
     )]
     NothingInCommon,
+    /// The samples of two recordings have few times in common, and B can't be sampled anew.
+    #[error(
+        "the sampling periods of A ({} s) and B ({} s) are no multiples of each other, and B can't be simulated with A's \
+         period because it does not have exactly what its scenario gives: `toprise verify` shows how it differs",
+        periods[0], periods[1]
+    )]
+    NotReproduced {
+        /// The sampling periods of A and B, s.
+        periods: [f64; 2],
+    },
     /// An observer could not write a message or difference.
     #[error(transparent)]
     Sink(#[from] SinkError),

@@ -275,15 +275,16 @@ fn verdict(
 }
 
 impl Report {
-    /// Records that B was resimulated with A's sampling period. The verdict cannot be `Identical`.
-    pub(super) fn note_resampling(&mut self) {
+    /// Records that a run (0 for A, 1 for B) was simulated with the sampling period of the other. The verdict cannot be
+    /// `Identical`.
+    pub(super) fn note_resampling(&mut self, side: usize) {
         if self.verdict != Verdict::Different {
             self.verdict = Verdict::Agreeing;
         }
-        self.notes.push(
-            "B was simulated again with A's sampling period, because neither sampling period is a multiple of the other."
-                .to_owned(),
-        );
+        let (own, other) = if side == 0 { ("A", "B") } else { ("B", "A") };
+        self.notes.push(format!(
+            "{own} was simulated with {other}'s sampling period, because neither sampling period is a multiple of the other."
+        ));
     }
 
     /// The verdict, and a line for each key of the scenarios and each finding that differs.
