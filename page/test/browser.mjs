@@ -44,7 +44,7 @@ const tests = {
     await becomes(tab, "paper, friction.k = 0.045");
     await tab.waitForSelector("#comparison td");
     const rows = await tab.locator("#comparison td").allTextContents();
-    assert.deepEqual(rows.slice(0, 3), ["24.7194", "16.4733", "−8.25 s"]);
+    assert.deepEqual(rows.slice(0, 3), ["24.7194", "16.4733", "−8.25 s ± 54.1 ms"]);
     await shot(tab, "pair");
   },
   async "a saved recording has the program's bytes"(tab) {
