@@ -27,7 +27,7 @@ def test_what_is_left_of_a_recording_is_given_with_a_warning(reference, tmp_path
     cut.write_bytes(whole[: len(whole) // 2])
     with pytest.warns(toprise.RecordingWarning, match="cut: missing .*and 1 more"):
         run = toprise.read(cut)
-    assert run.losses[-1] == "end of the run (interrupted)"
+    assert run.losses[-1] == "missing end of the run (interrupted)"
     assert run.content_digest is None
     part, all_of_it = run["/top/state"], toprise.read(reference / "paper.mcap")["/top/state"]
     theta = part.numpy("theta")

@@ -141,8 +141,8 @@ fn read(
     }
     let mut losses = losses(recording, &reader);
     losses.extend(undecodable.map(|(first, count)| match count {
-        1 => first,
-        _ => format!("{first} (the first of {count} messages that can't be decoded)"),
+        1 => format!("missing {first}"),
+        _ => format!("missing {first} (the first of {count} messages that can't be decoded)"),
     }));
     Ended {
         end: recording.end().cloned(),
@@ -153,11 +153,11 @@ fn read(
 /// Parts that a recording lacks and a reader could not read, in sentences.
 pub(super) fn losses(recording: &Recording, reader: &Reader<'_>) -> Vec<String> {
     let losses = recording.losses().iter().chain(reader.losses());
-    let losses = losses.map(ToString::to_string);
+    let losses = losses.map(|loss| format!("missing {loss}"));
     let left_out = reader.left_out().map(ToString::to_string);
     let is_interrupted = recording.condition() == Condition::Interrupted;
     let lacks_end = is_interrupted.then(|| if recording.is_ours() { "run" } else { "file" });
-    let end = lacks_end.map(|what| format!("end of the {what} (interrupted)"));
+    let end = lacks_end.map(|what| format!("missing end of the {what} (interrupted)"));
     losses.chain(left_out).chain(end).collect()
 }
 
@@ -169,7 +169,7 @@ fn simulate(
     let mut simulation = match Simulation::new(scenario) {
         Ok(simulation) => simulation,
         Err(error) => {
-            let losses = vec![format!("the motion: {error}")];
+            let losses = vec![format!("missing the motion: {error}")];
             return Ended { end: None, losses };
         }
     };
@@ -184,7 +184,7 @@ fn simulate(
             })
         });
         if let Err(error) = sent {
-            losses.push(format!("the rest of the motion: {error}"));
+            losses.push(format!("missing the rest of the motion: {error}"));
             break;
         }
     }

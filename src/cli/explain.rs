@@ -49,7 +49,7 @@ fn page(explanation: &Explanation, all: bool) -> Vec<Section> {
         sections.push(stages(&explanation.stages));
     }
     let losses = explanation.losses.iter().cloned();
-    sections.push(Section::of_lines("Missing", losses));
+    sections.push(Section::of_lines("Incomplete input", losses));
     sections.retain(|section| !section.parts.is_empty());
     sections.insert(0, Section::new(&explanation.title));
     sections

@@ -238,7 +238,7 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Status, Error> {
 
 fn warn(report: &FiguresReport) {
     for RunLoss { run, loss } in &report.losses {
-        output::warn(&format!("{run}: missing {loss}"));
+        output::warn(&format!("{run}: {loss}"));
     }
     for lack in &report.lacking {
         let (run, figure, missing) = (&lack.run, lack.figure, &lack.missing);

@@ -270,7 +270,7 @@ fn outcome_of(recording: &Recording, selection: &Selection) -> Option<Outcome> {
 
 /// Parts that could not be shown, in sentences.
 fn losses(replayed: &Replayed) -> Vec<String> {
-    let losses = replayed.losses.iter().map(ToString::to_string);
+    let losses = replayed.losses.iter().map(|loss| format!("missing {loss}"));
     let left_out = replayed.left_out.iter().map(ToString::to_string);
     losses.chain(left_out).collect()
 }
@@ -285,7 +285,7 @@ fn warn(recording: &Recording, replayed: &Replayed) {
         output::warn(&format!("{path} is incomplete (interrupted)"));
     }
     for loss in losses(replayed) {
-        output::warn(&format!("{path}: missing {loss}"));
+        output::warn(&format!("{path}: {loss}"));
     }
     if let Some((error, count)) = &replayed.undecodable {
         output::warn(&format!(

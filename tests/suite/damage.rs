@@ -158,7 +158,7 @@ fn a_run_that_was_cut_between_records_is_told_as_interrupted() {
     let recording = Recording::open(&path).unwrap();
     assert_eq!(recording.losses(), []);
     let story = explain(&recording).unwrap();
-    assert_eq!(story.losses, ["end of the run (interrupted)"]);
+    assert_eq!(story.losses, ["missing end of the run (interrupted)"]);
     for command in [&["explain"][..], &["view", "--rrd", "x.rrd"]] {
         if cfg!(feature = "rerun") || command.len() == 1 {
             let mut program = Command::cargo_bin("toprise").unwrap();
@@ -180,7 +180,7 @@ fn messages_that_come_twice_are_left_out_and_told() {
     let run = RunData::read(&recording, "run", &[figure], &|_| {});
     let story = explain(&recording).unwrap();
     for losses in [&run.losses, &story.losses] {
-        let part = "messages that repeat others or go back in time";
+        let part = "repeated messages are skipped";
         assert_contains(&losses.join("\n"), part);
     }
     // Sorted and without the repetition it is the run that was recorded.

@@ -7,6 +7,8 @@ use crate::run::time::seconds;
 use std::fmt;
 
 /// Filters out messages that are repeated or go back in time, e.g. if a file contains a chunk twice.
+///
+/// Sequence numbers are optional in MCAP, and many writers set all of them to 0. They alone never exclude a message.
 #[derive(Debug)]
 pub(super) struct Order {
     channels: Vec<Channel>,
@@ -17,8 +19,8 @@ pub(super) struct Order {
 struct Channel {
     topic: String,
     rule: Rule,
-    /// Time (ns) and sequence number of the last message.
-    last: Option<(u64, u32)>,
+    /// Accepted messages of the latest time.
+    latest: Simultaneous,
 }
 
 /// Ordering rule of a channel.
@@ -26,10 +28,60 @@ struct Channel {
 enum Rule {
     /// Times must increase.
     Time,
-    /// Sequence numbers must increase and times must not decrease (events can be simultaneous).
-    Sequence,
+    /// Times must not decrease, because events can be simultaneous; equal messages are repeated ones.
+    Events,
     /// No rule: foreign channels are not filtered.
     Nothing,
+}
+
+/// Reason for leaving out a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Fault {
+    /// An equal message precedes it.
+    Repeated,
+    /// It is earlier than its predecessor, or a second sample of the same time.
+    Disordered,
+}
+
+/// Maximum size of the messages of one time that are kept to find repeated ones, bytes, and their maximum number.
+/// Repeated messages beyond that are not noticed.
+const MAX_SIMULTANEOUS: (usize, usize) = (1 << 20, 1000);
+
+/// Messages of the same time.
+#[derive(Debug, Default)]
+struct Simultaneous {
+    /// The time, ns; `None` before the first message.
+    time_ns: Option<u64>,
+    /// Sequence number of each message, and the end of its data.
+    messages: Vec<(u32, usize)>,
+    /// Data of all messages.
+    data: Vec<u8>,
+}
+
+impl Simultaneous {
+    fn contains(&self, message: &MessageRecord<'_>) -> bool {
+        let mut start = 0;
+        self.messages.iter().any(|(sequence, end)| {
+            let data = &self.data[start..*end];
+            start = *end;
+            *sequence == message.sequence && data == message.data
+        })
+    }
+
+    /// Adds a message, which replaces earlier ones.
+    fn add(&mut self, message: &MessageRecord<'_>) {
+        if self.time_ns != Some(message.log_time) {
+            self.time_ns = Some(message.log_time);
+            self.messages.clear();
+            self.data.clear();
+        }
+        let (max_size, max_count) = MAX_SIMULTANEOUS;
+        let size = self.data.len() + message.data.len();
+        if size <= max_size && self.messages.len() < max_count {
+            self.data.extend_from_slice(message.data);
+            self.messages.push((message.sequence, size));
+        }
+    }
 }
 
 /// Messages that repeat others or go back in time.
@@ -37,6 +89,8 @@ enum Rule {
 pub struct Misplaced {
     /// Number of messages.
     pub messages: u64,
+    /// Number of those that equal a preceding message.
+    pub repeated: u64,
     /// The topic of the first.
     pub topic: String,
     /// The time of the first, ns.
@@ -45,16 +99,24 @@ pub struct Misplaced {
 
 impl fmt::Display for Misplaced {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.messages {
-            1 => f.write_str("1 message that is repeated or goes")?,
-            count => write!(f, "{count} messages that repeat others or go")?,
+        let count = self.messages;
+        match (self.repeated == count, self.repeated == 0) {
+            (true, _) if count == 1 => f.write_str("1 repeated message is skipped")?,
+            (true, _) => write!(f, "{count} repeated messages are skipped")?,
+            (_, true) if count == 1 => {
+                f.write_str("1 message that is not later than its predecessor is skipped")?;
+            }
+            (_, true) => write!(
+                f,
+                "{count} messages that are not later than their predecessors are skipped"
+            )?,
+            _ => write!(
+                f,
+                "{count} messages that repeat others or are not later than their predecessors are skipped"
+            )?,
         }
         let time = seconds(self.time_ns);
-        write!(
-            f,
-            " back in time, the first in {} at t = {time} s",
-            self.topic
-        )
+        write!(f, ", the first in {} at t = {time} s", self.topic)
     }
 }
 
@@ -67,11 +129,11 @@ impl Order {
             rule: match channel.info() {
                 _ if !is_ours => Rule::Nothing,
                 Some(info) if info.is_sampled => Rule::Time,
-                Some(_) => Rule::Sequence,
-                None if channel.is_view() => Rule::Sequence,
+                Some(_) => Rule::Events,
+                None if channel.is_view() => Rule::Events,
                 None => Rule::Nothing,
             },
-            last: None,
+            latest: Simultaneous::default(),
         };
         Self {
             channels: recording.channels().iter().map(channel).collect(),
@@ -79,34 +141,33 @@ impl Order {
         }
     }
 
-    /// Sort key of a message: time, then channel and sequence number. Foreign messages with equal times keep the file
-    /// order.
+    /// Sort key of a message: time, then channel and sequence number. Messages with equal keys keep the file order:
+    /// those of other software, and those whose writer set no sequence numbers.
     pub(super) fn rank(&self, channel: usize, head: &MessageRecord<'_>) -> (u64, usize, u32) {
         match self.channels[channel].rule {
             Rule::Nothing => (head.log_time, 0, 0),
-            Rule::Time | Rule::Sequence => (head.log_time, channel, head.sequence),
+            Rule::Time | Rule::Events => (head.log_time, channel, head.sequence),
         }
     }
 
     /// Whether a message follows the last accepted message of its channel.
-    pub(super) fn accepts(&mut self, channel: usize, time_ns: u64, sequence: u32) -> bool {
+    pub(super) fn accepts(&mut self, channel: usize, message: &MessageRecord<'_>) -> bool {
         let channel = &mut self.channels[channel];
-        let is_later = channel.last.is_none_or(|last| match channel.rule {
-            Rule::Time => time_ns > last.0,
-            Rule::Sequence => time_ns >= last.0 && sequence > last.1,
-            Rule::Nothing => true,
+        let Some(fault) = channel.fault(message) else {
+            if channel.rule != Rule::Nothing {
+                channel.latest.add(message);
+            }
+            return true;
+        };
+        let misplaced = self.misplaced.get_or_insert_with(|| Misplaced {
+            messages: 0,
+            repeated: 0,
+            topic: channel.topic.clone(),
+            time_ns: message.log_time,
         });
-        if is_later {
-            channel.last = Some((time_ns, sequence));
-        } else {
-            let misplaced = self.misplaced.get_or_insert_with(|| Misplaced {
-                messages: 0,
-                topic: channel.topic.clone(),
-                time_ns,
-            });
-            misplaced.messages += 1;
-        }
-        is_later
+        misplaced.messages += 1;
+        misplaced.repeated += u64::from(fault == Fault::Repeated);
+        false
     }
 
     /// The messages that were not accepted.
@@ -115,33 +176,116 @@ impl Order {
     }
 }
 
+impl Channel {
+    /// The reason for leaving out a message, if any.
+    fn fault(&self, message: &MessageRecord<'_>) -> Option<Fault> {
+        let last = self.latest.time_ns?;
+        let is_disordered = match self.rule {
+            Rule::Time => message.log_time <= last,
+            Rule::Events => message.log_time < last,
+            Rule::Nothing => return None,
+        };
+        if message.log_time == last && self.latest.contains(message) {
+            return Some(Fault::Repeated);
+        }
+        is_disordered.then_some(Fault::Disordered)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn accepted(rule: Rule) -> (Vec<bool>, Option<String>) {
+    /// Time, sequence number and data of a message.
+    type Numbers = (u64, u32, u8);
+
+    fn accepted(rule: Rule, messages: &[Numbers]) -> (Vec<bool>, Option<String>) {
         let mut order = Order {
             channels: vec![Channel {
                 topic: "/top/state".to_owned(),
                 rule,
-                last: None,
+                latest: Simultaneous::default(),
             }],
             misplaced: None,
         };
-        let messages = [(0, 0), (5, 1), (5, 2), (5, 2), (4, 3), (6, 4)];
-        let accepts = messages.map(|(time_ns, sequence)| order.accepts(0, time_ns, sequence));
-        (accepts.to_vec(), order.misplaced().map(ToString::to_string))
+        let mut accepted = Vec::new();
+        for (log_time, sequence, data) in messages {
+            let message = MessageRecord {
+                channel_id: 0,
+                sequence: *sequence,
+                log_time: *log_time,
+                publish_time: *log_time,
+                data: &[*data],
+            };
+            accepted.push(order.accepts(0, &message));
+        }
+        (accepted, order.misplaced().map(ToString::to_string))
     }
 
     #[test]
-    fn samples_have_times_of_their_own_and_events_need_not() {
-        let (samples, misplaced) = accepted(Rule::Time);
+    fn samples_have_unique_times_and_events_need_not() {
+        let messages = [
+            (0, 0, 0),
+            (5, 1, 0),
+            (5, 2, 1),
+            (5, 2, 1),
+            (4, 3, 0),
+            (6, 4, 0),
+        ];
+        let (samples, misplaced) = accepted(Rule::Time, &messages);
         assert_eq!(samples, [true, true, false, false, false, true]);
-        let expected = "3 messages that repeat others or go back in time, the first in /top/state at t = 0.000000005 s";
+        let expected = "3 messages that are not later than their predecessors are skipped, the first in /top/state at t = 0.000000005 s";
         assert_eq!(misplaced.as_deref(), Some(expected));
-        let (events, _) = accepted(Rule::Sequence);
+        let (events, misplaced) = accepted(Rule::Events, &messages);
         assert_eq!(events, [true, true, true, false, false, true]);
-        let (others, _) = accepted(Rule::Nothing);
+        assert!(
+            misplaced
+                .unwrap()
+                .starts_with("2 messages that repeat others or are not")
+        );
+        let (others, _) = accepted(Rule::Nothing, &messages);
         assert_eq!(others, [true; 6]);
+    }
+
+    #[test]
+    fn sequence_numbers_are_optional() {
+        // All zero, decreasing, and equal at the same time: data differ.
+        let messages = [
+            (0, 0, 0),
+            (1, 0, 0),
+            (2, 9, 0),
+            (3, 8, 0),
+            (3, 8, 1),
+            (3, 0, 1),
+        ];
+        for rule in [Rule::Events, Rule::Nothing] {
+            assert_eq!(accepted(rule, &messages), (vec![true; 6], None), "{rule:?}");
+        }
+    }
+
+    #[test]
+    fn repeated_messages_need_not_follow_each_other() {
+        let messages = [(3, 0, 0), (3, 0, 1), (3, 0, 0), (3, 0, 1)];
+        let (events, misplaced) = accepted(Rule::Events, &messages);
+        assert_eq!(events, [true, true, false, false]);
+        let expected =
+            "2 repeated messages are skipped, the first in /top/state at t = 0.000000003 s";
+        assert_eq!(misplaced.as_deref(), Some(expected));
+    }
+
+    #[test]
+    fn simultaneous_messages_take_bounded_memory() {
+        let mut latest = Simultaneous::default();
+        let data = vec![0; 4096];
+        for sequence in 0..2000 {
+            latest.add(&MessageRecord {
+                channel_id: 0,
+                sequence,
+                log_time: 0,
+                publish_time: 0,
+                data: &data,
+            });
+        }
+        assert_eq!(latest.data.len(), MAX_SIMULTANEOUS.0);
     }
 }

@@ -190,7 +190,7 @@ impl<'r> Reader<'r> {
                 return Some(found);
             };
             let message = self.loader.message(&found)?;
-            if order.accepts(found.channel, message.log_time, message.sequence) {
+            if order.accepts(found.channel, &message) {
                 return Some(found);
             }
         }

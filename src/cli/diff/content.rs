@@ -249,7 +249,7 @@ fn notes(report: &Report, all: bool) -> Section {
     let mut section = Section::default();
     for (run, letter) in [(&report.a, "A"), (&report.b, "B")] {
         for loss in &run.losses {
-            section.line(format!("{letter}: missing {loss}"));
+            section.line(format!("{letter}: {loss}"));
         }
     }
     for note in &report.notes {
