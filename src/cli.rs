@@ -13,6 +13,7 @@ mod info;
 mod input;
 mod interrupt;
 mod laws;
+mod losses;
 mod numbers;
 mod output;
 mod page;

@@ -1,11 +1,14 @@
 //! Inputs of analysis: recordings, or scenarios to simulate.
 
 use crate::archive::format::end_entries;
-use crate::archive::recording::{Condition, Entries, Reader, Recording, Selection};
+use crate::archive::recording::{Condition, Entries, Losses, Reader, Recording, Selection};
 use crate::archive::sink::RecordError;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::Simulation;
 use crate::telemetry::{Message, Telemetry, Topic, Topics};
+
+/// Maximum number of losses that are described. `info` and `verify` list more.
+const MAX_SENTENCES: usize = 10;
 
 /// A run to be analysed.
 #[derive(Clone, Copy, Debug)]
@@ -152,13 +155,27 @@ fn read(
 
 /// Parts that a recording lacks and a reader could not read, in sentences.
 pub(super) fn losses(recording: &Recording, reader: &Reader<'_>) -> Vec<String> {
-    let losses = recording.losses().iter().chain(reader.losses());
-    let losses = losses.map(|loss| format!("missing {loss}"));
+    let losses = loss_sentences(&reader.all_losses());
     let left_out = reader.left_out().map(ToString::to_string);
     let is_interrupted = recording.condition() == Condition::Interrupted;
     let lacks_end = is_interrupted.then(|| if recording.is_ours() { "run" } else { "file" });
     let end = lacks_end.map(|what| format!("missing end of the {what} (interrupted)"));
-    losses.chain(left_out).chain(end).collect()
+    losses.into_iter().chain(left_out).chain(end).collect()
+}
+
+/// The first losses in sentences, and the number of the others.
+pub(crate) fn loss_sentences(losses: &Losses) -> Vec<String> {
+    let mut sentences: Vec<String> = losses
+        .list()
+        .iter()
+        .take(MAX_SENTENCES)
+        .map(|loss| format!("missing {loss}"))
+        .collect();
+    let more = losses.count() - sentences.len() as u64;
+    if more > 0 {
+        sentences.push(format!("missing {more} more parts of the file"));
+    }
+    sentences
 }
 
 fn simulate(

@@ -57,8 +57,11 @@ pub struct Report {
     pub equal: Option<u64>,
     /// Number of missing messages, up to the first difference; for an interrupted run, only gaps.
     pub missing: u64,
-    /// Parts that can't be read.
+    /// Parts that can't be read, at most 1000.
     pub losses: Vec<Loss>,
+    /// Number of further parts that can't be read; absent if all are listed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub more_losses: Option<u64>,
     /// Topics that were not recorded.
     pub without: Vec<String>,
     /// The version of toprise that recorded it, if different from this one.
@@ -79,6 +82,7 @@ pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Result<Report, V
         equal: None,
         missing: 0,
         losses: recording.losses().to_vec(),
+        more_losses: recording.layout.losses.unlisted(),
         without: Vec::new(),
         recorded_by: other_version(recording),
     };
@@ -126,10 +130,8 @@ fn compare(
 ) -> Result<(), VerifyError> {
     let is_by_value = report.recorded_by.is_some();
     let (compared, opening, end) = Comparison::new(recording, rerun, is_by_value).run(progress);
-    report.losses.extend(compared.losses);
-    if report.losses.is_empty() {
-        report.losses.extend(recording.wrong_checksum()?);
-    }
+    report.losses = compared.losses.list().to_vec();
+    report.more_losses = compared.losses.unlisted();
     if report.state == Condition::Whole && !report.losses.is_empty() {
         report.state = Condition::Damaged;
     }

@@ -34,6 +34,6 @@ pub use self::overview::{ChannelOverview, EventOverview, Overview};
 pub use self::reader::{Reader, Undecoded};
 pub use self::selection::Selection;
 pub use crate::archive::container::channels::{FileChannel, FileSchema};
-pub use crate::archive::container::loss::Loss;
+pub use crate::archive::container::loss::{Loss, Losses};
 pub use crate::archive::error::{MessageError, RecordingError};
 pub use crate::archive::format::Entries;

@@ -1,6 +1,6 @@
 //! Replays a recording into a sink.
 
-use crate::archive::recording::{Loss, MessageError, Misplaced, Recording, Selection};
+use crate::archive::recording::{Losses, MessageError, Misplaced, Recording, Selection};
 use crate::archive::sink::{Sink, SinkError};
 use std::ops::ControlFlow;
 
@@ -12,7 +12,7 @@ pub struct Replayed {
     /// Messages that could not be decoded: the first, and how many.
     pub undecodable: Option<(MessageError, u64)>,
     /// Parts of the file that could not be read.
-    pub losses: Vec<Loss>,
+    pub losses: Losses,
     /// Messages that repeat others or go back in time.
     pub left_out: Option<Misplaced>,
 }
@@ -30,10 +30,7 @@ pub fn replay(
     sink: &mut dyn Sink,
     mut between: impl FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Replayed, SinkError> {
-    let mut replayed = Replayed {
-        losses: recording.losses().to_vec(),
-        ..Replayed::default()
-    };
+    let mut replayed = Replayed::default();
     let mut reader = recording.reader(selection).in_order_of_time();
     while let Some(message) = reader.next() {
         match message {
@@ -50,7 +47,7 @@ pub fn replay(
             break;
         }
     }
-    replayed.losses.extend_from_slice(reader.losses());
+    replayed.losses = reader.all_losses();
     replayed.left_out = reader.left_out().cloned();
     Ok(replayed)
 }

@@ -1,5 +1,6 @@
 //! `toprise info`.
 
+use super::losses::loss_lines;
 use super::numbers::{bytes, count, number};
 use super::page::Section;
 use super::report;
@@ -82,8 +83,8 @@ impl InfoReport {
         if !overview.is_ours {
             facts.push(("written by", overview.library.clone()));
         }
-        let losses = overview.losses.iter();
-        facts.extend(losses.map(|loss| ("lost", loss.to_string())));
+        let losses = loss_lines(&overview.losses, overview.more_losses);
+        facts.extend(losses.into_iter().map(|line| ("lost", line)));
         if let Some(run) = &overview.run {
             facts.push(("scenario", run_line(run)));
         }

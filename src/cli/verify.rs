@@ -1,5 +1,6 @@
 //! `toprise verify`.
 
+use super::losses::loss_lines;
 use super::numbers::count;
 use super::page::{Section, Tone};
 use super::progress::Progress;
@@ -116,7 +117,8 @@ fn section(file: &str, report: &Report) -> Section {
     if let Some(difference) = &report.difference {
         facts.push(("difference", difference.to_string()));
     }
-    facts.extend(report.losses.iter().map(|loss| ("lost", loss.to_string())));
+    let losses = loss_lines(&report.losses, report.more_losses);
+    facts.extend(losses.into_iter().map(|line| ("lost", line)));
     if let Some(version) = &report.recorded_by {
         let this = format!(
             "{} (telemetry {})",

@@ -9,6 +9,7 @@ use super::report::{self, WrittenFile};
 use super::status::Status;
 use super::table::Table;
 use super::viewer::{self, ViewerArguments};
+use crate::analysis::subject::loss_sentences;
 use crate::archive::format::is_end_of;
 use crate::archive::publish::{Draft, Existing, refuse_inputs};
 use crate::archive::recording::{Condition, Recording, Selection};
@@ -270,7 +271,7 @@ fn outcome_of(recording: &Recording, selection: &Selection) -> Option<Outcome> {
 
 /// Parts that could not be shown, in sentences.
 fn losses(replayed: &Replayed) -> Vec<String> {
-    let losses = replayed.losses.iter().map(|loss| format!("missing {loss}"));
+    let losses = loss_sentences(&replayed.losses).into_iter();
     let left_out = replayed.left_out.iter().map(ToString::to_string);
     losses.chain(left_out).collect()
 }

@@ -3,7 +3,7 @@
 use super::difference::Difference;
 use super::rerun::{Expected, Rerun};
 use crate::archive::format::Entries;
-use crate::archive::recording::{FileChannel, Loss, Recording, Selection, Undecoded};
+use crate::archive::recording::{FileChannel, Losses, Recording, Selection, Undecoded};
 use crate::archive::writer::Opening;
 use crate::run::time::seconds;
 use crate::telemetry::Topic;
@@ -17,7 +17,7 @@ pub(super) struct Compared {
     /// Missing messages, up to the first difference.
     pub(super) missing: u64,
     /// Parts of the file that can't be read.
-    pub(super) losses: Vec<Loss>,
+    pub(super) losses: Losses,
     pub(super) difference: Option<Difference>,
     /// The first message that is out of order among the messages of its channel and time.
     pub(super) out_of_order: Option<Difference>,
@@ -74,7 +74,7 @@ impl<'r> Comparison<'r> {
             }
             progress(reader.progress());
         }
-        self.compared.losses = reader.losses().to_vec();
+        self.compared.losses = reader.all_losses();
         // After a difference the rest is not compared, so nothing of it is missing.
         if !self.recording.is_interrupted() && self.compared.difference.is_none() {
             self.finish_run();

@@ -7,6 +7,7 @@ use mcap::records::Record;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::sync::Arc;
+use thiserror::Error;
 
 /// A channel of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -63,12 +64,33 @@ impl FileChannel {
     }
 }
 
+/// Maximum size of all definitions, bytes. Further ones are ignored, because they stay in memory.
+const MAX_SIZE: usize = 64 << 20;
+
+/// The reason why a definition of a channel or schema can't be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub(crate) enum Conflict {
+    /// A channel has another definition before it.
+    #[error("a second definition of channel {0} that differs from the first")]
+    Channel(u16),
+    /// A schema has another definition before it.
+    #[error("a second definition of schema {0} that differs from the first")]
+    Schema(u16),
+    /// All definitions together are too large.
+    #[error("the definitions of channels and schemas exceed {} MiB", MAX_SIZE >> 20)]
+    TooLarge,
+}
+
 /// All channels of a file, in the order of their first definitions.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Channels {
     schemas: BTreeMap<u16, Arc<FileSchema>>,
     list: Vec<FileChannel>,
+    /// Schema id of each channel.
+    schema_ids: Vec<u16>,
     positions: BTreeMap<u16, usize>,
+    /// Size of all definitions, bytes.
+    size: usize,
 }
 
 impl Channels {
@@ -105,8 +127,57 @@ impl Channels {
         self.positions.get(&id).copied()
     }
 
-    /// Adds a schema or channel record; other records are ignored.
+    /// The channels whose messages have no certain meaning after a conflict.
+    pub(crate) fn affected_by(&self, conflict: Conflict) -> Vec<usize> {
+        match conflict {
+            Conflict::Channel(id) => Vec::from_iter(self.position(id)),
+            Conflict::Schema(id) => (0..self.list.len())
+                .filter(|position| self.schema_ids[*position] == id)
+                .collect(),
+            Conflict::TooLarge => Vec::new(),
+        }
+    }
+
+    /// Checks a schema or channel record against the definitions; other records are no conflict.
+    pub(crate) fn conflict(&self, record: &Record<'_>) -> Option<Conflict> {
+        match record {
+            Record::Schema { header, data } => match self.schemas.get(&header.id) {
+                Some(schema) => {
+                    let is_equal = schema.name == header.name
+                        && schema.encoding == header.encoding
+                        && schema.data == data.as_ref();
+                    (!is_equal).then_some(Conflict::Schema(header.id))
+                }
+                None => self.is_full().then_some(Conflict::TooLarge),
+            },
+            Record::Channel(record) => match self.position(record.id) {
+                Some(position) => {
+                    let channel = &self.list[position];
+                    let is_equal = channel.topic == record.topic
+                        && channel.encoding == record.message_encoding
+                        && channel.metadata == record.metadata
+                        && self.schema_ids[position] == record.schema_id;
+                    (!is_equal).then_some(Conflict::Channel(record.id))
+                }
+                None => self.is_full().then_some(Conflict::TooLarge),
+            },
+            _ => None,
+        }
+    }
+
+    /// Whether definitions are ignored because they are too large.
+    fn is_full(&self) -> bool {
+        self.size > MAX_SIZE
+    }
+
+    /// Adds a schema or channel record, the first of its id; other records are ignored.
     pub(crate) fn define(&mut self, record: Record<'_>) {
+        if !self.is_defined(&record) {
+            self.size = self.size.saturating_add(size(&record));
+        }
+        if self.is_full() {
+            return;
+        }
         match record {
             Record::Schema { header, data } => {
                 let schema = Arc::new(FileSchema {
@@ -130,10 +201,33 @@ impl Channels {
                 };
                 if let Entry::Vacant(free) = self.positions.entry(record.id) {
                     free.insert(self.list.len());
+                    self.schema_ids.push(record.schema_id);
                     self.list.push(channel);
                 }
             }
             _ => {}
         }
+    }
+
+    /// Whether a record has an id that is already defined.
+    fn is_defined(&self, record: &Record<'_>) -> bool {
+        match record {
+            Record::Schema { header, .. } => self.schemas.contains_key(&header.id),
+            Record::Channel(record) => self.positions.contains_key(&record.id),
+            _ => true,
+        }
+    }
+}
+
+/// Size of the texts and data of a definition, bytes.
+fn size(record: &Record<'_>) -> usize {
+    match record {
+        Record::Schema { header, data } => header.name.len() + header.encoding.len() + data.len(),
+        Record::Channel(record) => {
+            let metadata = record.metadata.iter();
+            let metadata: usize = metadata.map(|(key, value)| key.len() + value.len()).sum();
+            record.topic.len() + record.message_encoding.len() + metadata
+        }
+        _ => 0,
     }
 }

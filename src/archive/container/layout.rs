@@ -3,7 +3,7 @@
 use super::attachment::Attachment;
 use super::channels::Channels;
 use super::checksum::Checksum;
-use super::loss::Loss;
+use super::loss::{Loss, Losses};
 use super::record::{HEAD, RecordSpan, is_specified, parse};
 use super::scan::{Found, Scanner};
 use super::section::{Buffers, Section, record_at};
@@ -15,7 +15,7 @@ use mcap::records::{Metadata, Record, op};
 use std::io;
 
 /// Maximum number of damaged parts before scanning stops.
-const MOST_LOSSES: usize = 1000;
+const MOST_LOSSES: u64 = 1000;
 
 /// Approximate section size for records outside chunks.
 const LOOSE_SECTION: u64 = 1 << 20;
@@ -33,7 +33,9 @@ pub(crate) struct Layout {
     pub(crate) attachments: Vec<Attachment>,
     pub(crate) channels: Channels,
     /// Damage between the records, and damaged attachments.
-    pub(crate) losses: Vec<Loss>,
+    pub(crate) losses: Losses,
+    /// Damage that only the checksums of data and summary show.
+    pub(crate) wrong_checksums: Vec<Loss>,
     /// The record that ends the data, if the file has it.
     pub(crate) data_end: Option<RecordSpan>,
     /// The footer, if the file has it.
@@ -60,14 +62,20 @@ impl Layout {
         let mut scanner = Scanner::new(source);
         while let Some(found) = scanner.next()? {
             match found {
-                Found::Record(place) => layout.take(&place, source)?,
-                Found::Damage(bytes) => {
-                    layout.lose(bytes, "no readable record");
-                    if layout.losses.len() > MOST_LOSSES {
+                Found::Record(place) => {
+                    layout.take(&place, source)?;
+                    if place.opcode == op::FOOTER && source.has_magic_at(place.end())? {
+                        layout.end_at(place.end(), source);
                         break;
                     }
                 }
-                Found::End => layout.end(source),
+                Found::Damage(bytes) => {
+                    layout.lose(bytes, "no readable record");
+                    if layout.losses.count() > MOST_LOSSES {
+                        break;
+                    }
+                }
+                Found::End => layout.end_at(source.length() - MAGIC.len() as u64, source),
                 Found::Cut(bytes) => {
                     layout.cut = Some(bytes.start);
                     if !bytes.is_empty() {
@@ -80,6 +88,7 @@ impl Layout {
         layout.find_channels(source);
         layout.lose_attachments();
         layout.check_unspecified(source)?;
+        layout.wrong_checksums = layout.find_wrong_checksums(source)?;
         Ok(layout)
     }
 
@@ -101,6 +110,10 @@ impl Layout {
             op::MESSAGE | op::SCHEMA | op::CHANNEL if self.data_end.is_none() => {
                 self.take_loose(place);
             }
+            op::MESSAGE => self.lose(
+                place.offset..place.end(),
+                "a message after the end of the data",
+            ),
             op::ATTACHMENT => self.attachments.push(Attachment::read(place, source)?),
             // A second one is damage in the summary.
             op::DATA_END => {
@@ -119,15 +132,21 @@ impl Layout {
         Ok(())
     }
 
-    /// Processes the magic bytes at the end of the file.
-    fn end(&mut self, source: &Source) {
-        let magic = source.length() - MAGIC.len() as u64;
+    /// Processes the magic bytes that end the file. What follows them is not read.
+    fn end_at(&mut self, magic: u64, source: &Source) {
+        let end = magic + MAGIC.len() as u64;
         self.is_ended = self.data_end.is_some() && self.footer.is_some();
         if !self.is_ended {
-            self.lose(
-                magic..source.length(),
-                "no end of the data or no footer before the end",
-            );
+            self.lose(magic..end, "no end of the data or no footer before the end");
+        }
+        if end < source.length() {
+            self.losses.push(Loss {
+                offset: end,
+                length: source.length() - end,
+                is_unread: true,
+                reason: "bytes after the end of the file".to_owned(),
+                ..Loss::default()
+            });
         }
     }
 
@@ -137,7 +156,7 @@ impl Layout {
             Some(last)
                 if !last.is_chunk
                     && last.offset + last.length == place.offset
-                    && last.length < LOOSE_SECTION =>
+                    && last.length + place.length <= LOOSE_SECTION =>
             {
                 last.length += place.length;
             }
@@ -178,7 +197,7 @@ impl Layout {
 
     /// Finds the times of the losses: from the end of the chunk before it to the start of the next one.
     fn time_losses(&mut self) {
-        for loss in &mut self.losses {
+        for loss in self.losses.iter_mut() {
             let next = self.sections.partition_point(|s| s.offset <= loss.offset);
             let (before, behind) = self.sections.split_at(next);
             let before = before.last().and_then(|section| section.span);
@@ -230,6 +249,17 @@ impl Layout {
             Some(data_end) => Checksum::of_data(data_end, source),
             None => Ok(None),
         }
+    }
+
+    /// Damage that only the checksums show: wherever other damage is known, they are wrong for that reason.
+    fn find_wrong_checksums(&self, source: &Source) -> io::Result<Vec<Loss>> {
+        let mut wrong = Vec::new();
+        for checksum in self.checksums(source)? {
+            if !checksum.is_right(source)? {
+                wrong.push(checksum.loss());
+            }
+        }
+        Ok(wrong)
     }
 
     /// The checksums of the data and of the summary, as far as they were computed.

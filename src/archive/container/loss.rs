@@ -24,6 +24,76 @@ pub struct Loss {
     pub reason: String,
 }
 
+/// Maximum number of losses that are listed; further ones are counted.
+const MAX_LISTED: usize = 1000;
+
+/// The parts of a file that can't be read.
+///
+/// Lists the first 1000 and counts all, because a damaged file can have millions.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Losses {
+    list: Vec<Loss>,
+    count: u64,
+}
+
+impl Losses {
+    /// The first losses.
+    pub fn list(&self) -> &[Loss] {
+        &self.list
+    }
+
+    /// Number of losses.
+    pub fn count(&self) -> u64 {
+        self.count
+    }
+
+    /// Number of losses that are not listed; `None` if all are.
+    pub fn unlisted(&self) -> Option<u64> {
+        Some(self.count - self.list.len() as u64).filter(|count| *count > 0)
+    }
+
+    /// Whether everything can be read.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Adds a loss.
+    pub(crate) fn push(&mut self, loss: Loss) {
+        self.count += 1;
+        if self.list.len() < MAX_LISTED {
+            self.list.push(loss);
+        }
+    }
+
+    /// Adds bytes that can't be read. Bytes that follow the last loss and have the same reason extend it.
+    pub(crate) fn push_adjacent(&mut self, loss: Loss) {
+        match self.list.last_mut() {
+            Some(last)
+                if self.count <= MAX_LISTED as u64
+                    && last.offset + last.length == loss.offset
+                    && last.reason == loss.reason =>
+            {
+                last.length += loss.length;
+                last.from_ns = last.from_ns.min(loss.from_ns);
+                last.to_ns = last.to_ns.max(loss.to_ns);
+            }
+            _ => self.push(loss),
+        }
+    }
+
+    /// Adds losses.
+    pub(crate) fn extend(&mut self, losses: &Self) {
+        let room = MAX_LISTED - self.list.len();
+        self.list.extend(losses.list.iter().take(room).cloned());
+        self.count += losses.count;
+    }
+
+    /// The listed losses, to be changed.
+    pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Loss> {
+        self.list.iter_mut()
+    }
+}
+
 impl fmt::Display for Loss {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} bytes at {}", self.length, self.offset)?;

@@ -52,7 +52,7 @@ impl Section {
 
     /// Reads, decompresses and checks the section.
     pub(crate) fn load(&self, source: &Source, buffers: &mut Buffers) -> io::Result<()> {
-        check_size(self.length)?;
+        check_size(self.length, if self.is_chunk { "chunk" } else { "record" })?;
         if !self.is_chunk {
             source.read(self.offset, self.length, &mut buffers.records)?;
             let is_whole = buffers.records.len() as u64 == self.length;
@@ -72,10 +72,11 @@ fn cut() -> io::Error {
     io::Error::other("truncated")
 }
 
-fn check_size(length: u64) -> io::Result<()> {
+/// Refuses a record that is too large; `what` names it.
+fn check_size(length: u64, what: &str) -> io::Result<()> {
     if length > LARGEST_CHUNK {
         let reason = format!(
-            "a chunk of {length} bytes is larger than the limit of {} MiB",
+            "a {what} of {length} bytes is larger than the limit of {} MiB",
             LARGEST_CHUNK >> 20
         );
         return Err(io::Error::other(reason));
@@ -85,7 +86,7 @@ fn check_size(length: u64) -> io::Result<()> {
 
 fn decompress(header: &ChunkHeader, data: &[u8], records: &mut Vec<u8>) -> io::Result<()> {
     let size = header.uncompressed_size;
-    check_size(size)?;
+    check_size(size, "chunk")?;
     match header.compression.as_str() {
         "" => read_pieces(data, size, records)?,
         "zstd" => {

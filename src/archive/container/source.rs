@@ -3,6 +3,7 @@
 //! The file is not memory-mapped: truncating a mapped file would kill the process, and reading is equally fast.
 
 use crate::archive::error::RecordingError;
+use mcap::MAGIC;
 use std::fs::File;
 use std::io;
 use std::path::Path;
@@ -59,6 +60,13 @@ impl Source {
             at += bytes.len() as u64;
         }
         Ok(hasher.finalize())
+    }
+
+    /// Whether the magic bytes of MCAP are at an offset.
+    pub(crate) fn has_magic_at(&self, offset: u64) -> io::Result<bool> {
+        let mut bytes = Vec::new();
+        self.read(offset, MAGIC.len() as u64, &mut bytes)?;
+        Ok(bytes == MAGIC)
     }
 
     /// The same file for another thread.

@@ -14,7 +14,6 @@ use crate::run::scenario::Scenario;
 use crate::run::simulation::StopReason;
 use crate::telemetry::encoding::{Encoding, FieldDifferences};
 use crate::telemetry::{Topic, Topics};
-use std::io;
 use std::path::{Path, PathBuf};
 
 /// Maximum size of a scenario, bytes.
@@ -99,7 +98,9 @@ impl Recording {
     /// State of the file.
     pub fn condition(&self) -> Condition {
         let is_finished = self.is_finished();
-        let is_damaged = self.layout.losses.iter().any(|loss| !self.is_tail(loss));
+        let mut losses = self.losses().iter();
+        let is_damaged =
+            losses.any(|loss| !self.is_tail(loss)) || !self.layout.wrong_checksums.is_empty();
         if is_damaged || (is_finished && !self.layout.is_ended) {
             Condition::Damaged
         } else if !is_finished {
@@ -195,9 +196,10 @@ impl Recording {
         self.channels().iter().filter_map(|c| c.table).collect()
     }
 
-    /// Damage found on opening.
+    /// Damage found on opening: the first parts. [`Reader::all_losses`](super::Reader::all_losses) also has what is
+    /// found on reading.
     pub fn losses(&self) -> &[Loss] {
-        &self.layout.losses
+        self.layout.losses.list()
     }
 
     /// Differences from this version: topics with missing or unknown fields, and unknown topics.
@@ -246,18 +248,5 @@ impl Recording {
         Scenario::from_toml(&self.scenario_text()?).map_err(|error| {
             RecordingError::because(format!("its scenario can't be used: {error}"))
         })
-    }
-
-    /// Damage that only the checksums of the two sections show; `None` if there is none.
-    ///
-    /// # Errors
-    /// The error of reading the file.
-    pub(crate) fn wrong_checksum(&self) -> io::Result<Option<Loss>> {
-        for checksum in self.layout.checksums(&self.source)? {
-            if !checksum.is_right(&self.source)? {
-                return Ok(Some(checksum.loss()));
-            }
-        }
-        Ok(None)
     }
 }

@@ -5,11 +5,11 @@ use super::file::Recording;
 use super::order::Order;
 use super::selection::Selection;
 use super::windows::{Span, Window, Windows};
-use crate::archive::container::loss::Loss;
+use crate::archive::container::loss::{Loss, Losses};
 use crate::archive::container::record::{is_specified, parse};
-use crate::archive::container::section::{Buffers, MessageRecord, Section, record_at};
+use crate::archive::container::section::{Buffers, InnerRecord, MessageRecord, Section, record_at};
 use mcap::records::op;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::mem;
 use std::ops::Range;
 
@@ -31,9 +31,13 @@ pub(super) struct Loader<'r> {
     batch: Batch,
     /// The number of messages of the batch that have been returned.
     returned: usize,
-    losses: Vec<Loss>,
+    losses: Losses,
     /// Offsets of the sections with losses.
     lost: BTreeSet<u64>,
+    /// Whether sections are being read for the first time.
+    is_first_pass: bool,
+    /// Place of the second definition of a channel: offset of its section, and position therein.
+    redefined: BTreeMap<usize, (u64, usize)>,
     /// Bytes of decompressed content that may still be read; what is beyond is reported as a loss (decompression bombs).
     left: u64,
     /// Number of bytes of the file that have been read.
@@ -72,8 +76,10 @@ impl<'r> Loader<'r> {
             buffers: Buffers::default(),
             batch: Batch::default(),
             returned: 0,
-            losses: Vec::new(),
+            losses: Losses::default(),
             lost: BTreeSet::new(),
+            is_first_pass: true,
+            redefined: BTreeMap::new(),
             left: MIN_CONTENT.saturating_add(growth),
             seen: 0,
         }
@@ -84,11 +90,12 @@ impl<'r> Loader<'r> {
         self.is_sorted = true;
         if !self.are_sections_in_order() {
             let spans = self.find_spans();
+            self.is_first_pass = false;
             self.plan = Plan::Windows(Windows::new(spans, max_window));
         }
     }
 
-    pub(super) fn losses(&self) -> &[Loss] {
+    pub(super) fn losses(&self) -> &Losses {
         &self.losses
     }
 
@@ -281,26 +288,91 @@ impl<'r> Loader<'r> {
                 Ok(found) => found,
                 Err(reason) => return self.lose(section, reason.to_owned()),
             };
-            let start = mem::replace(&mut position, end);
+            let place = mem::replace(&mut position, end)..end;
             if record.opcode != op::MESSAGE {
-                // Other readers fail at an invalid definition, whether it is used or not.
-                if is_specified(record.opcode) && parse(record.opcode, record.body).is_err() {
-                    self.lose(section, "an invalid record".to_owned());
-                }
+                self.check_definition(section, &place, record);
                 continue;
             }
             let Some(message) = MessageRecord::parse(&record) else {
-                self.lose(section, "truncated message header".to_owned());
+                self.lose_record(section, &place, None, "truncated message header".to_owned());
                 continue;
             };
+            let time = message.log_time;
             let Some(channel) = self.recording.layout.channels.position(message.channel_id) else {
                 let reason = format!("undefined channel {}", message.channel_id);
-                return self.lose(section, reason);
+                self.lose_record(section, &place, Some(time), reason);
+                continue;
             };
-            let time = message.log_time;
-            if self.is_wanted[channel] && self.selection.wants_span((time, time)) {
-                take(time, start..end);
+            if self.is_redefined(channel, section, place.start) {
+                let reason = format!("channel {} is ambiguous here", message.channel_id);
+                self.lose_record(section, &place, Some(time), reason);
+                continue;
             }
+            if self.is_wanted[channel] && self.selection.wants_span((time, time)) {
+                take(time, place);
+            }
+        }
+    }
+
+    /// Checks a record of a section that is not a message.
+    fn check_definition(
+        &mut self,
+        section: &Section,
+        place: &Range<usize>,
+        record: InnerRecord<'_>,
+    ) {
+        if !is_specified(record.opcode) {
+            return;
+        }
+        if !matches!(record.opcode, op::SCHEMA | op::CHANNEL) {
+            let reason = format!("a record with the opcode {:#04x} in a chunk", record.opcode);
+            return self.lose_record(section, place, None, reason);
+        }
+        // Other readers fail at an invalid definition, whether it is used or not.
+        let Ok(parsed) = parse(record.opcode, record.body) else {
+            return self.lose_record(section, place, None, "an invalid record".to_owned());
+        };
+        let channels = &self.recording.layout.channels;
+        if let Some(conflict) = channels.conflict(&parsed) {
+            let start = (section.offset, place.start);
+            for channel in channels.affected_by(conflict) {
+                let first = self.redefined.entry(channel).or_insert(start);
+                *first = start.min(*first);
+            }
+            self.lose_record(section, place, None, conflict.to_string());
+        }
+    }
+
+    /// Whether the channel has a second definition before a place in a section. Which one a message follows is
+    /// uncertain, because the writer may not have noticed that the id was in use.
+    fn is_redefined(&self, channel: usize, section: &Section, start: usize) -> bool {
+        self.redefined
+            .get(&channel)
+            .is_some_and(|first| *first < (section.offset, start))
+    }
+
+    /// Records the loss of a record of a section. A record within a chunk has no place of its own in the file, so
+    /// the place of the chunk is recorded.
+    fn lose_record(
+        &mut self,
+        section: &Section,
+        place: &Range<usize>,
+        time_ns: Option<u64>,
+        reason: String,
+    ) {
+        if section.is_chunk {
+            return self.lose(section, reason);
+        }
+        // Windows read sections again.
+        if self.is_first_pass {
+            self.losses.push_adjacent(Loss {
+                offset: section.offset + place.start as u64,
+                length: place.len() as u64,
+                from_ns: time_ns,
+                to_ns: time_ns,
+                is_unread: false,
+                reason,
+            });
         }
     }
 
@@ -320,7 +392,7 @@ impl<'r> Loader<'r> {
 
     /// Records that the file is not read from this section on, which is told once.
     fn lose_rest(&mut self, section: &Section) {
-        if self.losses.iter().any(|loss| loss.is_unread) {
+        if self.losses.list().iter().any(|loss| loss.is_unread) {
             return;
         }
         self.losses.push(Loss {

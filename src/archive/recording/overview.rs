@@ -35,8 +35,11 @@ pub struct Overview {
     pub channels: Vec<ChannelOverview>,
     /// The events.
     pub events: Vec<EventOverview>,
-    /// Parts that can't be read.
+    /// Parts that can't be read, at most 1000.
     pub losses: Vec<Loss>,
+    /// Number of further parts that can't be read; absent if all are listed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub more_losses: Option<u64>,
 }
 
 /// A channel of a file.
@@ -124,16 +127,10 @@ impl Overview {
         for channel in &mut counted {
             channel.rate_hz = channel.rate_hz();
         }
-        let mut losses = recording.losses().to_vec();
-        losses.extend_from_slice(reader.losses());
-        if losses.is_empty()
-            && let Ok(Some(loss)) = recording.wrong_checksum()
-        {
-            losses.push(loss);
-        }
+        let losses = reader.all_losses();
         let condition = recording.condition();
         // Damage that opening the file doesn't find.
-        let is_damaged = losses.len() > recording.losses().len();
+        let is_damaged = !reader.losses().is_empty();
         Self {
             condition: if is_damaged {
                 Condition::Damaged
@@ -147,7 +144,8 @@ impl Overview {
             scenario: recording.scenario_text().ok(),
             channels: counted,
             events,
-            losses,
+            more_losses: losses.unlisted(),
+            losses: losses.list().to_vec(),
         }
     }
 

@@ -5,7 +5,7 @@ use super::loader::{Found, Loader};
 use super::order::{Misplaced, Order};
 use super::selection::Selection;
 use crate::archive::container::channels::FileChannel;
-use crate::archive::container::loss::Loss;
+use crate::archive::container::loss::{Loss, Losses};
 use crate::archive::error::MessageError;
 use crate::telemetry::encoding::{DecodeError, Decoder, Row};
 use crate::telemetry::{Message, Topic};
@@ -112,7 +112,20 @@ impl<'r> Reader<'r> {
 
     /// Parts that could not be read so far; complete once the reader has come to its end.
     pub fn losses(&self) -> &[Loss] {
-        self.loader.losses()
+        self.loader.losses().list()
+    }
+
+    /// All damage of the file that is known so far: found on opening, found by this reader, or else shown by the
+    /// checksums of data and summary. Damaged parts make these checksums wrong, too, so they are not listed then.
+    pub fn all_losses(&self) -> Losses {
+        let mut losses = self.recording.layout.losses.clone();
+        losses.extend(self.loader.losses());
+        if losses.is_empty() {
+            for loss in &self.recording.layout.wrong_checksums {
+                losses.push(loss.clone());
+            }
+        }
+        losses
     }
 
     /// The next message of a channel of the table, decoded; messages of other channels are skipped.

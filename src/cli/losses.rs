@@ -1,0 +1,41 @@
+//! Unreadable parts of a file as lines of text.
+
+use super::numbers::count;
+use crate::archive::recording::Loss;
+
+/// Maximum number of losses that are shown; the JSON output lists more.
+const MAX_SHOWN: usize = 10;
+
+/// A line for each of the first losses, and one with the number of the others. `unlisted` is the number of those that
+/// are not in the list.
+pub(super) fn loss_lines(losses: &[Loss], unlisted: Option<u64>) -> Vec<String> {
+    let mut lines: Vec<String> = losses
+        .iter()
+        .take(MAX_SHOWN)
+        .map(ToString::to_string)
+        .collect();
+    let more = (losses.len() - lines.len()) as u64 + unlisted.unwrap_or(0);
+    if more > 0 {
+        lines.push(format!("and {} more", count(more)));
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shows_ten_losses_and_the_number_of_others() {
+        let losses = vec![Loss::default(); 12];
+        for (listed, unlisted, last) in [
+            (10, None, None),
+            (11, None, Some("and 1 more")),
+            (12, Some(2000), Some("and 2,002 more")),
+        ] {
+            let lines = loss_lines(&losses[..listed], unlisted);
+            assert_eq!(lines.get(10).map(String::as_str), last);
+            assert!(lines.len() <= 11);
+        }
+    }
+}
