@@ -30,7 +30,7 @@ mod windows;
 pub use self::condition::Condition;
 pub use self::file::Recording;
 pub use self::order::Misplaced;
-pub use self::overview::{ChannelOverview, EventOverview, Overview};
+pub use self::overview::{ChannelOverview, EventOverview, MessageCount, Overview};
 pub use self::reader::{Reader, Undecoded};
 pub use self::selection::Selection;
 pub use crate::archive::container::channels::{FileChannel, FileSchema};

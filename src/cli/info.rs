@@ -11,7 +11,7 @@ use crate::archive::format::{
 };
 use crate::archive::recording::{ChannelOverview, Condition, EventOverview, Overview};
 use crate::run::simulation::EventKind;
-use crate::run::time::seconds;
+use crate::run::time::seconds_and_nanoseconds;
 use anyhow::{Context as _, Error};
 use clap::Args;
 use schemars::JsonSchema;
@@ -85,6 +85,11 @@ impl InfoReport {
         }
         let losses = loss_lines(&overview.losses, overview.more_losses);
         facts.extend(losses.into_iter().map(|line| ("lost", line)));
+        let wrong = overview.counts.iter().filter(|c| c.found != c.recorded);
+        facts.extend(wrong.map(|c| {
+            let (found, recorded) = (count(c.found), count(c.recorded));
+            ("counts", format!("{found} of {recorded} {}", c.kind))
+        }));
         if let Some(run) = &overview.run {
             facts.push(("scenario", run_line(run)));
         }
@@ -93,8 +98,7 @@ impl InfoReport {
             let digest = entry(end, CONTENT_DIGEST);
             facts.push(("content", format!("sha-256 {digest}")));
         }
-        let span = seconds(self.last_ns - self.first_ns);
-        facts.push(("span", format!("{span} s")));
+        facts.push(("span", exact_seconds(self.last_ns - self.first_ns)));
         facts.push(("messages", count(self.messages)));
         if !self.overview.events.is_empty() {
             let words = |(name, number): (&str, u64)| {
@@ -148,6 +152,13 @@ impl InfoReport {
     }
 }
 
+/// A time in seconds, exact to the nanosecond: Unix times have more digits than a float.
+fn exact_seconds(time_ns: u64) -> String {
+    let (seconds, nanoseconds) = seconds_and_nanoseconds(time_ns);
+    let text = format!("{seconds}.{nanoseconds:09}");
+    format!("{} s", text.trim_end_matches('0').trim_end_matches('.'))
+}
+
 fn entry<'a>(entries: &'a BTreeMap<String, String>, key: &str) -> &'a str {
     entries.get(key).map_or("?", String::as_str)
 }
@@ -191,6 +202,20 @@ mod tests {
         ] {
             let line = end_line(&end(time));
             assert!(line.starts_with(shown), "{line}");
+        }
+    }
+
+    #[test]
+    fn times_are_exact_to_the_nanosecond() {
+        for (time_ns, expected) in [
+            (0, "0 s"),
+            (20_000_000, "0.02 s"),
+            (1, "0.000000001 s"),
+            (10_000_000_000, "10 s"),
+            (1_659_409_674_222_474_801, "1659409674.222474801 s"),
+            (u64::MAX, "18446744073.709551615 s"),
+        ] {
+            assert_eq!(exact_seconds(time_ns), expected);
         }
     }
 

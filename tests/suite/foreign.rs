@@ -6,6 +6,7 @@ use crate::support::{Folder, assert_contains, recorded, scenario, verified};
 use mcap::records::{Channel, op};
 use std::fs;
 use std::path::{Path, PathBuf};
+use toprise::analysis::diff::{Options, compare};
 use toprise::analysis::explain::explain;
 use toprise::analysis::verify::{Verdict, verify};
 use toprise::archive::recording::{Condition, Overview, Recording, RecordingError, Selection};
@@ -401,4 +402,163 @@ fn overlapping_chunks_are_read_in_order() {
     expected.sort_by_key(|message| message.0);
     assert_eq!(found, expected);
     fs::remove_file(recording.path()).unwrap();
+}
+
+/// Damage by name, and a part of the reason with which every reader reports it.
+#[test]
+fn reports_contradictions_as_damage() {
+    let definition = record(op::CHANNEL, &channel(1, "/a"));
+    let other_definition = record(op::CHANNEL, &channel(1, "/b"));
+    let [first, later] = [0, 1].map(|n| message(1, n, u64::from(n), b"{}"));
+    let nested = record(op::CHUNK, &chunk((0, 0), "", b""));
+    let whole = |records: &[&[u8]]| file(&[&[&other()[..]], records].concat());
+    let redefined: [&[u8]; 4] = [&definition, &first, &other_definition, &later];
+    let mut wrong_checksum = whole(&[&definition, &first, &later]);
+    let at = wrong_checksum.len() - mcap::MAGIC.len() - 29 - 4;
+    wrong_checksum[at] ^= 1;
+    let mut late = whole(&[&definition, &first]);
+    let at = late.len() - mcap::MAGIC.len() - 29;
+    late.splice(at..at, later.iter().copied());
+    let sound = whole(&[&definition, &first]);
+    let trailing = [&sound[..], b"garbage that follows"].concat();
+    let twice = [&sound[..], &sound].concat();
+    let in_chunk = [&definition[..], &first, &nested, &later].concat();
+    let undefined = message(2, 0, 0, b"{}");
+    let redefined_in_chunk = record(op::CHUNK, &chunk((0, 1), "zstd", &redefined.concat()));
+    let cases = [
+        (
+            "redefined channel",
+            whole(&redefined),
+            1,
+            "a second definition of channel 1",
+        ),
+        (
+            "redefined in a chunk",
+            whole(&[&redefined_in_chunk]),
+            1,
+            "a second definition of channel 1",
+        ),
+        (
+            "wrong checksum",
+            wrong_checksum,
+            2,
+            "the checksum of the data is wrong",
+        ),
+        (
+            "late message",
+            late,
+            1,
+            "a message after the end of the data",
+        ),
+        (
+            "trailing bytes",
+            trailing,
+            1,
+            "bytes after the end of the file",
+        ),
+        (
+            "concatenated files",
+            twice,
+            1,
+            "bytes after the end of the file",
+        ),
+        (
+            "nested chunk",
+            whole(&[&record(op::CHUNK, &chunk((0, 1), "zstd", &in_chunk))]),
+            2,
+            "a record with the opcode 0x06 in a chunk",
+        ),
+        (
+            "undefined channel",
+            whole(&[&definition, &undefined, &later]),
+            1,
+            "undefined channel 2",
+        ),
+    ];
+    let folder = Folder::new();
+    for (name, bytes, messages, reason) in cases {
+        let path = folder.write("a.mcap", bytes);
+        let overview = Overview::read(&path).unwrap();
+        assert_eq!(overview.condition, Condition::Damaged, "{name}");
+        assert_eq!(overview.messages(), messages, "{name}");
+        assert_contains(&overview.losses[0].reason, reason);
+        // `diff`, which compares files of other software without their index.
+        let recording = Recording::open(&path).unwrap();
+        let report = compare(&recording, &recording, &Options::default()).unwrap();
+        assert_contains(&report.a.losses[0], reason);
+    }
+}
+
+#[test]
+fn names_only_the_lost_record_outside_chunks() {
+    let definition = record(op::CHANNEL, &channel(1, "/a"));
+    let sound = message(1, 0, 0, b"{}");
+    let lost = message(2, 0, 5, b"{}");
+    let bytes = file(&[&other(), &definition, &sound, &lost, &lost, &sound]);
+    let start = mcap::MAGIC.len() + other().len() + definition.len() + sound.len();
+    let folder = Folder::new();
+    let overview = Overview::read(&folder.write("a.mcap", bytes)).unwrap();
+    assert_eq!(overview.losses.len(), 1);
+    let loss = &overview.losses[0];
+    assert_eq!(
+        (loss.offset, loss.length),
+        (start as u64, 2 * lost.len() as u64)
+    );
+    assert_eq!((loss.from_ns, loss.to_ns), (Some(5), Some(5)));
+    assert_eq!(overview.messages(), 2);
+}
+
+#[test]
+fn lists_at_most_1000_losses_and_counts_the_others() {
+    let definition = record(op::CHANNEL, &channel(1, "/a"));
+    // Alternating channels, so that the losses aren't merged.
+    let messages: Vec<u8> = (0..3000_u16)
+        .flat_map(|n| message(2 + n % 2, 0, 0, b""))
+        .collect();
+    let folder = Folder::new();
+    let path = folder.write("a.mcap", file(&[&other(), &definition, &messages]));
+    let overview = Overview::read(&path).unwrap();
+    assert_eq!(
+        (overview.losses.len(), overview.more_losses),
+        (1000, Some(2000))
+    );
+}
+
+#[test]
+fn keeps_messages_without_sequence_numbers() {
+    let whole = recorded(
+        &scenario("paper", &[("stop.duration", "0.3")]),
+        &[],
+        Form::default(),
+    );
+    let mut forgery = Forgery::of(&whole);
+    for topic in ["/events", "/top/state"] {
+        forgery.messages(topic, |header, _| header.sequence = 0);
+    }
+    let folder = Folder::new();
+    let path = folder.at("a.mcap");
+    forgery.write(&path);
+    let recording = Recording::open(&path).unwrap();
+    let story = explain(&recording).unwrap();
+    assert_eq!(story.losses, Vec::<String>::new());
+    let original = Recording::open(&folder.write("b.mcap", &whole)).unwrap();
+    assert_eq!(story.events, explain(&original).unwrap().events);
+}
+
+#[test]
+fn counts_that_the_end_record_contradicts_are_reported() {
+    let whole = recorded(
+        &scenario("paper", &[("stop.duration", "0.3")]),
+        &[],
+        Form::default(),
+    );
+    let mut forgery = Forgery::of(&whole);
+    forgery.drop_messages(|header| header.log_time > 200_000_000);
+    let folder = Folder::new();
+    let path = folder.at("a.mcap");
+    forgery.write(&path);
+    assert_eq!(Overview::read(&path).unwrap().condition, Condition::Altered);
+    let printed = folder.toprise("info a.mcap", 3);
+    assert_contains(&printed.stdout, "altered");
+    assert_contains(&printed.stdout, "201 of 301 samples");
 }

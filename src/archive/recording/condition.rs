@@ -9,6 +9,8 @@ listed! {
         Foreign = "not a toprise recording",
         /// A recording with its end record, readable throughout.
         Whole = "complete",
+        /// A complete recording with more or fewer samples or events than its end record states.
+        Altered = "altered",
         /// A recording without an end record, or another file without its end; without other damage.
         Interrupted = "interrupted",
         /// A file with unreadable parts.

@@ -31,6 +31,9 @@ pub struct Overview {
     pub end: Option<Entries>,
     /// The scenario, TOML.
     pub scenario: Option<String>,
+    /// Numbers of samples and events, in channels of the table that are in the file.
+    #[serde(skip)]
+    pub counts: Vec<MessageCount>,
     /// The channels, in the order of the file.
     pub channels: Vec<ChannelOverview>,
     /// The events.
@@ -77,6 +80,42 @@ impl ChannelOverview {
         self.last_ns = self.last_ns.max(time_ns);
         self.messages += 1;
         self.bytes += bytes as u64;
+    }
+}
+
+/// Number of messages in a channel, compared with the end record.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MessageCount {
+    /// `samples` or `events`.
+    pub kind: &'static str,
+    /// Number of messages in the channel.
+    pub found: u64,
+    /// Number in the end record.
+    pub recorded: u64,
+}
+
+impl MessageCount {
+    /// The counts of a recording's channels, without repetitions; none if it has no end record.
+    fn list(recording: &Recording, counted: &[ChannelOverview]) -> Vec<Self> {
+        let mut counts = Vec::new();
+        for (channel, overview) in recording.channels().iter().zip(counted) {
+            let kind = match (channel.info(), channel.table) {
+                (Some(info), _) if info.is_sampled => "samples",
+                (_, Some(EVENTS)) => "events",
+                _ => continue,
+            };
+            let recorded = recording.end().and_then(|end| end.get(kind)?.parse().ok());
+            let Some(recorded) = recorded else { continue };
+            let count = Self {
+                kind,
+                found: overview.messages,
+                recorded,
+            };
+            if !counts.contains(&count) {
+                counts.push(count);
+            }
+        }
+        counts
     }
 }
 
@@ -131,9 +170,13 @@ impl Overview {
         let condition = recording.condition();
         // Damage that opening the file doesn't find.
         let is_damaged = !reader.losses().is_empty();
+        let counts = MessageCount::list(recording, &counted);
+        let is_altered = counts.iter().any(|count| count.found != count.recorded);
         Self {
             condition: if is_damaged {
                 Condition::Damaged
+            } else if condition == Condition::Whole && is_altered {
+                Condition::Altered
             } else {
                 condition
             },
@@ -142,6 +185,7 @@ impl Overview {
             run: recording.run().cloned(),
             end: recording.end().cloned(),
             scenario: recording.scenario_text().ok(),
+            counts,
             channels: counted,
             events,
             more_losses: losses.unlisted(),
