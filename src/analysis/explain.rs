@@ -30,7 +30,7 @@ use crate::analysis::phrase::moment;
 use crate::analysis::subject::Subject;
 use crate::archive::format::STOP_REASON;
 use crate::run::simulation::{EventKind, StopReason};
-use crate::telemetry::fields::{ACCELERATION, ENERGY, EVENTS, STATE};
+use crate::telemetry::fields::{ACCELERATION, ENERGY, EVENTS, NUTATION, STATE};
 use crate::telemetry::{Topic, Topics};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -108,13 +108,28 @@ pub fn explain_while<'a>(
         [fixed::motion, fixed::cause, fixed::energy]
     };
     // Counts and averages of a recording with gaps are not those of the run.
-    let (motion, cause, events, stages) = if evidence.history.has_gaps {
-        let start = vec![fixed::start(&evidence)];
-        (start, Vec::new(), Vec::new(), Vec::new())
+    let history = &evidence.history;
+    let lacks_averages = history.has_gaps || history.lacks(NUTATION);
+    let lacks_events = history.has_gaps || history.lacks(EVENTS);
+    let motion = if lacks_averages || lacks_events {
+        vec![fixed::start(&evidence)]
     } else {
-        let events = event_summaries(&evidence.history);
-        let stages = precession::stages(&evidence);
-        (motion(&evidence), cause(&evidence), events, stages)
+        motion(&evidence)
+    };
+    let cause = if lacks_averages || history.lacks(ACCELERATION) {
+        Vec::new()
+    } else {
+        cause(&evidence)
+    };
+    let events = if lacks_events {
+        Vec::new()
+    } else {
+        event_summaries(history)
+    };
+    let stages = if lacks_averages {
+        Vec::new()
+    } else {
+        precession::stages(&evidence)
     };
     let chapter = |heading, facts| Chapter { heading, facts };
     let mut chapters = vec![
@@ -159,15 +174,17 @@ fn gather(subject: Subject<'_>, carry_on: &dyn Fn() -> bool) -> Result<Evidence,
     if !carry_on() {
         return refused("interrupted".to_owned());
     }
-    history.finish(ended.end);
+    history.finish(ended.end, ended.missing);
     let losses = ended.losses;
     let has_samples = history
         .states
         .is_some_and(|[first, last]| first.time < last.time);
     if !has_samples {
-        let loss = losses.first().map(|loss| format!(": it lacks {loss}"));
-        let loss = loss.unwrap_or_default();
-        return refused(format!("it has fewer than two samples{loss}"));
+        let reason = losses.first().map_or_else(
+            || "set a shorter sampling.period or a longer stop.duration".to_owned(),
+            |loss| format!("missing: {loss}"),
+        );
+        return refused(format!("it has fewer than two samples ({reason})"));
     }
     Ok(Evidence {
         summary: history.summary(),
@@ -185,8 +202,8 @@ fn title(evidence: &Evidence) -> String {
     let scenario = evidence.scenario.title();
     let end = moment(evidence.history.stop_time().unwrap_or(0.0));
     match reason {
-        Some(reason) => format!("{scenario}: {} at t = {end}", reason.sentence()),
-        None => format!("{scenario}: incomplete, recorded until t = {end}"),
+        Some(reason) if evidence.history.is_recorded_to_end() => format!("{scenario}: {} at t = {end}", reason.sentence()),
+        _ => format!("{scenario}: incomplete, recorded until t = {end}"),
     }
 }
 

@@ -18,14 +18,15 @@ pub use self::summary::RunSummary;
 use self::curve::Curve;
 use self::energy::Energies;
 use self::level::FirstCrossing;
-use crate::archive::format::{Entries, INVERSION_TIME, STOP_REASON, STOP_TIME};
+use crate::analysis::missing::Missing;
+use crate::archive::format::{Entries, INVERSION_TIME, SAMPLE_COUNT, STOP_REASON, STOP_TIME};
 use crate::physics::dynamics::Model;
 use crate::physics::kinematics::Euler;
 use crate::run::simulation::{EventKind, StopReason};
 use crate::run::time::seconds;
-use crate::telemetry::Message;
+use crate::telemetry::{Message, Topic};
 use crate::telemetry::fields::{
-    ACCELERATION, CONTACT, ENERGY, EVENTS, MOMENTUM, NUTATION, STATE, acceleration, contact,
+    ACCELERATION, CONTACT, ENERGY, EVENTS, IMPACTS, MOMENTUM, NUTATION, STATE, acceleration, contact,
     events, momentum, nutation, state,
 };
 
@@ -54,8 +55,10 @@ pub(crate) struct RunHistory {
     pub(crate) events: Vec<Event>,
     /// Nutation cycles, in the order of time.
     pub(crate) cycles: Vec<Cycle>,
-    /// Whether samples are missing between the start and the last one.
+    /// Whether samples are missing.
     pub(crate) has_gaps: bool,
+    /// Messages that the recording lacks, according to the end record.
+    missing: Vec<Missing>,
     /// Number of the next sample, if none is missing.
     next_sample: u32,
     /// Number of events that precede the last one, but are missing.
@@ -184,10 +187,18 @@ impl RunHistory {
         }
     }
 
-    /// Sets the end of the run.
-    pub(crate) fn finish(&mut self, end: Option<Entries>) {
+    /// Sets the end of the run, and the messages that its recording lacks.
+    pub(crate) fn finish(&mut self, end: Option<Entries>, missing: Vec<Missing>) {
         self.end = end;
+        self.missing = missing;
+        self.has_gaps |= self.lacks(STATE);
         self.inverted = self.end_number(INVERSION_TIME).or(self.inverted);
+    }
+
+    /// Whether messages of a topic are missing, so that their number is not that of the run.
+    pub(crate) fn lacks(&self, topic: Topic) -> bool {
+        let is_missing = self.missing.iter().any(|missing| missing.is_of(topic));
+        is_missing || (topic == EVENTS && self.missing_events > 0)
     }
 
     /// The cycles that follow each other, so that their averages form a curve. For a fixed peg they end where the next
@@ -225,9 +236,18 @@ impl RunHistory {
         self.end_number(INVERSION_TIME).is_some()
     }
 
-    /// Time at which the run ended, s: from the end record, or the last message.
+    /// Whether the recorded samples go to the end of the run.
+    pub(crate) fn is_recorded_to_end(&self) -> bool {
+        // A sample number counts from 0.
+        let count = self.end_number(SAMPLE_COUNT);
+        !self.has_gaps || count.is_none_or(|count| f64::from(self.next_sample) >= count)
+    }
+
+    /// Time at which the run or its recording ended, s: from the end record, or the last message.
     pub(crate) fn stop_time(&self) -> Option<f64> {
-        let known = self.end_number(STOP_TIME);
+        let known = self
+            .end_number(STOP_TIME)
+            .filter(|_| self.is_recorded_to_end());
         known.or_else(|| self.last_ns.map(seconds))
     }
 
@@ -283,7 +303,7 @@ impl RunHistory {
     /// The phases of a free peg to the end of the run; empty if they are not known, as behind a gap.
     pub(crate) fn peg_intervals(&self) -> Vec<Interval> {
         match (&self.peg, self.stop_time()) {
-            (Some(peg), Some(end)) if !self.has_gaps => peg.intervals(end),
+            (Some(peg), Some(end)) if !self.has_gaps && !self.lacks(EVENTS) => peg.intervals(end),
             _ => Vec::new(),
         }
     }
@@ -304,7 +324,7 @@ impl RunHistory {
             rise_time: risen.or(end_time.filter(|_| is_rise)),
             stop_reason: reason,
             stop_time: end_time,
-            nutations: (!self.cycles.is_empty() && !self.has_gaps)
+            nutations: (!self.cycles.is_empty() && !self.has_gaps && !self.lacks(NUTATION))
                 .then_some(self.cycles.len() as u64),
             energy_first: self.energies.map(|energies| energies.first),
             energy_last: self.energies.map(|energies| energies.last),
@@ -320,9 +340,11 @@ impl RunHistory {
 
     fn peg_summary(&self, peg: &PegHistory) -> PegSummary {
         let mut summary = peg.summary(&self.peg_intervals());
-        if self.has_gaps {
-            // Events and impacts may be missing.
+        // Where samples are missing, events and impacts may be, too.
+        if self.has_gaps || self.lacks(EVENTS) {
             (summary.hops, summary.time_in_air, summary.time_rolling) = (None, None, None);
+        }
+        if self.has_gaps || self.lacks(IMPACTS) {
             (summary.impacts, summary.impact_loss) = (None, None);
         }
         if self.end.is_none() {

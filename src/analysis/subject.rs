@@ -1,10 +1,11 @@
 //! Inputs of analysis: recordings, or scenarios to simulate.
 
-use crate::archive::format::end_entries;
+use crate::analysis::missing::{MessageCounts, Missing};
+use crate::archive::format::{STOP_REASON, end_entries};
 use crate::archive::recording::{Condition, Entries, Losses, Reader, Recording, Selection};
 use crate::archive::sink::RecordError;
 use crate::run::scenario::Scenario;
-use crate::run::simulation::Simulation;
+use crate::run::simulation::{Simulation, StopReason};
 use crate::telemetry::{Message, Telemetry, Topic, Topics};
 
 /// Maximum number of losses that are described. `info` and `verify` list more.
@@ -38,6 +39,8 @@ pub struct Ended {
     pub end: Option<Entries>,
     /// Parts that could not be read, in sentences.
     pub losses: Vec<String>,
+    /// Messages that the run has according to its end record, but the recording lacks.
+    pub missing: Vec<Missing>,
 }
 
 impl Subject<'_> {
@@ -117,22 +120,27 @@ fn read(
     take: &mut dyn FnMut(&Message<'_>, u64) -> bool,
 ) -> Ended {
     let names = |topics: &[Topic]| topics.iter().map(ToString::to_string).collect();
-    let topics = match topics {
-        Topics::All => names(&recording.topics()),
-        Topics::Only(topics) => names(topics),
+    let recorded = recording.topics();
+    let wanted: Vec<Topic> = match topics {
+        Topics::All => recorded.clone(),
+        Topics::Only(topics) => topics.clone(),
     };
     let selection = Selection {
-        topics: Topics::Only(topics),
+        topics: Topics::Only(names(&wanted)),
         ..Selection::default()
     };
     // The first error of a message, and the number of errors.
     let mut undecodable: Option<(String, u64)> = None;
+    let mut counts = MessageCounts::default();
+    let mut is_stopped = false;
     let mut reader = recording.reader(selection).in_order_of_time();
     loop {
         let bytes = reader.progress();
         match reader.next() {
             Some(Ok(message)) => {
+                counts.take(&message);
                 if !take(&message, bytes) {
+                    is_stopped = true;
                     break;
                 }
             }
@@ -147,9 +155,19 @@ fn read(
         1 => format!("missing {first}"),
         _ => format!("missing {first} (the first of {count} messages that can't be decoded)"),
     }));
+    let missing = match recording.end() {
+        Some(end) if !is_stopped => {
+            let mut counted = wanted;
+            counted.retain(|topic| recorded.contains(topic));
+            counts.missing(&counted, end)
+        }
+        _ => Vec::new(),
+    };
+    losses.extend(missing.iter().map(|part| format!("missing {part}")));
     Ended {
         end: recording.end().cloned(),
         losses,
+        missing,
     }
 }
 
@@ -157,7 +175,10 @@ fn read(
 pub(super) fn losses(recording: &Recording, reader: &Reader<'_>) -> Vec<String> {
     let losses = loss_sentences(&reader.all_losses());
     let left_out = reader.left_out().map(ToString::to_string);
-    let is_interrupted = recording.condition() == Condition::Interrupted;
+    // A run that was interrupted by its user has an end record that says so.
+    let reason = recording.end().and_then(|end| end.get(STOP_REASON));
+    let is_stopped = reason.is_some_and(|reason| reason == StopReason::Interrupted.name());
+    let is_interrupted = is_stopped || recording.condition() == Condition::Interrupted;
     let lacks_end = is_interrupted.then(|| if recording.is_ours() { "run" } else { "file" });
     let end = lacks_end.map(|what| format!("missing end of the {what} (interrupted)"));
     losses.into_iter().chain(left_out).chain(end).collect()
@@ -186,8 +207,10 @@ fn simulate(
     let mut simulation = match Simulation::new(scenario) {
         Ok(simulation) => simulation,
         Err(error) => {
-            let losses = vec![format!("missing the motion: {error}")];
-            return Ended { end: None, losses };
+            return Ended {
+                losses: vec![format!("missing the motion: {error}")],
+                ..Ended::default()
+            };
         }
     };
     let mut telemetry = Telemetry::with_topics(topics);
@@ -208,5 +231,6 @@ fn simulate(
     Ended {
         end: Some(end_entries(&simulation.end())),
         losses,
+        missing: Vec::new(),
     }
 }

@@ -48,6 +48,12 @@ pub const STOP_REASON: &str = "stop_reason";
 pub const STOP_TIME: &str = "stop_time";
 /// Key of [`END_RECORD`]: the time at which the axis of a tippe top passed the horizontal, s; absent if it did not.
 pub const INVERSION_TIME: &str = "inversion_time";
+/// Key of [`END_RECORD`]: number of samples.
+pub const SAMPLE_COUNT: &str = "samples";
+/// Key of [`END_RECORD`]: number of events.
+pub const EVENT_COUNT: &str = "events";
+/// Key of [`END_RECORD`]: number of nutation cycles.
+pub const NUTATION_COUNT: &str = "nutations";
 /// Key of [`END_RECORD`]: how many steps the integrator took.
 pub const STEPS: &str = "steps_accepted";
 /// Key of [`END_RECORD`]: the digest of all messages of the table's channels.
@@ -142,9 +148,9 @@ pub fn end_entries(end: &RunEnd) -> Entries {
     let mut all = entries([
         (STOP_REASON, end.stop.name().to_owned()),
         (STOP_TIME, format!("{:?}", end.time)),
-        ("samples", end.samples.to_string()),
-        ("events", end.events.to_string()),
-        ("nutations", end.nutations.to_string()),
+        (SAMPLE_COUNT, end.samples.to_string()),
+        (EVENT_COUNT, end.events.to_string()),
+        (NUTATION_COUNT, end.nutations.to_string()),
         (STEPS, statistics.accepted.to_string()),
         ("steps_rejected", statistics.rejected.to_string()),
         ("evaluations", statistics.evaluations.to_string()),

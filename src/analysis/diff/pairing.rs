@@ -249,7 +249,7 @@ impl<'o> Pairing<'o> {
         let run = &mut self.paired.runs[side.index()];
         run.is_ended = true;
         run.losses = ended.losses;
-        run.history.finish(ended.end);
+        run.history.finish(ended.end, ended.missing);
         let is_rise = run.history.stop_reason() == Some(StopReason::Risen);
         let time = run.history.stop_time().filter(|_| is_rise);
         if let (Some(rise), Some(time)) = (&mut run.history.rise, time)

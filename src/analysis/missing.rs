@@ -1,0 +1,141 @@
+//! Messages that a recording lacks although its file is intact: filtered or cut by other software.
+
+use crate::archive::format::{EVENT_COUNT, Entries, NUTATION_COUNT, SAMPLE_COUNT};
+use crate::telemetry::fields::{EVENTS, FREE_PEG, IMPACTS, NUTATION, free_peg, impacts};
+use crate::telemetry::{Message, Topic};
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// Messages that topics lack.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Missing {
+    /// The topics; those of samples lack equally many.
+    pub topics: Vec<Topic>,
+    /// Number of missing messages of each topic; `None` if only their existence is known.
+    pub count: Option<u64>,
+    /// Number of messages that the run has in each topic; `None` if unknown.
+    pub expected: Option<u64>,
+}
+
+impl Missing {
+    /// Whether messages of a topic are missing.
+    pub(super) fn is_of(&self, topic: Topic) -> bool {
+        self.topics.contains(&topic)
+    }
+}
+
+impl fmt::Display for Missing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = self.topics.first().map_or("messages", |topic| noun(*topic));
+        let verb = if self.count == Some(1) { "is" } else { "are" };
+        match (self.count, self.expected) {
+            (Some(count), Some(expected)) => write!(f, "{count} of {expected} {what} {verb}")?,
+            (Some(count), None) => write!(f, "{count} {what} {verb}")?,
+            (None, _) => write!(f, "some {what} are")?,
+        }
+        let names: Vec<_> = self.topics.iter().map(ToString::to_string).collect();
+        match &names[..] {
+            [] => f.write_str(" missing"),
+            [name] => write!(f, " missing from {name}"),
+            [name, other] => write!(f, " missing from {name} and {other}"),
+            [name, others @ ..] => write!(f, " missing from {name} and {} topics", others.len()),
+        }
+    }
+}
+
+fn noun(topic: Topic) -> &'static str {
+    match topic {
+        EVENTS => "events",
+        NUTATION => "nutations",
+        IMPACTS => "impacts",
+        _ => "samples",
+    }
+}
+
+/// The messages that were read, counted in order to be compared with the end record.
+#[derive(Debug, Default)]
+pub(super) struct MessageCounts {
+    counts: BTreeMap<usize, u64>,
+    /// One more than the largest sequence number of an impact.
+    numbered_impacts: u64,
+    /// Energy dissipated by the impacts, J.
+    impact_loss: f64,
+    /// Sum of the magnitudes of its terms, J.
+    impact_loss_terms: f64,
+    /// Energy dissipated by impacts up to the last sample, as the sample has it, J.
+    impact_loss_of_samples: f64,
+}
+
+impl MessageCounts {
+    pub(super) fn take(&mut self, message: &Message<'_>) {
+        *self.counts.entry(message.channel).or_default() += 1;
+        match message.topic() {
+            IMPACTS => {
+                self.numbered_impacts = self.numbered_impacts.max(u64::from(message.sequence) + 1);
+                let lost = [impacts::LOST_RESTITUTION, impacts::LOST_FRICTION];
+                for part in lost.map(|part| part.of(message)) {
+                    self.impact_loss += part;
+                    self.impact_loss_terms += part.abs();
+                }
+            }
+            FREE_PEG => {
+                self.impact_loss_of_samples = free_peg::LOST_RESTITUTION.of(message)
+                    + free_peg::LOST_IMPACT_FRICTION.of(message);
+            }
+            _ => {}
+        }
+    }
+
+    /// The messages that some topics lack, according to the end record of their run.
+    pub(super) fn missing(&self, topics: &[Topic], end: &Entries) -> Vec<Missing> {
+        let mut all: Vec<Missing> = Vec::new();
+        for topic in topics {
+            let Some(missing) = self.missing_from(*topic, end) else {
+                continue;
+            };
+            let is_same = |known: &&mut Missing| {
+                let is_sampled = |topic: &Topic| topic.info().is_sampled;
+                let are_sampled = is_sampled(topic) && known.topics.iter().all(is_sampled);
+                are_sampled && known.count == missing.count
+            };
+            match all.iter_mut().find(is_same) {
+                Some(known) => known.topics.push(*topic),
+                None => all.push(missing),
+            }
+        }
+        all
+    }
+
+    fn missing_from(&self, topic: Topic, end: &Entries) -> Option<Missing> {
+        let recorded = self.counts.get(&topic.index()).copied().unwrap_or(0);
+        let number = |key: &str| end.get(key)?.parse::<u64>().ok();
+        let expected = match topic {
+            IMPACTS => return self.missing_impacts(recorded),
+            EVENTS => number(EVENT_COUNT),
+            NUTATION => number(NUTATION_COUNT),
+            _ if topic.info().is_sampled => number(SAMPLE_COUNT),
+            _ => None,
+        }?;
+        (recorded < expected).then(|| Missing {
+            topics: vec![topic],
+            count: Some(expected - recorded),
+            expected: Some(expected),
+        })
+    }
+
+    /// The end record has no number of impacts. Those missing before the last one follow from its sequence number, those
+    /// behind it from the energy that they took up to the last sample.
+    fn missing_impacts(&self, recorded: u64) -> Option<Missing> {
+        let before = self.numbered_impacts.saturating_sub(recorded);
+        // Both sums have at most as many terms as there are impacts, each of them in two parts.
+        let terms = 2.0 * (self.numbered_impacts as f64 + 1.0);
+        let size = self.impact_loss_terms.max(self.impact_loss_of_samples);
+        let error = 2.0 * terms * f64::EPSILON * size;
+        let is_cut = self.impact_loss_of_samples - self.impact_loss > error;
+        (before > 0 || is_cut).then(|| Missing {
+            topics: vec![IMPACTS],
+            count: Some(before).filter(|_| !is_cut),
+            expected: Some(self.numbered_impacts).filter(|_| !is_cut),
+        })
+    }
+}
