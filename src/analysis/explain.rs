@@ -202,7 +202,9 @@ fn title(evidence: &Evidence) -> String {
     let scenario = evidence.scenario.title();
     let end = moment(evidence.history.stop_time().unwrap_or(0.0));
     match reason {
-        Some(reason) if evidence.history.is_recorded_to_end() => format!("{scenario}: {} at t = {end}", reason.sentence()),
+        Some(reason) if evidence.history.is_recorded_to_end() => {
+            format!("{scenario}: {} at t = {end}", reason.sentence())
+        }
         _ => format!("{scenario}: incomplete, recorded until t = {end}"),
     }
 }

@@ -24,11 +24,11 @@ use crate::physics::dynamics::Model;
 use crate::physics::kinematics::Euler;
 use crate::run::simulation::{EventKind, StopReason};
 use crate::run::time::seconds;
-use crate::telemetry::{Message, Topic};
 use crate::telemetry::fields::{
-    ACCELERATION, CONTACT, ENERGY, EVENTS, IMPACTS, MOMENTUM, NUTATION, STATE, acceleration, contact,
-    events, momentum, nutation, state,
+    ACCELERATION, CONTACT, ENERGY, EVENTS, IMPACTS, MOMENTUM, NUTATION, STATE, acceleration,
+    contact, events, momentum, nutation, state,
 };
+use crate::telemetry::{Message, Topic};
 
 use std::f64::consts::FRAC_PI_2;
 

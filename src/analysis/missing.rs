@@ -27,20 +27,25 @@ impl Missing {
 impl fmt::Display for Missing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let what = self.topics.first().map_or("messages", |topic| noun(*topic));
-        let verb = if self.count == Some(1) { "is" } else { "are" };
         match (self.count, self.expected) {
-            (Some(count), Some(expected)) => write!(f, "{count} of {expected} {what} {verb}")?,
-            (Some(count), None) => write!(f, "{count} {what} {verb}")?,
-            (None, _) => write!(f, "some {what} are")?,
+            (Some(count), Some(expected)) => write!(f, "{count} of {expected} {what}")?,
+            (Some(count), None) => write!(f, "{count} {what}")?,
+            (None, _) => write!(f, "some {what}")?,
         }
-        let names: Vec<_> = self.topics.iter().map(ToString::to_string).collect();
-        match &names[..] {
-            [] => f.write_str(" missing"),
-            [name] => write!(f, " missing from {name}"),
-            [name, other] => write!(f, " missing from {name} and {other}"),
-            [name, others @ ..] => write!(f, " missing from {name} and {} topics", others.len()),
+        match &self.topics[..] {
+            [] => Ok(()),
+            [topic] => write!(f, " of {topic}"),
+            [topic, other] => write!(f, " of {topic} and {other}"),
+            [topic, others @ ..] => write!(f, " of {topic} and {} other topics", others.len()),
         }
     }
+}
+
+/// Whether each sample of a run has a message of the topic. Those of regular precession depend on the state; those of a
+/// free peg on the support, and a recording has their channels only if the peg is free.
+fn is_in_every_sample(topic: Topic) -> bool {
+    let info = topic.info();
+    info.is_sampled && (!info.is_optional || info.is_free_peg_only)
 }
 
 fn noun(topic: Topic) -> &'static str {
@@ -94,9 +99,8 @@ impl MessageCounts {
                 continue;
             };
             let is_same = |known: &&mut Missing| {
-                let is_sampled = |topic: &Topic| topic.info().is_sampled;
-                let are_sampled = is_sampled(topic) && known.topics.iter().all(is_sampled);
-                are_sampled && known.count == missing.count
+                let mut topics = known.topics.iter().chain([topic]);
+                known.count == missing.count && topics.all(|topic| is_in_every_sample(*topic))
             };
             match all.iter_mut().find(is_same) {
                 Some(known) => known.topics.push(*topic),
@@ -113,7 +117,7 @@ impl MessageCounts {
             IMPACTS => return self.missing_impacts(recorded),
             EVENTS => number(EVENT_COUNT),
             NUTATION => number(NUTATION_COUNT),
-            _ if topic.info().is_sampled => number(SAMPLE_COUNT),
+            _ if is_in_every_sample(topic) => number(SAMPLE_COUNT),
             _ => None,
         }?;
         (recorded < expected).then(|| Missing {

@@ -129,20 +129,27 @@ pub fn read_file(path: &Path) -> io::Result<String> {
     text_of(bytes)
 }
 
-/// Bytes as UTF-8 text. The error recognises UTF-16, as written by some editors and by PowerShell's `>`: it begins with a
-/// byte order mark, or every other byte of its ASCII characters is zero.
+/// Bytes as UTF-8 text. The error recognises UTF-16, as written by some editors and by PowerShell's `>`, and UTF-32: they
+/// begin with a byte order mark, or all but one byte of each ASCII character are zero.
 fn text_of(bytes: Vec<u8>) -> io::Result<String> {
+    // The byte order mark of little-endian UTF-32 begins with that of UTF-16.
+    let is_utf32 = matches!(
+        bytes[..],
+        [0xff, 0xfe, 0, 0, ..] | [0, 0, 0xfe, 0xff, ..] | [_, 0, 0, 0, ..] | [0, 0, 0, _, ..]
+    );
     let is_utf16 = matches!(
         bytes[..],
         [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [_, 0, ..] | [0, _, ..]
     );
-    let reason = if is_utf16 {
+    let reason = if is_utf32 {
+        "it is UTF-32 text: save it as UTF-8"
+    } else if is_utf16 {
         "it is UTF-16 text: save it as UTF-8"
     } else {
         "it is not UTF-8 text"
     };
     match String::from_utf8(bytes) {
-        Ok(text) if !is_utf16 => Ok(text),
+        Ok(text) if !is_utf16 && !is_utf32 => Ok(text),
         Ok(_) | Err(_) => Err(io::Error::new(io::ErrorKind::InvalidData, reason)),
     }
 }
@@ -173,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn utf16_is_named() {
+    fn names_other_unicode_encodings() {
         let text = "name = 'ü'\n";
         let little: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
         let big: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
@@ -184,6 +191,22 @@ mod tests {
             big,
         ] {
             assert_eq!(message(&bytes), "it is UTF-16 text: save it as UTF-8");
+        }
+        let little: Vec<u8> = text
+            .chars()
+            .flat_map(|c| u32::from(c).to_le_bytes())
+            .collect();
+        let big: Vec<u8> = text
+            .chars()
+            .flat_map(|c| u32::from(c).to_be_bytes())
+            .collect();
+        for bytes in [
+            [&[0xff, 0xfe, 0, 0], &little[..]].concat(),
+            [&[0, 0, 0xfe, 0xff], &big[..]].concat(),
+            little,
+            big,
+        ] {
+            assert_eq!(message(&bytes), "it is UTF-32 text: save it as UTF-8");
         }
         assert_eq!(message(b"name = '\xfc'"), "it is not UTF-8 text");
         assert_eq!(scenario_from(text.as_bytes()).unwrap(), text);

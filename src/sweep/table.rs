@@ -199,22 +199,19 @@ fn is_nameless_index(name: &str) -> bool {
     level.is_some_and(|level| level.parse::<u32>().is_ok())
 }
 
-/// The lines of a comma-separated table, with their numbers; no cell contains a line break.
+/// Whether a line of a comma-separated table has no cell with content. Editors leave blank lines, and spreadsheets write
+/// commas where nothing was entered. An empty cell of a table with one column is written as `""`.
+fn is_empty_row(line: &str) -> bool {
+    line.split(',').all(|cell| cell.trim().is_empty())
+}
+
+/// The lines of a comma-separated table that have content, with their numbers; no cell contains a line break.
 fn csv_lines(text: &str) -> Result<Vec<(&str, u64)>, String> {
-    let is_blank = |(line, _): &(&str, u64)| line.trim().is_empty();
-    let lines = text.split(['\n', '\r']).zip(1..).skip_while(is_blank);
-    let mut lines: Vec<_> = lines.collect();
-    // The text ends with the end of a line.
-    lines.pop_if(|(line, _)| line.is_empty());
+    let lines = text.split(['\n', '\r']).zip(1..);
+    let lines: Vec<_> = lines.filter(|(line, _)| !is_empty_row(line)).collect();
     let is_open = |(line, _): &&(&str, u64)| line.matches('"').count() % 2 == 1;
     if let Some((_, line)) = lines.iter().find(is_open) {
         return Err(format!("line {line}: unclosed quote"));
-    }
-    // Readers skip empty lines, but in a table with one column an empty line is an empty cell.
-    let has_one_column = lines.first().is_some_and(|first| !first.0.contains(','));
-    lines.retain(|line| has_one_column || !is_blank(line));
-    for (line, _) in lines.iter_mut().filter(|line| is_blank(line)) {
-        *line = "\"\"";
     }
     Ok(lines)
 }
@@ -255,7 +252,7 @@ fn from_csv(text: &str) -> Result<Table, String> {
                 "line {line} has {count} {cells}, the header has {expected}"
             ));
         }
-        // Spreadsheets write rows of commas where nothing was entered. A table with one column has no commas.
+        // Spreadsheets may quote the cells in which nothing was entered.
         if expected > 1 && record.iter().all(str::is_empty) {
             continue;
         }
@@ -323,11 +320,32 @@ mod tests {
     }
 
     #[test]
+    fn skips_empty_rows_of_one_column() {
+        for text in [
+            "friction_k\n0.1\n\n0.2\n",
+            "friction_k\n0.1\n0.2\n\n\n",
+            "friction_k\n0.1\n  \n0.2\n ",
+            "friction_k\n,\n0.1\n,,,\n0.2\n",
+        ] {
+            let table = read(text).unwrap();
+            let plain = read("friction_k\n0.1\n0.2\n").unwrap();
+            assert_eq!(
+                (table.rows(), table.digest()),
+                (2, plain.digest()),
+                "{text:?}"
+            );
+        }
+        // A missing value of pandas.
+        assert_eq!(read("friction_k\n0.1\n\"\"\n").unwrap().rows(), 2);
+    }
+
+    #[test]
     fn csv_row_of_only_commas_is_no_run() {
         let plain = read("friction_k,initial.phi\n0.1,1\n0.2,\n").unwrap();
         for text in [
             "friction_k,initial.phi\n0.1,1\n,\n0.2,\n,\n",
             "friction_k,initial.phi\n , \n0.1,1\n0.2,\n",
+            "friction_k,initial.phi\n,,,,\n0.1,1\n0.2,\n,,,\n",
             ",friction_k,initial.phi\n0,0.1,1\n,,\n1,0.2,\n",
         ] {
             let table = read(text).unwrap();

@@ -102,8 +102,15 @@ fn assert_fact(fact: &Fact, scenario: &Scenario, run: &Run) {
             assert_eq!(*first, run.first(EventKind::LiftOff).time);
         }
         Fact::Hops { count: hops, .. } => assert_eq!(*hops, 1 + count(EventKind::LiftOff)),
-        Fact::Impacts { count, lost } => {
+        Fact::Impacts {
+            count,
+            after_samples,
+            lost,
+        } => {
             assert_eq!(*count, run.impacts.len() as u64);
+            let end = last.time_ns as f64 / 1e9;
+            let after = run.impacts.iter().filter(|impact| impact.time > end);
+            assert_eq!(*after_samples, after.count() as u64);
             let of_impacts = run.impacts.iter();
             let sum: f64 = of_impacts
                 .map(|impact| impact.normal_loss + impact.friction_loss)

@@ -86,6 +86,8 @@ pub enum Fact {
     Impacts {
         /// Number.
         count: u64,
+        /// Number after the last sample.
+        after_samples: u64,
         /// Energy dissipated, J.
         lost: f64,
     },
@@ -153,6 +155,11 @@ pub enum Fact {
         /// The energy, J.
         energy: f64,
         /// The largest deviation, J.
+        deviation: f64,
+    },
+    /// The recorded energy differs from that at the start and the recorded work by more than the integrator's error.
+    EnergyImbalance {
+        /// The largest difference, J.
         deviation: f64,
     },
     /// The work of friction, air drag and impacts accounts for the change of energy.
@@ -263,9 +270,18 @@ impl Fact {
             Self::Hops { count, first } => {
                 format!("The peg hops {}, first at {}.", times(*count), at(first))
             }
-            Self::Impacts { count, lost } => {
+            Self::Impacts {
+                count,
+                after_samples,
+                lost,
+            } => {
+                let when = match after_samples {
+                    0 => "",
+                    after if after == count => ", after the last sample",
+                    _ => ", also after the last sample",
+                };
                 let (count, lost) = (times(*count), joule(lost));
-                format!("The peg hits the table {count}; the impacts dissipate {lost}.")
+                format!("The peg hits the table {count}{when}; the impacts dissipate {lost}.")
             }
             Self::Rolls { from, theta } if theta.is_finite() => format!(
                 "The peg rolls from {} to the end, starting at θ = {}.",
@@ -327,6 +343,10 @@ impl Fact {
             Self::EnergyConstant { energy, deviation } => format!(
                 "Energy is constant at {} in all samples (± {}).",
                 quantity(*energy, 6, "J"),
+                quantity(*deviation, 2, "J")
+            ),
+            Self::EnergyImbalance { deviation } => format!(
+                "The recorded energy does not agree with the recorded work: they differ by up to {}.",
                 quantity(*deviation, 2, "J")
             ),
             Self::Balance {

@@ -70,7 +70,7 @@ pub(super) fn end(evidence: &Evidence) -> Option<Fact> {
         }
         nutation_end = Some(cycle.end());
     }
-    (!is_at_limit).then_some(Fact::End {
+    (!is_at_limit || nutation_end.is_some()).then_some(Fact::End {
         theta: last.theta,
         nutation_end,
     })
@@ -135,10 +135,13 @@ pub(super) fn balance(evidence: &Evidence) -> Vec<Fact> {
     // A change below the error of the balance is none that is known.
     if conserves || energies.work.abs() <= within || change <= within {
         let (energy, deviation) = (first, change.max(within));
-        // A larger deviation without friction is an error of the integration.
-        let is_told = !conserves || deviation <= ROUNDED * first.abs();
-        let constant = is_told.then_some(Fact::EnergyConstant { energy, deviation });
-        return constant.into_iter().collect();
+        // A larger deviation is an error of the integration or of the recording.
+        let is_constant = deviation <= ROUNDED * first.abs();
+        return vec![if is_constant {
+            Fact::EnergyConstant { energy, deviation }
+        } else {
+            Fact::EnergyImbalance { deviation }
+        }];
     }
     let friction = &evidence.scenario.model.friction;
     let balance = Fact::Balance {

@@ -3,6 +3,7 @@
 use super::evidence::{Evidence, known_deviations};
 use super::fact::Fact;
 use super::fixed;
+use crate::analysis::history::PegHistory;
 use std::f64::consts::FRAC_PI_2;
 
 /// What happened.
@@ -68,7 +69,12 @@ pub(super) fn energy(evidence: &Evidence) -> Vec<Fact> {
         facts.push(Fact::Sliding { sliding, losses });
     }
     if let Some((count @ 1.., lost)) = peg.and_then(|peg| peg.impacts.zip(peg.impact_loss)) {
-        facts.push(Fact::Impacts { count, lost });
+        let history = evidence.history.peg.as_ref();
+        facts.push(Fact::Impacts {
+            count,
+            after_samples: history.map_or(0, PegHistory::impacts_after_samples),
+            lost,
+        });
     }
     let path = evidence.summary.slip_path.filter(|path| *path > 0.0);
     facts.extend(path.map(|length| Fact::SlipPath { length }));

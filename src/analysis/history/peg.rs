@@ -5,7 +5,7 @@ use crate::physics::dynamics::Model;
 use crate::run::simulation::EventKind;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{
-    CENTER_OF_MASS, CONTACT, FREE_PEG, IMPACTS, MOMENTUM, center_of_mass, contact, free_peg,
+    CENTER_OF_MASS, CONTACT, FREE_PEG, IMPACTS, MOMENTUM, STATE, center_of_mass, contact, free_peg,
     impacts, momentum,
 };
 use schemars::JsonSchema;
@@ -55,7 +55,9 @@ pub(crate) struct PegHistory {
     /// Whether there are events: without them the phases are not known.
     has_events: bool,
     impacts: u64,
-    /// The energy that these took, J.
+    /// The impacts after the last sample.
+    impacts_after_samples: u64,
+    /// The energy that all impacts took, J.
     impact_loss: f64,
     /// Height above the table in the highest sample, m; 0 if no sample is in the air.
     highest: f64,
@@ -85,8 +87,14 @@ impl PegHistory {
         self.center_distance < 0.0
     }
 
+    /// Number of impacts after the last sample.
+    pub(crate) fn impacts_after_samples(&self) -> u64 {
+        self.impacts_after_samples
+    }
+
     pub(super) fn take(&mut self, message: &Message<'_>) {
         match message.topic() {
+            STATE => self.impacts_after_samples = 0,
             CONTACT => self.contact(message),
             MOMENTUM => self.axial = Some(momentum::AXIAL.of(message)),
             CENTER_OF_MASS => {
@@ -98,6 +106,7 @@ impl PegHistory {
             FREE_PEG => self.free_peg(message),
             IMPACTS => {
                 self.impacts += 1;
+                self.impacts_after_samples += 1;
                 self.impact_loss +=
                     impacts::LOST_RESTITUTION.of(message) + impacts::LOST_FRICTION.of(message);
             }
@@ -181,9 +190,14 @@ impl PegHistory {
         // A recording without their channel may have lost energy in impacts.
         let is_free_of_impacts = self.lost.is_some_and(|lost| lost[2..] == [0.0; 2]);
         let knows_impacts = self.impacts > 0 || is_free_of_impacts;
+        // Rolling may end at the very end of the run, so that no interval follows it.
+        let ends_otherwise = self
+            .changes
+            .last()
+            .is_some_and(|(phase, ..)| *phase != PegPhase::Rolling);
         let last = intervals
             .last()
-            .filter(|last| last.phase == PegPhase::Rolling);
+            .filter(|last| last.phase == PegPhase::Rolling && !ends_otherwise);
         PegSummary {
             hops: is_known.then(|| of(PegPhase::Flying).count() as u64),
             impacts: knows_impacts.then_some(self.impacts),

@@ -1,6 +1,6 @@
 //! The report of a run.
 
-use crate::analysis::phrase::{significant, works};
+use crate::analysis::phrase::{short, significant, works};
 use crate::cli::numbers::{count, counted, number};
 use crate::cli::page::{Section, Tone};
 use crate::cli::report::WrittenFile;
@@ -199,7 +199,7 @@ impl RunReport {
         format!(
             "{} at {} Hz, {}, {}",
             counted(self.samples, "sample"),
-            1.0 / self.sample_period,
+            short(1.0 / self.sample_period, 6),
             counted(self.outcome.end.nutations, "nutation cycle"),
             counted(self.events.iter().map(|event| event.count).sum(), "event")
         )
