@@ -1,5 +1,7 @@
 //! Explaining a run.
 
+mod energies;
+mod gaps;
 mod statements;
 
 use crate::random_scenarios::{Random, free_tops};

@@ -1,0 +1,71 @@
+//! Sentences about energy, and about phases that end with the run.
+
+use super::facts;
+use crate::support::{Folder, in_memory, scenario};
+use toprise::analysis::explain::{Fact, explain};
+use toprise::archive::pipeline::McapSink;
+use toprise::archive::publish::Existing;
+use toprise::archive::recording::Recording;
+use toprise::archive::sink::Sink as _;
+use toprise::archive::writer::Form;
+use toprise::telemetry::Telemetry;
+use toprise::telemetry::fields::ENERGY;
+
+#[test]
+fn impacts_after_the_last_sample_are_called_so() {
+    let explanation = explain(&scenario("drop", &[("stop.duration", "0.0318")])).unwrap();
+    let sentences: Vec<String> = facts(&explanation).map(Fact::sentence).collect();
+    let sentence =
+        "The peg hits the table once, after the last sample; the impacts dissipate 0.005591 J.";
+    assert!(
+        sentences.iter().any(|found| found == sentence),
+        "{sentences:#?}"
+    );
+}
+
+#[test]
+fn energy_with_a_forged_sample_is_not_constant() {
+    let run = scenario("paper", &[("stop.duration", "1")]);
+    let (mut messages, end) = in_memory(&run);
+    let folder = Folder::new();
+    let path = folder.at("run.mcap");
+    let telemetry = Telemetry::default();
+    let mut sink =
+        McapSink::create(&path, Existing::Keep, &run, &telemetry, Form::default()).unwrap();
+    let is_forged = |message: &&mut toprise::archive::memory::Owned| {
+        message.as_message().topic() == ENERGY && message.time_ns == 500_000_000
+    };
+    let forged = messages.messages.iter_mut().find(is_forged).unwrap();
+    forged.numbers.fill(99.0);
+    for message in &messages.messages {
+        sink.write(&message.as_message()).unwrap();
+    }
+    sink.finish(&end).unwrap();
+    let explanation = explain(&Recording::open(&path).unwrap()).unwrap();
+    let is_constant = |fact: &Fact| matches!(fact, Fact::EnergyConstant { .. });
+    let is_unbalanced =
+        |fact: &Fact| matches!(fact, Fact::EnergyImbalance { deviation } if *deviation > 1.0);
+    assert!(!facts(&explanation).any(is_constant));
+    assert!(facts(&explanation).any(is_unbalanced));
+}
+
+#[test]
+fn rolling_that_ends_with_the_run_does_not_last_to_its_end() {
+    let explanation = explain(&scenario("free-rolls", &[("friction.k", "10")])).unwrap();
+    assert!(!facts(&explanation).any(|fact| matches!(fact, Fact::Rolls { .. })));
+    assert!(facts(&explanation).any(|fact| matches!(fact, Fact::RollsAtTimes { .. })));
+}
+
+#[test]
+fn end_of_nutation_follows_the_last_mean() {
+    let explanation = explain(&scenario("lifecycle", &[])).unwrap();
+    let sentences: Vec<String> = facts(&explanation).map(Fact::sentence).collect();
+    let means = sentences
+        .iter()
+        .position(|s| s.ends_with("(last nutation)."))
+        .unwrap();
+    assert!(
+        sentences[means + 1].starts_with("The nutation ends at"),
+        "{sentences:#?}"
+    );
+}
