@@ -35,6 +35,7 @@ mod finding;
 mod findings;
 mod floor;
 mod observer;
+mod occurrence;
 mod others;
 mod pairing;
 mod report;

@@ -11,7 +11,6 @@ use super::floor::combined;
 use super::pairing::RunData;
 use crate::analysis::history::{PegPhase, RunHistory};
 use crate::analysis::phrase::{moment, significant};
-use crate::physics::friction::Air;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::{EventKind, StopReason};
 use crate::telemetry::fields::{NumberField, energy, nutation};
@@ -427,10 +426,8 @@ fn energy_lost(evidence: &Evidence<'_>) -> Option<Finding> {
 /// Difference of the models' torques of friction, losses and air drag at the states of A.
 fn torque(evidence: &Evidence<'_>) -> Option<Finding> {
     let torque = evidence.discrepancy?.quantities.first()?;
-    let has_air_drag = evidence.scenarios.iter().flatten().any(|scenario| {
-        let losses = scenario.model.friction.losses.unwrap_or_default();
-        losses.air != Air::default()
-    });
+    let mut scenarios = evidence.scenarios.iter().flatten();
+    let has_air_drag = scenarios.any(|scenario| scenario.model.friction.has_air_drag());
     let what = if has_air_drag {
         "max. friction and air drag torque difference at A's states"
     } else {

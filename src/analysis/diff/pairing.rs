@@ -1,13 +1,14 @@
 //! Reads two runs in parallel and pairs their messages.
 //!
 //! Each run is read by its own thread in batches. The run that is behind is advanced first, so that few messages wait.
-//! Samples are paired by time, events and impacts by number. Nutation cycles are compared as curves over time
-//! ([`super::averages`]).
+//! Samples are paired by time while both runs are read; events, impacts and nutation cycles at the end, by their content
+//! ([`super::occurrence`]). The averages over nutation cycles are compared as curves over time ([`super::averages`]).
 
 use super::averages;
 use super::discrepancy::Residuals;
 use super::error::DiffError;
 use super::observer::Observer;
+use super::occurrence::{Occurrence, match_occurrences};
 use super::tolerance::{Options, full_name};
 use super::topic::TopicTally;
 use crate::analysis::history::RunHistory;
@@ -227,9 +228,12 @@ impl<'o> Pairing<'o> {
                 // Its thread has panicked.
                 Err(_) => self.end(side, Ended::default()),
             }
-            for topic in Topic::all() {
-                self.pair(topic)?;
+            for topic in Topic::all().filter(|topic| topic.info().is_sampled) {
+                self.pair_samples(topic)?;
             }
+        }
+        for topic in Topic::all().filter(|topic| !topic.info().is_sampled) {
+            self.pair_occurrences(topic)?;
         }
         Ok(())
     }
@@ -279,8 +283,8 @@ impl<'o> Pairing<'o> {
         Ok(())
     }
 
-    /// Compares the messages of a topic that have a partner, and counts those that have none.
-    fn pair(&mut self, topic: Topic) -> Result<(), DiffError> {
+    /// Compares the samples of a topic that have a partner, and counts those that have none.
+    fn pair_samples(&mut self, topic: Topic) -> Result<(), DiffError> {
         if self.paired.topics[topic.index()].is_none() {
             return Ok(());
         }
@@ -298,25 +302,38 @@ impl<'o> Pairing<'o> {
         Ok(())
     }
 
-    /// Which run has the next message of a topic (`Less`: A, `Equal`: both, `Greater`: B); `None` if that isn't known
-    /// yet.
+    /// Which run has the next sample of a topic (`Less`: A, `Equal`: both, `Greater`: B); `None` if that isn't known yet.
     fn next(&self, topic: Topic) -> Option<Ordering> {
-        let is_sampled = topic.info().is_sampled;
-        let key = |message: &Owned| {
-            if is_sampled {
-                message.time_ns
-            } else {
-                u64::from(message.sequence)
-            }
-        };
         let [a, b] = &self.waiting[topic.index()];
         let [a_ended, b_ended] = self.paired.runs.each_ref().map(|run| run.is_ended);
         match (a.front(), b.front()) {
-            (Some(a), Some(b)) => Some(key(a).cmp(&key(b))),
+            (Some(a), Some(b)) => Some(a.time_ns.cmp(&b.time_ns)),
             (Some(_), None) => b_ended.then_some(Ordering::Less),
             (None, Some(_)) => a_ended.then_some(Ordering::Greater),
             (None, None) => None,
         }
+    }
+
+    /// Compares all messages of a topic that isn't sampled. They are few, as are the events and cycles of the history,
+    /// and their partners are known only when both runs are.
+    fn pair_occurrences(&mut self, topic: Topic) -> Result<(), DiffError> {
+        let waiting = std::mem::take(&mut self.waiting[topic.index()]);
+        let [a, b] = waiting.map(Vec::from);
+        let is_whole = self.paired.runs.iter().all(|run| run.losses.is_empty());
+        for occurrence in match_occurrences(topic, &a, &b, is_whole) {
+            match occurrence {
+                Occurrence::Both(of_a, of_b) => {
+                    self.compare(topic, &a[of_a].as_message(), &b[of_b].as_message())?;
+                }
+                Occurrence::OnlyA(of_a) => {
+                    self.count_unmatched(topic, Side::A, a[of_a].time_ns);
+                }
+                Occurrence::OnlyB(of_b) => {
+                    self.count_unmatched(topic, Side::B, b[of_b].time_ns);
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Compares two messages, and shows the observer their difference if it is finite.

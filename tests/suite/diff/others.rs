@@ -1,6 +1,7 @@
 //! Comparing files that somebody else wrote or changed.
 
 use super::*;
+use std::cell::Cell;
 
 /// A message: its topic, time (ms) and text.
 type Text<'t> = (&'t str, u64, &'t str);
@@ -322,6 +323,69 @@ fn names_what_differs_between_recordings_besides_the_values() {
         (report.verdict, report.notes.len()),
         (Verdict::Identical, 2)
     );
+}
+
+/// A renumbering of the messages; its argument counts all messages of the file.
+type Renumber = fn(&mut mcap::Message<'_>, u32);
+
+#[test]
+fn renumbered_messages_have_the_same_values() {
+    let folder = Folder::new();
+    let scenario = short(&[("stop.duration", "0.1")]);
+    let ours = recorded(&folder, "a.mcap", &scenario, Encoding::Json);
+    let original = copied(&folder, "copy.mcap", &ours, |_| {}, |_| {});
+    let cases: [(&str, Renumber); 3] = [
+        ("from 1", |message, _| message.sequence += 1),
+        ("through the file", |message, number| {
+            message.sequence = number
+        }),
+        ("with gaps", |message, _| message.sequence *= 3),
+    ];
+    for (name, renumber) in cases {
+        let number = Cell::new(0);
+        let change = |message: &mut mcap::Message<'_>| {
+            renumber(message, number.replace(number.get() + 1));
+        };
+        let renumbered = copied(&folder, name, &ours, change, |_| {});
+        let report = compare(&original, &renumbered, &quick()).unwrap();
+        assert_eq!(report.verdict, Verdict::SameValues, "{name}");
+        let notes = report.notes.concat();
+        assert_contains(&notes, "Sequence numbers differ");
+    }
+}
+
+#[test]
+fn an_extra_event_leaves_the_others_matched() {
+    let folder = Folder::new();
+    let scenario = short(&[("stop.duration", "0.1")]);
+    let ours = recorded(&folder, "a.mcap", &scenario, Encoding::Json);
+    let bytes = fs::read(ours.path()).unwrap();
+    let events = mcap::MessageStream::new(&bytes)
+        .unwrap()
+        .map(Result::unwrap);
+    let events: Vec<_> = events
+        .filter(|message| message.channel.topic == "/events")
+        .collect();
+    // Just before an event, so that it takes the event's number.
+    let is_later = |pair: &[mcap::Message<'_>]| pair[1].log_time > pair[0].log_time + 1;
+    let next = 1 + events.windows(2).position(is_later).unwrap();
+    assert!(next + 1 < events.len());
+    let mut extra = events[next].clone();
+    extra.log_time -= 1;
+    let renumber = |message: &mut mcap::Message<'_>| {
+        let is_event = message.channel.topic == "/events";
+        message.sequence += u32::from(is_event && message.sequence >= extra.sequence);
+    };
+    let original = copied(&folder, "b.mcap", &ours, |_| {}, |_| {});
+    let extended = copied(&folder, "c.mcap", &ours, renumber, |writer| {
+        writer.write(&extra).unwrap();
+    });
+    let report = compare(&original, &extended, &quick()).unwrap();
+    assert_eq!(report.verdict, Verdict::Different);
+    let compared = channel(&report, "/events");
+    let counts = (compared.pairs, compared.identical, compared.unmatched);
+    let all = events.len() as u64;
+    assert_eq!(counts, (all, all, [0, 1]));
 }
 
 #[test]
