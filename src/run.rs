@@ -7,6 +7,7 @@
 
 pub(crate) mod listed;
 pub mod outcome;
+pub(crate) mod plural;
 pub mod scenario;
 pub mod simulation;
 pub(crate) mod suggestion;

@@ -263,6 +263,11 @@ fn common_topics(
         topics.into_iter().partition(|topic| other.contains(topic))
     });
     let [(mut common, of_a), (_, of_b)]: [(Vec<_>, Vec<_>); 2] = divided;
+    let is_ignored = |topic: &String| options.tolerances.ignores(topic);
+    let mut all = a.iter().chain(b).peekable();
+    if all.peek().is_some() && all.all(is_ignored) {
+        return Err(DiffError::AllIgnored);
+    }
     if common.is_empty() {
         let [a, b] = [of_a, of_b].map(|topics| match topics.join(", ").as_str() {
             "" => "none".to_owned(),
@@ -314,9 +319,8 @@ fn compare_files(
         return Err(DiffError::TolerancesNeedFields);
     }
     options.tolerances.check_names(&[], &topics.concat())?;
-    let is_ignored = |topic: &String| options.tolerances.ignores(topic);
-    let (common, only_in) = if options.topics.is_empty() && topics.iter().flatten().all(is_ignored)
-    {
+    let is_empty = topics.iter().all(Vec::is_empty);
+    let (common, only_in) = if is_empty && options.topics.is_empty() {
         Default::default()
     } else {
         common_topics(&topics, options)?

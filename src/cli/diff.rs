@@ -4,11 +4,11 @@ mod content;
 #[cfg(feature = "rerun")]
 mod viewer;
 
-use super::arguments::{Override, parse_override};
+use super::arguments::{Format, Override, parse_override};
 use super::input::{Input, open};
 use super::progress::Progress;
-use super::report;
 use super::status::Status;
+use super::{output, report};
 use crate::analysis::diff::{Observer, Options, Tolerance, Tolerances, Verdict, compare_observed};
 #[cfg(feature = "rerun")]
 use crate::archive::sink::SinkError;
@@ -126,7 +126,9 @@ pub(super) fn diff(arguments: &DiffArguments) -> Result<Status, Error> {
     let compared = compare_observed(subjects[0], subjects[1], &options, &mut watching);
     progress.finish();
     let report = compared?;
-    report::print(&report, || content::page(&report, arguments.all))?;
+    // A document has room for whole values.
+    let is_cut = !arguments.all && output::format() == Format::Text;
+    report::print(&report, || content::page(&report, arguments.all, is_cut))?;
     #[cfg(feature = "rerun")]
     if let Some(viewer) = watching.viewer {
         viewer.finish(&report)?;

@@ -69,6 +69,15 @@ fn events(explanation: &Explanation) -> Section {
     Section::of(Table::of_texts(rows)).titled("Events", "")
 }
 
+/// A mean, or a dash if it was not recorded (NaN).
+fn mean(value: f64, digits: usize) -> String {
+    if value.is_nan() {
+        "–".to_owned()
+    } else {
+        significant(value, digits)
+    }
+}
+
 /// Table of the averaged motion.
 fn stages(stages: &[Stage]) -> Section {
     let table = Table::of(
@@ -79,14 +88,14 @@ fn stages(stages: &[Stage]) -> Section {
                 format!("{:.2} to {:.2}", stage.from, stage.to)
             }),
             ("nutations", |stage| stage.nutations.to_string()),
-            ("θ [rad]", |stage| significant(stage.theta, 4)),
-            ("θ̇ [rad/s]", |stage| significant(stage.theta_dot, 3)),
-            ("φ̇ [rad/s]", |stage| significant(stage.phi_dot, 5)),
+            ("θ [rad]", |stage| mean(stage.theta, 4)),
+            ("θ̇ [rad/s]", |stage| mean(stage.theta_dot, 3)),
+            ("φ̇ [rad/s]", |stage| mean(stage.phi_dot, 5)),
             ("slow root", |stage| match stage.slow_root {
                 Some(root) => significant(root, 5),
                 None => "–".to_owned(),
             }),
-            ("ψ̇ [rad/s]", |stage| significant(stage.psi_dot, 5)),
+            ("ψ̇ [rad/s]", |stage| mean(stage.psi_dot, 5)),
         ],
     );
     Section::of(table).titled("Nutations", "")
@@ -96,6 +105,12 @@ fn stages(stages: &[Stage]) -> Section {
 mod tests {
     use super::*;
     use crate::cli::arguments::parse;
+
+    #[test]
+    fn a_mean_that_was_not_recorded_is_a_dash() {
+        assert_eq!(mean(f64::NAN, 3), "–");
+        assert_eq!(mean(0.5, 3), significant(0.5, 3));
+    }
 
     #[test]
     fn one_run_is_named() {

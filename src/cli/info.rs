@@ -10,6 +10,7 @@ use crate::archive::format::{
     CONTENT_DIGEST, SCENARIO_DIGEST, STEPS, STOP_REASON, STOP_TIME, VERSION,
 };
 use crate::archive::recording::{ChannelOverview, Condition, EventOverview, Overview};
+use crate::run::plural::plural;
 use crate::run::simulation::EventKind;
 use crate::run::time::seconds_and_nanoseconds;
 use anyhow::{Context as _, Error};
@@ -163,6 +164,13 @@ fn entry<'a>(entries: &'a BTreeMap<String, String>, key: &str) -> &'a str {
     entries.get(key).map_or("?", String::as_str)
 }
 
+/// A count of an end record with its noun.
+fn entry_count(end: &BTreeMap<String, String>, key: &str, noun: &str) -> String {
+    let number = entry(end, key);
+    // A count that isn't a number is shown as it stands.
+    format!("{number} {}", plural(number.parse().unwrap_or(0), noun))
+}
+
 fn run_line(run: &BTreeMap<String, String>) -> String {
     format!(
         "{} ({} formulation, friction law {}, toprise {}), digest {:.16}…",
@@ -178,12 +186,12 @@ fn end_line(end: &BTreeMap<String, String>) -> String {
     let time = entry(end, STOP_TIME);
     let time = time.parse().map_or("?".to_owned(), |time| number(time, 6));
     format!(
-        "{} at {} s, {} samples, {} nutations, {} steps",
+        "{} at {} s, {}, {}, {}",
         entry(end, STOP_REASON),
         time,
-        entry(end, "samples"),
-        entry(end, "nutations"),
-        entry(end, STEPS)
+        entry_count(end, "samples", "sample"),
+        entry_count(end, "nutations", "nutation"),
+        entry_count(end, STEPS, "step")
     )
 }
 

@@ -1,5 +1,6 @@
 //! Numbers in reports.
 
+use crate::run::plural::plural;
 use indicatif::HumanCount;
 
 /// Formats a number with `digits` decimals and a typographic minus; huge numbers in scientific notation.
@@ -24,8 +25,7 @@ pub(super) fn count(value: u64) -> String {
 
 /// Formats a count with its noun: "1 sample", "2 samples".
 pub(super) fn counted(number: u64, noun: &str) -> String {
-    let plural = if number == 1 { "" } else { "s" };
-    format!("{} {noun}{plural}", count(number))
+    format!("{} {}", count(number), plural(number, noun))
 }
 
 /// A number of bytes.

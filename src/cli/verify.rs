@@ -1,7 +1,7 @@
 //! `toprise verify`.
 
 use super::losses::loss_lines;
-use super::numbers::count;
+use super::numbers::counted;
 use super::page::{Section, Tone};
 use super::progress::Progress;
 use super::status::Status;
@@ -128,10 +128,10 @@ fn section(file: &str, report: &Report) -> Section {
         facts.push(("recorded by", format!("toprise {version}; this is {this}")));
     }
     if let Some(equal) = report.equal {
-        facts.push(("equal", format!("{} messages", count(equal))));
+        facts.push(("equal", counted(equal, "message")));
     }
     if report.missing > 0 {
-        facts.push(("missing", format!("{} messages", count(report.missing))));
+        facts.push(("missing", counted(report.missing, "message")));
     }
     if !report.without.is_empty() {
         facts.push(("not recorded", report.without.join(", ")));

@@ -29,6 +29,9 @@ pub enum DiffError {
         /// The sampling periods of A and B, s.
         periods: [f64; 2],
     },
+    /// All topics are ignored.
+    #[error("nothing can be compared: all topics are ignored")]
+    AllIgnored,
     /// An observer could not write a message or difference.
     #[error(transparent)]
     Sink(#[from] SinkError),

@@ -216,15 +216,17 @@ fn first_reach(evidence: &Evidence<'_>) -> Option<Finding> {
     })
 }
 
-/// The time at which a tippe top inverts, if it is exact in both runs.
+/// The time at which a tippe top inverts and stays so to its end, if it is exact in both runs.
 fn inversion(evidence: &Evidence<'_>) -> Option<Finding> {
     let histories = evidence.histories();
-    let is_exact = |run: &RunHistory| run.inverted.is_none() || run.has_exact_inversion();
+    // A top that swings back does not invert.
+    let inverted = |run: &RunHistory| run.inverted.filter(|_| run.is_inverted_at_end());
+    let is_exact = |run: &RunHistory| inverted(run).is_none() || run.has_exact_inversion();
     let is_tippe = histories.into_iter().any(RunHistory::is_of_tippe_top);
     if !is_tippe || !histories.into_iter().all(is_exact) {
         return None;
     }
-    evidence.compare_times(FindingKind::Inversion, "inverts", |run| run.inverted)
+    evidence.compare_times(FindingKind::Inversion, "inverts", inverted)
 }
 
 /// First times of events, and the numbers of loops and flights.

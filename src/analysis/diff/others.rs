@@ -2,12 +2,14 @@
 
 use super::spelling::is_same_json;
 use crate::analysis::subject;
-use crate::archive::recording::{FileChannel, Recording, Selection};
+use crate::archive::recording::{Recording, Selection};
+use crate::run::plural::plural;
 use crate::run::time::seconds;
 use crate::telemetry::Topics;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::mem;
 
 /// A topic of two files whose messages are compared byte by byte.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
@@ -64,6 +66,44 @@ impl TopicBytes {
         self.other_sequences += u64::from(a.sequence != b.sequence);
     }
 
+    /// Compares A's and B's messages of one time: equal ones with each other, in any order, then the others in the order
+    /// of the files.
+    fn add_simultaneous(&mut self, time_ns: u64, [a, b]: [VecDeque<Foreign>; 2]) {
+        let mut of_b: BTreeMap<&[u8], VecDeque<&Foreign>> = BTreeMap::new();
+        for message in &b {
+            of_b.entry(&message.data).or_default().push_back(message);
+        }
+        let mut others_of_a = Vec::new();
+        let mut equal_of_b: BTreeMap<&[u8], usize> = BTreeMap::new();
+        for message in &a {
+            match of_b.get_mut(&*message.data).and_then(VecDeque::pop_front) {
+                Some(equal) => {
+                    self.add(time_ns, message, equal);
+                    *equal_of_b.entry(&message.data).or_default() += 1;
+                }
+                None => others_of_a.push(message),
+            }
+        }
+        // The first messages with these bytes have been matched.
+        let others_of_b = b.iter().filter(|message| {
+            let Some(left) = equal_of_b.get_mut(&*message.data).filter(|left| **left > 0) else {
+                return true;
+            };
+            *left -= 1;
+            false
+        });
+        let others_of_b: Vec<_> = others_of_b.collect();
+        for (of_a, of_b) in others_of_a.iter().zip(&others_of_b) {
+            self.add(time_ns, of_a, of_b);
+        }
+        for _ in others_of_b.len()..others_of_a.len() {
+            self.add_unmatched(time_ns, 0);
+        }
+        for _ in others_of_a.len()..others_of_b.len() {
+            self.add_unmatched(time_ns, 1);
+        }
+    }
+
     fn add_unmatched(&mut self, time_ns: u64, side: usize) {
         self.unmatched[side] += 1;
         self.first.get_or_insert(seconds(time_ns));
@@ -89,9 +129,10 @@ pub(super) fn compare(
     topics: &[String],
     progress: &mut dyn FnMut(u64),
 ) -> (Vec<TopicBytes>, [Vec<String>; 2]) {
+    let described = [descriptions(a), descriptions(b)];
     let of_topic = |topic: &String| TopicBytes {
         topic: topic.clone(),
-        is_described_differently: description(a, topic) != description(b, topic),
+        is_described_differently: described[0].get(&**topic) != described[1].get(&**topic),
         ..TopicBytes::default()
     };
     let mut found: Vec<_> = topics.iter().map(of_topic).collect();
@@ -99,28 +140,31 @@ pub(super) fn compare(
     let [of_a, of_b] = &mut losses;
     let mut a = messages(a, topics, of_a).peekable();
     let mut b = messages(b, topics, of_b).peekable();
-    // A's messages at one time, by topic.
-    let mut waiting: Vec<VecDeque<Foreign>> = vec![VecDeque::new(); topics.len()];
+    // A's messages at one time, by topic, and B's that differ from them in that order.
+    let mut waiting: Vec<[VecDeque<Foreign>; 2]> = vec![Default::default(); topics.len()];
     loop {
         let next = [a.peek(), b.peek()].into_iter().flatten();
         let Some(time_ns) = next.map(|message| message.time_ns).min() else {
             break;
         };
+        let mut present = BTreeSet::new();
         while let Some(of_a) = a.next_if(|message| message.time_ns == time_ns) {
             progress(of_a.data.len() as u64);
-            waiting[of_a.topic].push_back(of_a);
+            present.insert(of_a.topic);
+            waiting[of_a.topic][0].push_back(of_a);
         }
         while let Some(of_b) = b.next_if(|message| message.time_ns == time_ns) {
             progress(of_b.data.len() as u64);
-            match waiting[of_b.topic].pop_front() {
+            present.insert(of_b.topic);
+            let [first, others] = &mut waiting[of_b.topic];
+            match first.pop_front_if(|of_a| of_a.data == of_b.data) {
                 Some(of_a) => found[of_b.topic].add(time_ns, &of_a, &of_b),
-                None => found[of_b.topic].add_unmatched(time_ns, 1),
+                None => others.push_back(of_b),
             }
         }
-        for (found, alone) in found.iter_mut().zip(&mut waiting) {
-            for _ in alone.drain(..) {
-                found.add_unmatched(time_ns, 0);
-            }
+        for topic in present {
+            let waiting = mem::take(&mut waiting[topic]);
+            found[topic].add_simultaneous(time_ns, waiting);
         }
     }
     drop((a, b));
@@ -154,18 +198,19 @@ fn messages<'r>(
     })
 }
 
-/// The encodings and schemas of a topic's channels, each once: a topic may have several publishers.
-fn description(recording: &Recording, topic: &str) -> Vec<(String, Option<String>, Vec<u8>)> {
-    let channels = recording.channels().iter().filter(|c| c.topic == topic);
-    let describe = |channel: &FileChannel| {
+/// Encoding of messages, encoding and name of the schema, and its text.
+type Description<'r> = (&'r str, Option<(&'r str, &'r str)>, &'r [u8]);
+
+/// The encodings and schemas of the channels of each topic, each once: a topic may have several publishers.
+fn descriptions(recording: &Recording) -> BTreeMap<&str, BTreeSet<Description<'_>>> {
+    let mut all: BTreeMap<_, BTreeSet<_>> = BTreeMap::new();
+    for channel in recording.channels() {
         let schema = channel.schema.as_deref();
-        let name = schema.map(|s| format!("{} {}", s.encoding, s.name));
-        let data = schema.map_or_else(Vec::new, |s| s.data.clone());
-        (channel.encoding.clone(), name, data)
-    };
-    let mut all: Vec<_> = channels.map(describe).collect();
-    all.sort();
-    all.dedup();
+        let name = schema.map(|schema| (&*schema.encoding, &*schema.name));
+        let text = schema.map_or(&[][..], |schema| &schema.data);
+        let description = (&*channel.encoding, name, text);
+        all.entry(&*channel.topic).or_default().insert(description);
+    }
     all
 }
 
@@ -198,7 +243,7 @@ pub(super) fn note<'t>(what: &str, counts: impl Iterator<Item = (&'t str, u64)>)
     let counts: Vec<_> = counts.filter(|(_, count)| *count > 0).collect();
     let (first, _) = counts.first()?;
     let total: u64 = counts.iter().map(|(_, count)| count).sum();
-    let messages = if total == 1 { "message" } else { "messages" };
+    let messages = plural(total, "message");
     let others = match counts.len() - 1 {
         0 => String::new(),
         1 => " and one more topic".to_owned(),

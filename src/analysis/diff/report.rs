@@ -211,13 +211,18 @@ impl Report {
         } else {
             Verdict::SameValues
         };
+        let mut notes = others::notes(&others);
+        let has_more_topics = setup.topics_only_in.iter().any(|only| !only.is_empty());
+        if [a.messages, b.messages] == [0; 2] && !has_more_topics {
+            notes.push("Neither file has messages to compare.".to_owned());
+        }
         Self {
             a,
             b,
             verdict,
             is_complete,
             setup,
-            notes: others::notes(&others),
+            notes,
             others,
             ..Self::default()
         }

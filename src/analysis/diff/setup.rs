@@ -2,6 +2,7 @@
 
 use crate::analysis::subject::Subject;
 use crate::archive::recording::Recording;
+use crate::run::plural::plural;
 use crate::run::scenario::{KEYS, Value};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -131,7 +132,11 @@ fn facts(recording: &Recording, has_schemas: bool) -> Flat {
     for (name, entries) in recording.all_metadata() {
         add(
             format!("metadata {name}"),
-            format!("{} entries", entries.len()),
+            format!(
+                "{} {}",
+                entries.len(),
+                plural(entries.len() as u64, "entry")
+            ),
         );
         for (key, value) in entries {
             add(format!("metadata {name}: {key}"), value.clone());

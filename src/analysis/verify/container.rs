@@ -5,6 +5,7 @@ use crate::archive::container::record::AttachmentHeader;
 use crate::archive::format::{CONTENT_DIGEST, END_RECORD, Entries, RUN_RECORD};
 use crate::archive::recording::Recording;
 use crate::archive::writer::Opening;
+use crate::run::plural::plural;
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
 
@@ -118,5 +119,6 @@ fn declared([encoding, name, language]: [&str; 3], schema: &[u8], metadata: &Ent
 
 fn digest(data: &[u8]) -> String {
     let digest = format!("{:x}", Sha256::digest(data));
-    format!("{} bytes (SHA-256 {digest})", data.len())
+    let bytes = plural(data.len() as u64, "byte");
+    format!("{} {bytes} (SHA-256 {digest})", data.len())
 }

@@ -5,6 +5,7 @@ use super::rerun::{Expected, Rerun};
 use crate::archive::format::Entries;
 use crate::archive::recording::{FileChannel, Losses, Recording, Selection, Undecoded};
 use crate::archive::writer::Opening;
+use crate::run::plural::plural;
 use crate::run::time::seconds;
 use crate::telemetry::Topic;
 use crate::telemetry::encoding::{Decoder, Row};
@@ -131,10 +132,7 @@ impl<'r> Comparison<'r> {
             Some(Ok(None)) if self.is_by_value => None,
             Some(Err(reason)) => difference("", [reason, "a message".to_owned()]),
             Some(Ok(None)) | None => {
-                let bytes = |data: &[u8]| {
-                    format!("{} bytes, crc32 {:08x}", data.len(), crc32fast::hash(data))
-                };
-                let values = [recorded.data, &expected.data].map(bytes);
+                let values = [recorded.data, &expected.data].map(describe_bytes);
                 difference("encoded message", values)
             }
         }
@@ -238,4 +236,14 @@ fn first_field(
             times.map(|time| seconds(time).to_string()),
         )
     }))
+}
+
+/// Length and checksum of an encoded message.
+fn describe_bytes(data: &[u8]) -> String {
+    let bytes = plural(data.len() as u64, "byte");
+    format!(
+        "{} {bytes}, crc32 {:08x}",
+        data.len(),
+        crc32fast::hash(data)
+    )
 }

@@ -1,5 +1,6 @@
 //! Unreadable or skipped parts of a file.
 
+use crate::run::plural::plural;
 use crate::run::time::seconds;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -96,7 +97,13 @@ impl Losses {
 
 impl fmt::Display for Loss {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} bytes at {}", self.length, self.offset)?;
+        write!(
+            f,
+            "{} {} at {}",
+            self.length,
+            plural(self.length, "byte"),
+            self.offset
+        )?;
         match (self.from_ns.map(seconds), self.to_ns.map(seconds)) {
             (Some(from), Some(to)) => write!(f, ", from {from} s to {to} s")?,
             (Some(from), None) => write!(f, ", from {from} s on")?,

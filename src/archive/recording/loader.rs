@@ -8,6 +8,7 @@ use super::windows::{Span, Window, Windows};
 use crate::archive::container::loss::{Loss, Losses};
 use crate::archive::container::record::{is_specified, parse};
 use crate::archive::container::section::{Buffers, InnerRecord, MessageRecord, Section, record_at};
+use crate::telemetry::Topics;
 use mcap::records::op;
 use std::collections::{BTreeMap, BTreeSet};
 use std::mem;
@@ -61,14 +62,25 @@ pub(super) struct Found {
     pub(super) entry: Entry,
 }
 
+/// For each channel of the file, whether its topic is selected. There may be 65,535 of both.
+fn wanted_channels(recording: &Recording, topics: &Topics<String>) -> Vec<bool> {
+    let channels = recording.channels().iter();
+    match topics {
+        Topics::All => channels.map(|_| true).collect(),
+        Topics::Only(topics) => {
+            let topics: BTreeSet<&String> = topics.iter().collect();
+            channels
+                .map(|channel| topics.contains(&channel.topic))
+                .collect()
+        }
+    }
+}
+
 impl<'r> Loader<'r> {
     pub(super) fn new(recording: &'r Recording, selection: Selection) -> Self {
-        let channels = recording.channels().iter();
         let growth = recording.size().saturating_mul(MAX_GROWTH);
         Self {
-            is_wanted: channels
-                .map(|channel| selection.topics.include(&channel.topic))
-                .collect(),
+            is_wanted: wanted_channels(recording, &selection.topics),
             plan: Plan::Sections(0..recording.layout.sections.len()),
             recording,
             selection,

@@ -5,7 +5,7 @@ use crate::analysis::diff::{
     FirstDifference, Floor, IntegratorError, KeyDifference, Report, Residual, TopicBytes, Verdict,
 };
 use crate::analysis::phrase::significant;
-use crate::cli::numbers::count;
+use crate::cli::numbers::{count, counted};
 use crate::cli::page::{Section, Tone};
 use crate::cli::table::{Column, Table};
 use crate::telemetry::Topic;
@@ -15,12 +15,10 @@ const MOST_ROWS: usize = 12;
 /// Maximum number of topics listed in a line.
 const MOST_NAMED: usize = 6;
 
-/// The page: one screen, or everything.
-pub(super) fn page(report: &Report, all: bool) -> Vec<Section> {
-    let mut sections = vec![setup(report, all), findings(report, all)];
-    if all || report.findings.is_empty() {
-        sections.push(others(&report.others, all));
-    }
+/// The page: one screen, or everything. `is_cut` shortens long values to their difference.
+pub(super) fn page(report: &Report, all: bool, is_cut: bool) -> Vec<Section> {
+    let mut sections = vec![setup(report, all, is_cut), findings(report, all)];
+    sections.push(others(report, all));
     if all || !report.is_of_other_scenarios() {
         sections.push(topics(report));
     }
@@ -42,7 +40,7 @@ fn subjects(report: &Report) -> Section {
             letter.to_owned(),
             run.name.clone(),
             run.file.clone().unwrap_or_else(|| "simulated".to_owned()),
-            format!("{} messages", count(run.messages)),
+            counted(run.messages, "message"),
         ]
     };
     Section::of(Table::of_texts(
@@ -60,7 +58,7 @@ fn verdict(report: &Report) -> Section {
 }
 
 /// Differing scenario keys and file metadata.
-fn setup(report: &Report, all: bool) -> Section {
+fn setup(report: &Report, all: bool, is_cut: bool) -> Section {
     let mut section = Section::default();
     let setup = &report.setup;
     let keys = setup.scenario.iter();
@@ -73,9 +71,15 @@ fn setup(report: &Report, all: bool) -> Section {
     };
     let columns: [Column<&KeyDifference>; 3] = [
         ("", |key| key.key.clone()),
-        ("A", |key| key_value(key, key.a.as_deref())),
-        ("B", |key| key_value(key, key.b.as_deref())),
+        ("A", |key| with_its_unit(key, key.a.as_deref())),
+        ("B", |key| with_its_unit(key, key.b.as_deref())),
     ];
+    let excerpts: [Column<&KeyDifference>; 3] = [
+        ("", |key| key.key.clone()),
+        ("A", |key| excerpt(key, key.a.as_deref())),
+        ("B", |key| excerpt(key, key.b.as_deref())),
+    ];
+    let columns = if is_cut { excerpts } else { columns };
     let hidden = shown.len().saturating_sub(most_rows(all));
     let shown = shown.into_iter().take(most_rows(all));
     section.table(Table::of(shown, 3, &columns));
@@ -100,16 +104,35 @@ fn most_rows(all: bool) -> usize {
     if all { usize::MAX } else { MOST_ROWS }
 }
 
-/// A value, not longer than a line allows, with its unit.
-fn key_value(key: &KeyDifference, value: Option<&str>) -> String {
-    const LONGEST: usize = 40;
-    let Some(text) = value else {
-        return "–".to_owned();
-    };
-    match text.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => format!("{text} {}", key.unit).trim_end().to_owned(),
+/// A value with its unit.
+fn with_its_unit(key: &KeyDifference, value: Option<&str>) -> String {
+    match value {
+        Some(text) => format!("{text} {}", key.unit).trim_end().to_owned(),
+        None => "–".to_owned(),
     }
+}
+
+/// A value with its unit, shortened to a part that differs from the other value.
+fn excerpt(key: &KeyDifference, value: Option<&str>) -> String {
+    /// Maximum length, characters.
+    const MAX_LENGTH: usize = 40;
+    /// Characters shown before the first difference.
+    const CONTEXT: usize = 12;
+    let full = with_its_unit(key, value);
+    if full.chars().count() <= MAX_LENGTH {
+        return full;
+    }
+    let [a, b] = [&key.a, &key.b].map(|text| text.as_deref().unwrap_or_default());
+    let common = a.chars().zip(b.chars()).take_while(|(a, b)| a == b).count();
+    let start = match common.saturating_sub(CONTEXT) {
+        start if common < MAX_LENGTH && start <= CONTEXT => 0,
+        start => start,
+    };
+    let part: String = full.chars().skip(start).take(MAX_LENGTH).collect();
+    let before = if start > 0 { "…" } else { "" };
+    let is_to_end = full.chars().count() <= start + MAX_LENGTH;
+    let after = if is_to_end { "" } else { "…" };
+    format!("{before}{part}{after}")
 }
 
 fn findings(report: &Report, all: bool) -> Section {
@@ -152,9 +175,13 @@ fn topics(report: &Report) -> Section {
     Section::of(Table::of(differing, 2, &columns))
 }
 
-/// Topics compared byte by byte. Those of the telemetry table are only shown with `--all`: their values are identical.
-fn others(topics: &[TopicBytes], all: bool) -> Section {
-    let is_shown = |topic: &&TopicBytes| all || Topic::find(&topic.topic).is_none();
+/// Topics compared byte by byte. Without `--all`, equal ones are shown only if there is nothing else, and those of the
+/// telemetry table not at all: their values are identical.
+fn others(report: &Report, all: bool) -> Section {
+    let is_shown = |topic: &&TopicBytes| {
+        let is_of_interest = report.findings.is_empty() || !topic.is_equal();
+        all || (is_of_interest && Topic::find(&topic.topic).is_none())
+    };
     let columns: [Column<&TopicBytes>; 7] = [
         ("topic", |topic| topic.topic.clone()),
         ("", |topic| {
@@ -171,7 +198,11 @@ fn others(topics: &[TopicBytes], all: bool) -> Section {
             None => String::new(),
         }),
     ];
-    Section::of(Table::of(topics.iter().filter(is_shown), 2, &columns))
+    Section::of(Table::of(
+        report.others.iter().filter(is_shown),
+        2,
+        &columns,
+    ))
 }
 
 /// The fields of a topic that differ.
@@ -285,5 +316,43 @@ fn some(list: &[String]) -> String {
     match list.len().checked_sub(MOST_NAMED) {
         None | Some(0) => list.join(", "),
         Some(more) => format!("{} and {more} more", list[..MOST_NAMED].join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn excerpts_show_what_differs() {
+        let common = "json, schema Example (crc32 59468744), metadata ";
+        let shared = "x".repeat(39);
+        for (name, a, b) in [
+            (
+                "at the end",
+                format!("{common}{{}}"),
+                format!("{common}{{\"k\": \"v\"}}"),
+            ),
+            (
+                "one is longer",
+                common.to_owned(),
+                format!("{common}{common}"),
+            ),
+            ("at the limit", format!("{shared}aa"), format!("{shared}bb")),
+            ("at the start", format!("a{common}"), format!("b{common}")),
+            ("absent", common.to_owned(), String::new()),
+        ] {
+            let key = KeyDifference {
+                key: "channel /a".to_owned(),
+                unit: String::new(),
+                a: Some(a),
+                b: Some(b).filter(|b| !b.is_empty()),
+            };
+            let cells = [&key.a, &key.b].map(|value| excerpt(&key, value.as_deref()));
+            assert_ne!(cells[0], cells[1], "{name}");
+            for cell in &cells {
+                assert!(cell.chars().count() <= 42, "{name}: {cell}");
+            }
+        }
     }
 }
