@@ -61,8 +61,6 @@ fn noun(topic: Topic) -> &'static str {
 #[derive(Debug, Default)]
 pub(super) struct MessageCounts {
     counts: BTreeMap<usize, u64>,
-    /// One more than the largest sequence number of an impact.
-    numbered_impacts: u64,
     /// Energy dissipated by the impacts, J.
     impact_loss: f64,
     /// Sum of the magnitudes of its terms, J.
@@ -76,7 +74,6 @@ impl MessageCounts {
         *self.counts.entry(message.channel).or_default() += 1;
         match message.topic() {
             IMPACTS => {
-                self.numbered_impacts = self.numbered_impacts.max(u64::from(message.sequence) + 1);
                 let lost = [impacts::LOST_RESTITUTION, impacts::LOST_FRICTION];
                 for part in lost.map(|part| part.of(message)) {
                     self.impact_loss += part;
@@ -127,19 +124,18 @@ impl MessageCounts {
         })
     }
 
-    /// The end record has no number of impacts. Those missing before the last one follow from its sequence number, those
-    /// behind it from the energy that they took up to the last sample.
+    /// The end record has no number of impacts: those that are missing follow from the energy that impacts took up to the
+    /// last sample. Sequence numbers would not do, as other software may number messages anew.
     fn missing_impacts(&self, recorded: u64) -> Option<Missing> {
-        let before = self.numbered_impacts.saturating_sub(recorded);
         // Both sums have at most as many terms as there are impacts, each of them in two parts.
-        let terms = 2.0 * (self.numbered_impacts as f64 + 1.0);
+        let terms = 2.0 * (recorded as f64 + 1.0);
         let size = self.impact_loss_terms.max(self.impact_loss_of_samples);
         let error = 2.0 * terms * f64::EPSILON * size;
         let is_cut = self.impact_loss_of_samples - self.impact_loss > error;
-        (before > 0 || is_cut).then(|| Missing {
+        is_cut.then(|| Missing {
             topics: vec![IMPACTS],
-            count: Some(before).filter(|_| !is_cut),
-            expected: Some(self.numbered_impacts).filter(|_| !is_cut),
+            count: None,
+            expected: None,
         })
     }
 }
