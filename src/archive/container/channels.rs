@@ -231,3 +231,43 @@ fn size(record: &Record<'_>) -> usize {
         _ => 0,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mcap::records::SchemaHeader;
+
+    fn schema(id: u16, data: &[u8]) -> Record<'_> {
+        let header = SchemaHeader {
+            id,
+            name: String::new(),
+            encoding: String::new(),
+        };
+        Record::Schema {
+            header,
+            data: data.into(),
+        }
+    }
+
+    #[test]
+    fn definitions_take_bounded_memory() {
+        let mut channels = Channels::default();
+        let data = vec![0; 1 << 20];
+        for id in 1..=100 {
+            // Repetitions take no memory.
+            for _ in 0..2 {
+                channels.define(schema(id, &data));
+            }
+        }
+        assert_eq!(channels.schema_count(), 64);
+        assert_eq!(channels.conflict(&schema(1, &data)), None);
+        assert_eq!(
+            channels.conflict(&schema(100, &data)),
+            Some(Conflict::TooLarge)
+        );
+        assert_eq!(
+            channels.conflict(&schema(1, &[])),
+            Some(Conflict::Schema(1))
+        );
+    }
+}
