@@ -222,8 +222,8 @@ impl Report {
             verdict,
             is_complete,
             setup,
-            notes,
             others,
+            notes,
             ..Self::default()
         }
     }
