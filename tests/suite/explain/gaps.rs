@@ -98,7 +98,7 @@ fn names_messages_that_were_filtered_out() {
         (
             "cut",
             is_before_half_a_second,
-            "501 of 1001 samples of /top/state and 9 other topics",
+            "501 of 1001 samples of /top/state and 8 other topics",
         ),
         ("events", is_no_late_event, " events of /events"),
         (
