@@ -163,7 +163,10 @@ fn read(
         }
         _ => Vec::new(),
     };
-    losses.extend(missing.iter().map(|part| format!("missing {part}")));
+    // The damage that explains them is listed already.
+    if losses.is_empty() {
+        losses.extend(missing.iter().map(|part| format!("missing {part}")));
+    }
     Ended {
         end: recording.end().cloned(),
         losses,
