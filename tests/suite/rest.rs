@@ -303,8 +303,9 @@ fn val_a_rocking_tippe_top_turns_where_a_planar_model_does() {
         assert_near("θ", turn.motion.angles.theta, expected, 5e-4);
     }
     // It stops rocking where gravity's torque M g l sin θ is within δ N.
-    let stops = run.first(EventKind::Pivot);
-    assert!(libm::sin(stops.motion.angles.theta) <= 1e-5 / 0.006);
+    assert!(libm::sin(run.end.motion.angles.theta) <= 1e-5 / 0.006);
+    // It does not turn about the vertical.
+    assert_eq!(run.events_of(EventKind::Pivot).count(), 0);
     let last = run.samples.last().unwrap();
     assert_eq!(last.tilt.omega_lean.norm(), 0.0);
 }
@@ -430,4 +431,68 @@ fn on_stick_stops_only_where_friction_holds() {
     ));
     let sine = libm::sin(run.end.motion.angles.theta);
     assert!(sine <= 0.03 * 0.007 / 0.020 * (1.0 + 1e-6), "{sine}");
+}
+
+/// Names of the events of a free top that starts with these keys and no precession, without those of the nutation.
+fn events_near_rest(keys: &[(&str, &str)]) -> Vec<&'static str> {
+    let mut all = vec![
+        ("initial.phi_dot", "0"),
+        ("initial.psi_dot", "0"),
+        ("initial.theta", "0.3"),
+        ("stop.theta_risen", ""),
+        ("stop.theta_fallen", ""),
+        ("stop.duration", "2"),
+    ];
+    all.extend(keys);
+    let run = Run::with("free-paper", &all);
+    let events = run.events.iter().map(|event| event.kind);
+    let is_nutation = |kind: &EventKind| {
+        matches!(
+            kind,
+            EventKind::NutationMinimum | EventKind::NutationMaximum
+        )
+    };
+    let others = events.filter(|kind| !is_nutation(kind));
+    others.map(EventKind::name).collect()
+}
+
+#[test]
+fn precession_that_stops_does_not_reverse() {
+    for psi_dot in ["5", "-5"] {
+        for arm in ["0.01", "0.02"] {
+            let events = events_near_rest(&[
+                ("initial.psi_dot", psi_dot),
+                ("friction.k", "0.1"),
+                ("rolling.arm", arm),
+                ("drilling.k", "0.5"),
+                ("drilling.patch_radius", "1e-3"),
+            ]);
+            let expected = ["start", "roll_begins", "pivot", "rest"];
+            assert_eq!(events, expected, "{psi_dot} {arm}");
+        }
+    }
+}
+
+#[test]
+fn events_are_true_of_what_is_held() {
+    let frictionless = [
+        ("friction.law", "none"),
+        ("friction.k", ""),
+        ("friction.dissipation", ""),
+        ("rolling.arm", "0.01"),
+    ];
+    let sliding = [&frictionless[..], &[("initial.peg_x_dot", "0.1")]].concat();
+    let held = [("friction.k", "0.3"), ("rolling.arm", "0.1")];
+    let cases: [(&str, &[(&str, &str)], &[&str]); 3] = [
+        ("held as a whole", &held, &["start", "rest"]),
+        (
+            "at rest without friction",
+            &frictionless,
+            &["start", "rest"],
+        ),
+        ("slides without friction", &sliding, &["start"]),
+    ];
+    for (name, keys, expected) in cases {
+        assert_eq!(events_near_rest(keys), expected, "{name}");
+    }
 }

@@ -59,6 +59,8 @@ pub enum Transition {
         /// Whether nothing changes any more: the contact point is at rest, and no torque slows the rotation.
         is_final: bool,
     },
+    /// Rolling resistance holds a top that has stopped rocking, and whose contact point slips.
+    RockingStops,
     /// The top rocks on after an instant without rocking, or rocks again.
     RockingResumes,
     /// Drilling friction holds a top that has stopped turning about the vertical.

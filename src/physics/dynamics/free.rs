@@ -262,7 +262,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
                 };
                 let next = self.settled(&state, resting);
                 let transition = match next.phase {
-                    Phase::Sticking if next.rests(&state) => Transition::Rests,
+                    Phase::Sticking if next.held().rocking => next.pivoting(&state),
                     Phase::Sticking => Transition::Rolls,
                     Phase::Sliding => Transition::SlipStops,
                     Phase::Flying => Transition::LiftsOff,

@@ -115,6 +115,11 @@ impl SignTracker {
         self.floor = floor;
     }
 
+    /// The noise floor, in the unit of the function.
+    pub fn floor(&self) -> f64 {
+        self.floor
+    }
+
     /// This tracker with the sign before a crossing.
     pub fn before(self, slope: Slope) -> Self {
         Self {

@@ -208,7 +208,8 @@ pub(super) fn consequences(transition: &Transition) -> (Option<EventKind>, Optio
             is_final.then_some(StopReason::Pivot),
         ),
         Transition::Rests => (Some(EventKind::Rest), Some(StopReason::Rest)),
-        Transition::RockingResumes
+        Transition::RockingStops
+        | Transition::RockingResumes
         | Transition::TurningStops
         | Transition::TurningResumes
         | Transition::Rolls

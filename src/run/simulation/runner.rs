@@ -84,12 +84,15 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let mut queue = Queue::default();
         queue.push(event_at(EventKind::Start, 0.0, motion));
         let (kind, mut stop) = transition.as_ref().map_or((None, None), consequences);
-        queue.extend(kind.map(|kind| event_at(kind, 0.0, motion)));
-        if motion.phase == Phase::Sticking && scenario.model.support.is_free() {
+        let rests = transition == Some(Transition::Rests);
+        let sticks = motion.phase == Phase::Sticking && scenario.model.support.is_free();
+        if sticks && !rests {
             queue.push(event_at(EventKind::RollBegins, 0.0, motion));
-            if !scenario.stop.may_stick {
-                stop = stop.or(Some(StopReason::SlipStopped));
-            }
+        }
+        // A top that pivots rolls already.
+        queue.extend(kind.map(|kind| event_at(kind, 0.0, motion)));
+        if sticks && !scenario.stop.may_stick {
+            stop = stop.or(Some(StopReason::SlipStopped));
         }
         let end = stop.map(|reason| (0.0, EarlyEnd::Stop(reason, None)));
         let integrator = Dop853::new(
@@ -136,7 +139,9 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         self.integrator.step_densely()?;
         self.progress.record_step(self.integrator.t())?;
         let dense = self.integrator.dense();
-        let mut crossings = self.crossings(&dense).into_iter();
+        let mut crossings = self.crossings(&dense);
+        self.discard_unfinished_reversal(&dense, &mut crossings);
+        let mut crossings = crossings.into_iter();
         for (s, kind, slope) in crossings.by_ref() {
             self.handle_zero(&dense, s, kind, slope)?;
             if self.end.is_some() {
@@ -147,6 +152,44 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         self.end_at_duration(&dense);
         self.dense = Some(dense);
         Ok(())
+    }
+
+    /// Discards a reversal of the precession just before the end of the phase, if the precession doesn't leave its noise
+    /// in the rest of the phase. Only equations that no longer apply would reverse it: it may stop for good, and if it
+    /// does reverse, the next phase finds that.
+    fn discard_unfinished_reversal(
+        &mut self,
+        dense: &Dense<N>,
+        crossings: &mut Vec<(f64, ZeroKind, Slope)>,
+    ) {
+        let Some(end) = crossings.iter().position(ends_phase) else {
+            return;
+        };
+        // Before an earlier reversal is reversed, it has left the noise.
+        let is_reversal = |crossing: &(f64, ZeroKind, Slope)| crossing.1 == ZeroKind::Precession;
+        let Some(last) = crossings[..end].iter().rposition(is_reversal) else {
+            return;
+        };
+        let Some(at) = self
+            .watches
+            .iter()
+            .position(|watch| watch.kind == ZeroKind::Precession)
+        else {
+            return;
+        };
+        let (start, kind, slope) = crossings[last];
+        let rest = crossings[end].0 - start;
+        let motions = KNOTS.map(|knot| self.motion_without_integrals(dense, start + knot * rest));
+        let tracker = self.watches[at].tracker;
+        let values = kind.values(self.integrator.system(), self.sense, &motions);
+        let leaves_noise = match slope {
+            Slope::Rising => values.iter().any(|value| *value > tracker.floor()),
+            Slope::Falling => values.iter().any(|value| *value < -tracker.floor()),
+        };
+        if !leaves_noise {
+            self.watches[at].tracker = tracker.before(slope);
+            crossings.remove(last);
+        }
     }
 
     /// Resets the trackers of crossings that are discarded because the step ends early.
@@ -311,7 +354,10 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let motion = entry.motion;
         let event = |kind| event_at(kind, time, motion);
         let kind = consequences(&entry.transition).0;
-        self.queue.extend(kind.map(event));
+        let pivots = matches!(entry.transition, Transition::Pivots { .. });
+        if !pivots {
+            self.queue.extend(kind.map(event));
+        }
         if !self.model().support.is_free() {
             return;
         }
@@ -329,8 +375,13 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         if before == Phase::Flying && after != Phase::Flying {
             self.queue.push(event(EventKind::Landing));
         }
-        if before != Phase::Sticking && after == Phase::Sticking {
+        let rests = entry.transition == Transition::Rests;
+        if before != Phase::Sticking && after == Phase::Sticking && !rests {
             self.queue.push(event(EventKind::RollBegins));
+        }
+        if pivots {
+            // It rolls already.
+            self.queue.extend(kind.map(event));
         }
     }
 
@@ -514,6 +565,11 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
             statistics: *self.integrator.statistics(),
         }
     }
+}
+
+/// Whether a crossing ends the phase.
+fn ends_phase((_, kind, slope): &(f64, ZeroKind, Slope)) -> bool {
+    matches!(kind, ZeroKind::Guard(_)) && *slope == Slope::Falling
 }
 
 /// The motion after an impact or after coming to rest; `None` if the phase begins without a change.

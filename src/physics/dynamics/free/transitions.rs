@@ -4,7 +4,7 @@ use super::state::{CENTER, CONTROLLED, Departure, FreeRotation, SCALED_MOMENTUM,
 use crate::physics::dynamics::formulation::Transition;
 use crate::physics::dynamics::holding::Resting;
 use crate::physics::dynamics::impact::{Impact, impact};
-use crate::physics::dynamics::motion::DEPARTING;
+use crate::physics::dynamics::motion::{DEPARTING, NO_SLIP};
 use crate::physics::dynamics::reaction::{FreeBody, Reaction};
 use crate::physics::dynamics::support::{Phase, Support};
 use crate::physics::friction::{Branch, Rocking, Turning};
@@ -157,16 +157,27 @@ impl FreeRotation {
         self.with_branch(self.phase, branch)
     }
 
+    /// Whether the contact point neither slips nor begins to. A frictionless one that is at rest is not held.
+    fn stands<const N: usize>(&self, y: &[f64; N]) -> bool {
+        let slip = self.parts(y).contact_velocity();
+        match self.phase {
+            Phase::Sticking => true,
+            Phase::Sliding => self.departure.is_none() && hypot(slip.x, slip.y) <= NO_SLIP,
+            Phase::Flying => false,
+        }
+    }
+
     /// Whether the top no longer moves.
     pub(super) fn rests<const N: usize>(&self, y: &[f64; N]) -> bool {
-        let held = self.held();
-        held.slip && held.rocking && self.parts(y).tilt.omega_lean.z == 0.0
+        self.stands(y) && self.held().rocking && self.parts(y).tilt.omega_lean.z == 0.0
     }
 
     /// The transition to a phase in which friction holds a top that doesn't rock.
     pub(super) fn pivoting<const N: usize>(&self, y: &[f64; N]) -> Transition {
         if self.rests(y) {
             Transition::Rests
+        } else if !self.stands(y) {
+            Transition::RockingStops
         } else {
             Transition::Pivots {
                 is_final: self.phase == Phase::Sticking
