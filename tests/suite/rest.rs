@@ -483,8 +483,8 @@ fn events_are_true_of_what_is_held() {
     ];
     let sliding = [&frictionless[..], &[("initial.peg_x_dot", "0.1")]].concat();
     let held = [("friction.k", "0.3"), ("rolling.arm", "0.1")];
-    let cases: [(&str, &[(&str, &str)], &[&str]); 3] = [
-        ("held as a whole", &held, &["start", "rest"]),
+    let cases = [
+        ("held as a whole", &held[..], &["start", "rest"][..]),
         (
             "at rest without friction",
             &frictionless,
