@@ -193,7 +193,7 @@ fn interrupted_runs_are_parts() {
     filtered(&path, &run, is_any, 300);
     let recording = Recording::open(&path).unwrap();
     let explanation = explain(&recording).unwrap();
-    assert_eq!(explanation.losses, ["end of the run (interrupted)"]);
+    assert_eq!(explanation.losses, ["missing end of the run (interrupted)"]);
     let report = compare(&recording, &run, &Options::default()).unwrap();
     assert_eq!(report.verdict, Verdict::Agreeing, "{:?}", report.summary());
     let is_end = |kind| matches!(kind, FindingKind::End);
