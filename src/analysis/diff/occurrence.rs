@@ -210,10 +210,18 @@ mod tests {
         (first..).zip(times).map(impact).collect()
     }
 
+    /// A name, the times in A and B, and how they are paired.
+    type Case = (
+        &'static str,
+        &'static [u64],
+        &'static [u64],
+        &'static [Occurrence],
+    );
+
     #[test]
     fn matches_occurrences_by_time() {
         use Occurrence::{Both, OnlyA, OnlyB};
-        let cases: [(&str, &[u64], &[u64], &[Occurrence]); 7] = [
+        let cases: [Case; 7] = [
             ("equal", &[1, 2], &[1, 2], &[Both(0, 0), Both(1, 1)]),
             ("shifted", &[10, 20], &[19, 29], &[Both(0, 0), Both(1, 1)]),
             (

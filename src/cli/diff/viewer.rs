@@ -96,7 +96,7 @@ fn identity([a, b]: [Subject<'_>; 2]) -> Result<PairIdentity, Error> {
 impl Viewer {
     /// Adds the report to the recording and completes the file.
     pub(super) fn finish(mut self, report: &Report) -> Result<(), Error> {
-        let markdown = page::markdown(&content::page(report, false));
+        let markdown = page::markdown(&content::page(report, false, false));
         self.sink.summarize(&markdown);
         if let Some(file) = viewer::complete(self.sink.finish(), self.draft)? {
             output::note(&format!("wrote {}", file.line()));

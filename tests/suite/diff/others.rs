@@ -90,10 +90,18 @@ fn files_of_others_are_compared_byte_by_byte() {
     assert!(error.ends_with("B has none"), "{error}");
 }
 
+/// A name, the messages in A and B, and the numbers of equal, different, only A's and only B's messages.
+type Case = (
+    &'static str,
+    &'static [&'static str],
+    &'static [&'static str],
+    [u64; 4],
+);
+
 #[test]
 fn messages_of_one_time_are_matched_by_content() {
     let folder = Folder::new();
-    let cases: [(&str, &[&str], &[&str], [u64; 4]); 5] = [
+    let cases: [Case; 5] = [
         // Equal, different, only in A, only in B.
         (
             "one more in front",
@@ -395,7 +403,7 @@ fn renumbered_messages_have_the_same_values() {
     let cases: [(&str, Renumber); 3] = [
         ("from 1", |message, _| message.sequence += 1),
         ("through the file", |message, number| {
-            message.sequence = number
+            message.sequence = number;
         }),
         ("with gaps", |message, _| message.sequence *= 3),
     ];
