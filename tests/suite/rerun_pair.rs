@@ -355,19 +355,6 @@ fn topics_that_are_missing_leave_no_empty_views() {
 }
 
 #[test]
-fn the_same_pair_is_the_same_bytes() {
-    let directory = tempdir().unwrap();
-    let topics = all_topics();
-    let [first, second] = ["first.rrd", "second.rrd"].map(|name| {
-        let path = directory.path().join(name);
-        write(&path, (&PAPER, &topics), (&FULL, &topics));
-        fs::read(path).unwrap()
-    });
-    assert!(first.len() > 100_000);
-    assert!(first == second);
-}
-
-#[test]
 fn events_that_repeat_are_one_line_with_their_number() {
     let directory = tempdir().unwrap();
     let path = directory.path().join("run.rrd");
