@@ -268,8 +268,7 @@ impl Run {
             0 => String::new(),
             more => format!(" (and {more} more, see run.losses)"),
         };
-        let text =
-            CString::new(format!("{}: missing {first}{more}", self.name()).replace('\0', "�"))?;
+        let text = CString::new(format!("{}: {first}{more}", self.name()).replace('\0', "�"))?;
         PyErr::warn(py, &py.get_type::<RecordingWarning>(), &text, 1)
     }
 
