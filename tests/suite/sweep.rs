@@ -1242,3 +1242,12 @@ fn scenarios_of_one_name_are_warned_of() {
     let told = folder.toprise(&line, 0).stderr;
     assert_contains(&told, "several scenarios have the name one");
 }
+
+#[test]
+fn refuses_dash_as_a_file() {
+    let folder = Folder::new();
+    folder.refuses("sweep --table - -o a.parquet", "error: -");
+    let stdout = "sweep --set stop.duration=0.05 -o -";
+    folder.refuses(stdout, "is not a file name");
+    assert!(folder.files().is_empty());
+}
