@@ -5,6 +5,7 @@ use assert_cmd::Command;
 use std::fs;
 use std::path::{Path, PathBuf};
 use toprise::run::scenario::{KEYS, Kind, Presence, Preset};
+use toprise::telemetry::{Leaf, Quantity, channels};
 
 /// What stands for any text within a line of output, and alone on a line for any lines.
 const ANYTHING: &str = "…";
@@ -198,13 +199,68 @@ fn the_page_of_keys_is_that_of_the_table() {
         let value = value.filter(|_| path != "description").unwrap_or_default();
         page += &format!("| `{path}` | {meaning}{unit} | {kind} | {value} | {presence} |\n");
     }
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/keys.md");
+    check_page("keys.md", &page);
+}
+
+/// Compares a page of `docs` with what the tables give. Where they differ, the new page is left in the target directory.
+#[track_caller]
+fn check_page(name: &str, page: &str) {
+    let path = root().join("docs").join(name);
     if fs::read_to_string(&path).unwrap_or_default() != page {
-        let made = Path::new(env!("CARGO_TARGET_TMPDIR")).join("keys.md");
+        let made = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
         fs::write(&made, page).unwrap();
-        panic!("{} is another now: {}", path.display(), made.display());
+        panic!(
+            "{} is stale; the new one is {}",
+            path.display(),
+            made.display()
+        );
     }
 }
+
+/// The end of the format's page lists the fields of all channels; its program is the one that the tests run.
+#[test]
+fn format_page_lists_the_fields_of_the_table() {
+    let path = root().join("docs/format.md");
+    let page = fs::read_to_string(&path).unwrap();
+    let (head, _) = page.split_once(CHANNELS_HEADING).unwrap();
+    let program = fs::read_to_string(root().join("tests/readers/digest.py")).unwrap();
+    assert!(head.contains(&format!("```python\n{program}```\n")));
+    let mut page = format!("{head}{CHANNELS_HEADING}");
+    for channel in channels() {
+        page += &format!("\n### `{}`\n\n", channel.topic);
+        page += &format!("`{}`: {}.\n\n", channel.schema, channel.meaning);
+        page += "| field | unit | meaning |\n|---|---|---|\n";
+        for leaf in channel.leaves() {
+            let Some(field) = field(leaf) else { continue };
+            page += &format!("| {field} | {} | {} |\n", leaf.unit, meaning(leaf));
+        }
+    }
+    check_page("format.md", &page);
+}
+
+/// The name of a field; a vector or quaternion is listed once, at its first component.
+fn field(leaf: &Leaf) -> Option<String> {
+    if !leaf.is_component {
+        return Some(format!("`{}`", leaf.path));
+    }
+    let name = leaf.path.strip_suffix(".x")?;
+    let components = match leaf.quantity {
+        Quantity::Orientation => "x, y, z, w",
+        _ => "x, y, z",
+    };
+    Some(format!("`{name}` ({components})"))
+}
+
+/// The meaning of a field, with the frame of a vector's components.
+fn meaning(leaf: &Leaf) -> String {
+    let meaning = leaf.meaning.replace('|', "\\|");
+    match leaf.frame.split(':').next() {
+        None | Some("") => meaning,
+        Some(frame) => format!("{meaning}, {frame} frame"),
+    }
+}
+
+const CHANNELS_HEADING: &str = "## Channels and fields\n";
 
 const KEYS_HEAD: &str = "\
 # Keys of a scenario

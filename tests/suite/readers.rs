@@ -141,6 +141,28 @@ fn val_python_reads_the_same_content_in_both_encodings() {
     assert_eq!(digests[0], digests[1]);
 }
 
+/// The program on the page about the format, for fixed and free pegs.
+#[test]
+fn val_documented_program_computes_the_content_digest() {
+    let Some(python) = python() else { return };
+    let directory = tempdir().unwrap();
+    for preset in ["paper", "drop"] {
+        let recording = directory.path().join(format!("{preset}.mcap"));
+        toprise(&directory)
+            .args(["run", preset, "--set", "stop.duration=0.5", "-o"])
+            .arg(&recording)
+            .assert()
+            .success();
+        let digest = answer(
+            Command::new(&python)
+                .arg(readers().join("digest.py"))
+                .arg(&recording),
+        );
+        let recorded = &info(&directory, &recording)["end"]["content_digest"];
+        assert_eq!(*recorded, digest.trim(), "{preset}");
+    }
+}
+
 #[test]
 fn val_javascript_reads_every_message_through_the_index() {
     if !has_node() {

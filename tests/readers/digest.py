@@ -1,0 +1,20 @@
+import hashlib, json, struct, sys
+from mcap.reader import make_reader
+
+def leaves(value):
+    return sum(map(leaves, value.values()), []) if isinstance(value, dict) else [value]
+
+hashes = {}
+for schema, channel, message in make_reader(open(sys.argv[1], "rb")).iter_messages():
+    if channel.message_encoding == "json":
+        values = leaves({**json.loads(message.data), "timestamp": {}})
+        numbers = [value for value in values if not isinstance(value, str)]
+        texts = [value.encode() for value in values if isinstance(value, str)]
+        hash, count = hashes.get((channel.id, channel.topic), (hashlib.sha256(), 0))
+        hash.update(struct.pack(f"<IQ{len(numbers)}d", message.sequence, message.log_time, *numbers))
+        hash.update(b"".join(struct.pack("<Q", len(text)) + text for text in texts))
+        hashes[channel.id, channel.topic] = hash, count + 1
+content = hashlib.sha256()
+for (_, topic), (hash, count) in sorted(hashes.items()):
+    content.update(topic.encode() + b"\0" + struct.pack("<Q", count) + hash.digest())
+print(content.hexdigest())
