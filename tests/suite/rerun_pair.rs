@@ -5,7 +5,7 @@ use rerun::external::re_log_encoding::DecoderApp;
 use rerun::external::re_log_types::LogMsg;
 use rerun::log::Chunk;
 use std::collections::{BTreeMap, HashMap};
-use std::fs::{self, File};
+use std::fs::File;
 use std::path::Path;
 use std::sync::LazyLock;
 use tempfile::tempdir;
