@@ -60,3 +60,17 @@ fn the_package_has_all_that_is_needed_and_is_small() {
     }
     assert!(included > 5, "only {included} included files are found");
 }
+
+#[test]
+fn every_part_has_the_same_version() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let version = env!("CARGO_PKG_VERSION");
+    for (file, line) in [
+        ("python/Cargo.toml", format!("version = \"{version}\"")),
+        ("page/Cargo.toml", format!("version = \"{version}\"")),
+        ("CITATION.cff", format!("version: {version}")),
+    ] {
+        let text = fs::read_to_string(root.join(file)).unwrap();
+        assert!(text.lines().any(|other| other == line), "{file}: {line}");
+    }
+}
