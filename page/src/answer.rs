@@ -59,7 +59,7 @@ impl Page {
     /// Handles the request in the input buffer; returns the response length in bytes.
     pub fn answer(&mut self) -> usize {
         let answer = self.answer_to_question();
-        let answer = answer.unwrap_or_else(|error| json!({ "error": error.to_string() }));
+        let answer = answer.unwrap_or_else(|error| error_response(&*error));
         self.output = answer.to_string();
         self.output.len()
     }
@@ -111,6 +111,15 @@ impl Page {
             }
         }
     }
+}
+
+/// The response to a request that failed: the message, and the key of the scenario that is wrong, if it is one.
+fn error_response(error: &(dyn Error + 'static)) -> Json {
+    let scenario_error = error.downcast_ref::<ScenarioError>();
+    json!({
+        "error": error.to_string(),
+        "key": scenario_error.and_then(|error| error.key.as_deref()),
+    })
 }
 
 impl ScenarioRequest {

@@ -20,8 +20,9 @@ fn key(key: &Key) -> Json {
         Kind::Text | Kind::Name | Kind::Any | Kind::Between(..) | Kind::Nanoseconds => None,
     };
     let (needs, of) = match key.presence {
-        Presence::RequiredWith(other, words) => (Some(other), words.to_vec()),
-        Presence::OptionalWith(other, word) => (Some(other), vec![word]),
+        Presence::RequiredWith(other, words) | Presence::OptionalWith(other, words) => {
+            (Some(other), words.to_vec())
+        }
         Presence::RequiredWithKey(other) => (Some(other), Vec::new()),
         Presence::Required | Presence::Optional => (None, Vec::new()),
     };

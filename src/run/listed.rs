@@ -11,12 +11,15 @@ macro_rules! listed {
             /// All variants.
             pub const ALL: [Self; [$($name),+].len()] = [$(Self::$Variant),+];
 
-            /// Its name in recordings.
+            /// The names of all variants.
+            pub const NAMES: &[&str] = &[$($name),+];
+
+            /// The name in recordings and scenarios.
             pub fn name(self) -> &'static str {
                 match self { $(Self::$Variant => $name),+ }
             }
 
-            /// The variant with this name in recordings.
+            /// The variant with this name.
             pub fn find(name: &str) -> Option<Self> {
                 Self::ALL.into_iter().find(|variant| variant.name() == name)
             }

@@ -3,10 +3,27 @@
 /// Minimum Jaro–Winkler similarity for a suggestion.
 const MIN_SIMILARITY: f64 = 0.8;
 
+/// Maximum number of suggested names: a longer list says no more than that the name is unknown.
+const MAX_NAMES: usize = 3;
+
 /// The hint for the most similar names, e.g. ` (did you mean friction.k?)`, or an empty string.
 pub(crate) fn suggestion<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> String {
-    let names = names.into_iter();
-    suggestion_from(names.map(|name| (similarity(wrong, name), name)))
+    match &similar_names(wrong, names)[..] {
+        [] => String::new(),
+        names => format!(" (did you mean {}?)", names.join(" or ")),
+    }
+}
+
+/// The names most similar to an unknown one.
+pub(crate) fn similar_names<'a>(
+    wrong: &str,
+    names: impl IntoIterator<Item = &'a str>,
+) -> Vec<&'a str> {
+    most_similar(
+        names
+            .into_iter()
+            .map(|name| (similarity(wrong, name), name)),
+    )
 }
 
 /// Similarity of a name to an unknown one, from 0 to 1.
@@ -19,8 +36,8 @@ pub(crate) fn similarity(wrong: &str, name: &str) -> f64 {
     least.max(strsim::jaro_winkler(wrong, name))
 }
 
-/// Like [`suggestion`], with precomputed similarities.
-pub(crate) fn suggestion_from<'a>(names: impl Iterator<Item = (f64, &'a str)>) -> String {
+/// The names of the highest similarity, at most [`MAX_NAMES`]; none if it is below [`MIN_SIMILARITY`].
+pub(crate) fn most_similar<'a>(names: impl Iterator<Item = (f64, &'a str)>) -> Vec<&'a str> {
     let mut best = Vec::new();
     let mut highest = MIN_SIMILARITY;
     for (similarity, name) in names {
@@ -32,10 +49,8 @@ pub(crate) fn suggestion_from<'a>(names: impl Iterator<Item = (f64, &'a str)>) -
             best.push(name);
         }
     }
-    match &best[..] {
-        [] => String::new(),
-        _ => format!(" (did you mean {}?)", best.join(" or ")),
-    }
+    best.truncate(MAX_NAMES);
+    best
 }
 
 #[cfg(test)]
@@ -43,7 +58,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_names_most_like_a_wrong_one_are_asked_after() {
+    fn suggests_nearest_names() {
         let names = ["paper", "coulomb", "coulomb-sqrt", "figure-2", "figure-3"];
         assert_eq!(suggestion("coulob", names), " (did you mean coulomb?)");
         assert_eq!(suggestion("papr", names), " (did you mean paper?)");

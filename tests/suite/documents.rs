@@ -193,7 +193,9 @@ fn the_page_of_keys_is_that_of_the_table() {
             }
             Presence::RequiredWith(other, _) => format!("with any `{other}` but none"),
             Presence::RequiredWithKey(other) => format!("with `{other}`"),
-            Presence::OptionalWith(other, word) => format!("optional with `{other}` = {word}"),
+            Presence::OptionalWith(other, words) => {
+                format!("optional with `{other}` = {}", words.join(", "))
+            }
         };
         let (path, meaning, kind) = (key.path, key.meaning, key.kind);
         let value = value.filter(|_| path != "description").unwrap_or_default();

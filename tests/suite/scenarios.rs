@@ -2,16 +2,27 @@
 
 use crate::support::{assert_contains, scenario};
 use proptest::prelude::*;
-use toprise::run::scenario::{KEYS, Kind, PRESETS, Preset, Scenario, Value, Values};
+use toprise::run::scenario::{
+    Allowed, ApplicableKey, KEYS, Kind, PRESETS, Preset, Scenario, ScenarioError, Value, Values,
+};
 
-fn error(preset: &str, overrides: &[(&str, &str)]) -> String {
+fn scenario_error(preset: &str, overrides: &[(&str, &str)]) -> ScenarioError {
     let mut values = Preset::find(preset).unwrap().values().unwrap();
     for (key, value) in overrides {
         if let Err(error) = values.set(key, value) {
-            return error.to_string();
+            return error;
         }
     }
-    Scenario::new(values).expect_err("accepted").to_string()
+    Scenario::new(values).expect_err("accepted")
+}
+
+fn error(preset: &str, overrides: &[(&str, &str)]) -> String {
+    scenario_error(preset, overrides).to_string()
+}
+
+/// The key of a list that has this path.
+fn applicable(keys: &[ApplicableKey], path: &str) -> Option<ApplicableKey> {
+    keys.iter().find(|item| item.key.path == path).cloned()
 }
 
 #[test]
@@ -377,4 +388,258 @@ fn a_scenario_is_set_otherwise_key_by_key() {
             .is_err()
     );
     assert!(paper.with([("friction.law", "none".into())]).is_err());
+}
+
+#[test]
+fn errors_have_the_key_and_the_value_as_fields() {
+    for (case, preset, overrides, key, value) in [
+        (
+            "range",
+            "paper",
+            "top.mass=-1",
+            Some("top.mass"),
+            Some("-1"),
+        ),
+        (
+            "word",
+            "paper",
+            "friction.law=glue",
+            Some("friction.law"),
+            Some("glue"),
+        ),
+        (
+            "unknown key",
+            "paper",
+            "top.colour=1",
+            Some("top.colour"),
+            None,
+        ),
+        ("missing", "paper", "friction.k=", Some("friction.k"), None),
+        (
+            "first of two",
+            "paper",
+            "friction.law=stribeck",
+            Some("friction.static_k"),
+            None,
+        ),
+        (
+            "inapplicable",
+            "paper",
+            "friction.law=none",
+            Some("friction.k"),
+            None,
+        ),
+        (
+            "body",
+            "paper",
+            "top.mass=1",
+            Some("top.transverse_moment"),
+            Some("8.52e-5"),
+        ),
+        (
+            "free peg",
+            "paper",
+            "support.kind=free",
+            Some("support.kind"),
+            Some("free"),
+        ),
+        (
+            "tippe top",
+            "tippe-top",
+            "stop.theta_risen=0.01",
+            Some("stop.theta_risen"),
+            Some("0.01"),
+        ),
+        (
+            "stop",
+            "paper",
+            "stop.theta_risen=0.6",
+            Some("stop.theta_risen"),
+            Some("0.6"),
+        ),
+        (
+            "whole scenario",
+            "frictionless",
+            "stop.duration=",
+            None,
+            None,
+        ),
+    ] {
+        let (path, text) = overrides.split_once('=').unwrap();
+        let error = scenario_error(preset, &[(path, text)]);
+        assert_eq!(error.key.as_deref(), key, "{case}: {error}");
+        assert_eq!(error.value.as_deref(), value, "{case}: {error}");
+    }
+    let syntax = Values::from_toml("[top").unwrap_err();
+    assert_eq!(syntax.key, None, "{syntax}");
+}
+
+/// The neighbour of a number in the direction of another: by one nanosecond for times.
+fn beyond(end: f64, towards: f64, kind: Kind) -> f64 {
+    match kind {
+        Kind::Nanoseconds => ((end * 1e9).round() + (towards - end).signum()) / 1e9,
+        _ if towards > end => end.next_up(),
+        _ => end.next_down(),
+    }
+}
+
+fn accepts(values: &Values, path: &str, value: impl Into<toml::Value>) -> bool {
+    let mut changed = values.clone();
+    changed.set_value(path, value).is_ok() && Scenario::new(changed).is_ok()
+}
+
+#[test]
+fn offered_ranges_end_where_values_are_refused() {
+    for preset in PRESETS.iter() {
+        let values = preset.values().unwrap();
+        for ApplicableKey { key, allowed, .. } in values.applicable_keys() {
+            let Allowed::Range([low, high]) = allowed else {
+                continue;
+            };
+            // Drilling friction needs two keys; its range is tried with both.
+            let mut values = values.clone();
+            if key.path == "drilling.k" && values.get("drilling.patch_radius").is_none() {
+                values.set("drilling.patch_radius", "0.001").unwrap();
+            }
+            let case = format!("{}: {} from {low:?} to {high:?}", preset.name, key.path);
+            assert!(low <= high, "{case}");
+            for (end, outside) in [
+                (low, beyond(low, f64::NEG_INFINITY, key.kind)),
+                (high, beyond(high, f64::INFINITY, key.kind)),
+            ] {
+                assert!(accepts(&values, key.path, end), "{case}");
+                assert!(!accepts(&values, key.path, outside), "{case}: {outside:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn keys_that_are_not_offered_are_refused() {
+    for preset in PRESETS.iter() {
+        let values = preset.values().unwrap();
+        let offered = values.applicable_keys();
+        for key in KEYS {
+            let is_offered = applicable(&offered, key.path).is_some();
+            assert!(is_offered || values.get(key.path).is_none(), "{}", key.path);
+            let Some([low, high]) = key.typical.filter(|_| !is_offered) else {
+                continue;
+            };
+            for value in [low, f64::midpoint(low, high), high] {
+                let case = format!("{}: {} = {value}", preset.name, key.path);
+                assert!(!accepts(&values, key.path, value), "{case}");
+            }
+        }
+    }
+}
+
+#[test]
+fn changing_to_an_offered_word_leaves_a_valid_scenario() {
+    for preset in PRESETS.iter() {
+        let values = preset.values().unwrap();
+        for ApplicableKey { key, allowed, .. } in values.applicable_keys() {
+            let Allowed::Words(words) = allowed else {
+                continue;
+            };
+            assert!(!words.is_empty(), "{}: {}", preset.name, key.path);
+            for word in words {
+                let mut changed = values.clone();
+                changed.change(key.path, word).unwrap();
+                assert_eq!(changed.get(key.path), Some(&Value::Text(word.to_owned())));
+                if let Err(error) = Scenario::new(changed) {
+                    panic!("{}: {} = {word}: {error}", preset.name, key.path);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn changes_make_other_keys_agree() {
+    for (case, preset, path, value, keys) in [
+        (
+            "a free peg",
+            "paper",
+            "support.kind",
+            "free",
+            &[
+                ("formulation", Some("body")),
+                ("friction.dissipation", Some("full")),
+            ][..],
+        ),
+        (
+            "a free peg stops",
+            "frictionless",
+            "support.kind",
+            "free",
+            &[("stop.duration", Some("20"))],
+        ),
+        (
+            "no friction",
+            "paper",
+            "friction.law",
+            "none",
+            &[("friction.k", None), ("friction.dissipation", None)],
+        ),
+        (
+            "parameters of a law",
+            "paper",
+            "friction.law",
+            "viscous",
+            &[
+                ("friction.viscous_speed", Some("0.5")),
+                ("friction.k", Some("0.03")),
+            ],
+        ),
+        (
+            "a tippe top",
+            "free-paper",
+            "top.center_distance",
+            "-0.003",
+            &[("stop.theta_risen", None), ("stop.theta_fallen", None)],
+        ),
+    ] {
+        let mut values = Preset::find(preset).unwrap().values().unwrap();
+        values.change(path, value).unwrap();
+        for (key, expected) in keys {
+            let found = values.get(key).map(Value::to_set_notation);
+            assert_eq!(found.as_deref(), *expected, "{case}: {key}");
+        }
+        Scenario::new(values.clone()).unwrap_or_else(|error| panic!("{case}: {error}"));
+    }
+    let mut values = Preset::find("paper").unwrap().values().unwrap();
+    values.change("drilling.k", "0.1").unwrap();
+    assert!(values.get("drilling.patch_radius").is_some());
+    values.change("drilling.k", "").unwrap();
+    assert_eq!(values.get("drilling.patch_radius"), None);
+    assert!(values.change("friction.kk", "1").is_err());
+}
+
+#[test]
+fn offers_depend_on_the_other_keys() {
+    let paper = Preset::find("paper").unwrap().values().unwrap();
+    let keys = paper.applicable_keys();
+    // I_z ≤ 2 (I_x − M l²): the largest l is √((8.52e-5 − 7.25e-5/2)/0.11) m = 0.0210951 m.
+    let Some(Allowed::Range([low, high])) =
+        applicable(&keys, "top.center_distance").map(|item| item.allowed)
+    else {
+        panic!("no range");
+    };
+    let largest = ((8.52e-5 - 7.25e-5 / 2.0) / 0.11_f64).sqrt();
+    // Three products, two differences and a root each round by half an epsilon.
+    assert!(
+        (high - largest).abs() <= 4.0 * f64::EPSILON * largest,
+        "{high}"
+    );
+    assert!(low > 0.0 && low < 1e-300, "{low}");
+    assert_eq!(applicable(&keys, "friction.viscous_speed"), None);
+    assert_eq!(applicable(&keys, "initial.peg_x"), None);
+    assert!(!applicable(&keys, "stop.duration").unwrap().is_required);
+
+    let tippe = Preset::find("tippe-top").unwrap().values().unwrap();
+    let keys = tippe.applicable_keys();
+    assert_eq!(applicable(&keys, "stop.theta_risen"), None);
+    assert!(applicable(&keys, "stop.duration").unwrap().is_required);
+    let formulation = applicable(&keys, "formulation").unwrap();
+    assert_eq!(formulation.allowed, Allowed::Words(vec!["body"]));
 }

@@ -1,14 +1,36 @@
-//! String values of choice keys.
+//! Words of scenarios: the values of keys of [`Kind::Choice`](super::key::Kind::Choice).
 
 use crate::physics::friction::Dissipation;
+use crate::run::listed::listed;
 
-/// Integration variables (`formulation`).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FormulationKind {
-    /// Euler angles: [`crate::physics::dynamics::EulerAngles`].
-    Euler,
-    /// Rotation and angular momentum: [`crate::physics::dynamics::BodyRotation`].
-    Body,
+listed! {
+    /// Integration variables (`formulation`).
+    pub enum FormulationKind {
+        /// Euler angles: [`crate::physics::dynamics::EulerAngles`].
+        Euler = "euler",
+        /// Rotation and angular momentum: [`crate::physics::dynamics::BodyRotation`].
+        Body = "body",
+    }
+}
+
+listed! {
+    /// Support of the peg (`support.kind`).
+    pub enum SupportKind {
+        /// The peg's centre is fixed.
+        Fixed = "fixed",
+        /// The peg moves on the table.
+        Free = "free",
+    }
+}
+
+listed! {
+    /// What happens when the contact point sticks (`stop.on_stick`).
+    pub enum OnStick {
+        /// The run stops.
+        Stop = "stop",
+        /// The run continues.
+        Continue = "continue",
+    }
 }
 
 /// The values of `friction.dissipation`, with their meanings.
@@ -33,7 +55,8 @@ pub(super) const DISSIPATIONS: &[&str] = &{
 };
 
 /// The meaning of a value of `friction.dissipation`.
-pub(super) fn dissipation(word: &str) -> Option<Dissipation> {
-    let meaning = MEANINGS.iter().find(|(known, _)| *known == word);
-    meaning.map(|(_, dissipation)| *dissipation)
+pub(super) fn find_dissipation(word: &str) -> Option<Dissipation> {
+    MEANINGS
+        .into_iter()
+        .find_map(|(known, dissipation)| (known == word).then_some(dissipation))
 }

@@ -1,32 +1,20 @@
 //! A validated scenario.
 
-use super::choice::FormulationKind;
+use super::check::Check;
+use super::choice::{FormulationKind, SupportKind};
 use super::error::ScenarioError;
-use super::key::{Key, Value, short_number};
+use super::key::{Key, Value};
 use super::keys::{FORMAT, KEYS};
 use super::model::model;
-use super::values::{Values, nanoseconds};
+use super::parse::nanoseconds;
+use super::stop::Stop;
+use super::values::Values;
 use crate::physics::dynamics::{Model, Start};
-use crate::physics::friction::Dissipation;
 use crate::physics::integrate::Tolerances;
 use crate::physics::kinematics::{Euler, Tilt, lean_to_world};
 use crate::physics::math::hypot;
 use nalgebra::Vector3;
 use sha2::{Digest as _, Sha256};
-use std::f64::consts::PI;
-
-/// The stop conditions of a run; at least one is set.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stop {
-    /// Stop when θ decreases to this angle, rad (`stop.theta_risen`).
-    pub theta_risen: Option<f64>,
-    /// Stop when θ increases to this angle, rad (`stop.theta_fallen`).
-    pub theta_fallen: Option<f64>,
-    /// Stop at this time, s (`stop.duration`).
-    pub duration: Option<f64>,
-    /// Whether the run continues when the contact point stops slipping; it may slip again (`stop.on_stick`).
-    pub may_stick: bool,
-}
 
 /// A validated, complete definition of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,18 +45,14 @@ impl Scenario {
         values.set_value("format", FORMAT)?;
         values.check_presence()?;
         // Equal runs must have equal digests.
-        if values.text("support.kind") == Ok("fixed") {
+        if values.optional_choice("support.kind", SupportKind::find)? == Some(SupportKind::Fixed) {
             values.remove("support.kind");
         }
         let model = model(&values)?;
-        let tolerance = |key| -> Result<f64, ScenarioError> {
-            Ok(values.number(key)?.min(model.support.max_tolerance()))
-        };
+        let max_tolerance = model.support.max_tolerance();
+        let period = nanoseconds(values.number("sampling.period")?);
         let scenario = Self {
-            formulation: match values.text("formulation")? {
-                "euler" => FormulationKind::Euler,
-                _ => FormulationKind::Body,
-            },
+            formulation: values.choice("formulation", FormulationKind::find)?,
             model,
             angles: Euler {
                 phi: values.number("initial.phi")?,
@@ -81,24 +65,35 @@ impl Scenario {
                 psi: values.number("initial.psi_dot")?,
             },
             tolerances: Tolerances {
-                relative: tolerance("integrator.relative_tolerance")?,
-                absolute: tolerance("integrator.absolute_tolerance")?,
+                relative: values
+                    .number("integrator.relative_tolerance")?
+                    .min(max_tolerance),
+                absolute: values
+                    .number("integrator.absolute_tolerance")?
+                    .min(max_tolerance),
             },
-            // Validated before.
-            sample_period_ns: nanoseconds(values.number("sampling.period")?).unwrap_or(1),
-            stop: Stop {
-                theta_risen: values.optional_number("stop.theta_risen"),
-                theta_fallen: values.optional_number("stop.theta_fallen"),
-                duration: values.optional_number("stop.duration"),
-                may_stick: values.text("stop.on_stick") == Ok("continue"),
-            },
+            sample_period_ns: period.ok_or_else(|| values.not_allowed("sampling.period"))?,
+            stop: Stop::new(&values)?,
             values,
         };
-        scenario.check_support()?;
-        scenario.check_body()?;
-        scenario.check_start()?;
-        scenario.check_end()?;
+        scenario.check()?;
         Ok(scenario)
+    }
+
+    /// Checks combinations of keys.
+    fn check(&self) -> Result<(), ScenarioError> {
+        let check = Check {
+            values: &self.values,
+            formulation: self.formulation,
+            model: &self.model,
+            theta: self.angles.theta,
+            stop: self.stop,
+            sample_period_ns: self.sample_period_ns,
+        };
+        check.support()?;
+        check.body()?;
+        check.start()?;
+        check.end()
     }
 
     /// Reads and checks a scenario file.
@@ -201,30 +196,40 @@ impl Scenario {
 
     /// Start of the motion.
     pub fn start(&self) -> Start {
-        let number = |path: &str| self.values.optional_number(path);
         let top = &self.model.top;
         let tilt = Tilt::from_rates(self.angles.theta, self.rates);
-        let world = |lean: &Vector3<f64>| lean_to_world(lean, self.angles.phi);
+        let phi = self.angles.phi;
         // Vector from the peg's centre to the centre of mass, and its derivative.
-        let reach = top.center_distance * world(&tilt.axis());
-        let growth = top.center_distance * world(&tilt.omega_lean.cross(&tilt.axis()));
-        let of_peg = |peg: &str, center: &str, offset: f64| {
-            number(center).map_or_else(|| number(peg).unwrap_or_default(), |at| at - offset)
-        };
+        let reach = top.center_distance * lean_to_world(&tilt.axis(), phi);
+        let growth = top.center_distance * lean_to_world(&tilt.omega_lean.cross(&tilt.axis()), phi);
         Start {
             angles: self.angles,
             rates: self.rates,
             peg_position: Vector3::new(
-                of_peg("initial.peg_x", "initial.center_x", reach.x),
-                of_peg("initial.peg_y", "initial.center_y", reach.y),
-                top.peg_radius + number("initial.height").unwrap_or_default(),
+                self.peg_coordinate("initial.peg_x", "initial.center_x", reach.x),
+                self.peg_coordinate("initial.peg_y", "initial.center_y", reach.y),
+                top.peg_radius + self.number_or_zero("initial.height"),
             ),
             peg_velocity: Vector3::new(
-                of_peg("initial.peg_x_dot", "initial.center_x_dot", growth.x),
-                of_peg("initial.peg_y_dot", "initial.center_y_dot", growth.y),
-                number("initial.peg_z_dot").unwrap_or_default(),
+                self.peg_coordinate("initial.peg_x_dot", "initial.center_x_dot", growth.x),
+                self.peg_coordinate("initial.peg_y_dot", "initial.center_y_dot", growth.y),
+                self.number_or_zero("initial.peg_z_dot"),
             ),
         }
+    }
+
+    /// A coordinate of the peg's centre, from the key `peg`, or from the key `center` of the centre of mass, which is
+    /// farther by `offset`.
+    fn peg_coordinate(&self, peg: &str, center: &str, offset: f64) -> f64 {
+        match self.values.optional_number(center) {
+            Some(coordinate) => coordinate - offset,
+            None => self.number_or_zero(peg),
+        }
+    }
+
+    /// The value of an optional key whose default is 0.
+    fn number_or_zero(&self, path: &str) -> f64 {
+        self.values.optional_number(path).unwrap_or_default()
     }
 
     /// Slip speed of the contact point at the start, m/s; for a dropped top, of its lowest point.
@@ -240,189 +245,4 @@ impl Scenario {
         let slip = self.start().peg_velocity + rolling;
         hypot(slip.x, slip.y)
     }
-
-    /// Checks keys that depend on the support.
-    fn check_support(&self) -> Result<(), ScenarioError> {
-        let distance = self.model.top.center_distance;
-        if !self.model.support.is_free() {
-            let reason = "must be a finite number > 0 (for a tippe top, which has a negative value, set support.kind = \"free\")";
-            return ensure(distance > 0.0, || {
-                self.values.invalid("top.center_distance", reason)
-            });
-        }
-        ensure(
-            distance != 0.0 && distance > -self.model.top.peg_radius,
-            || {
-                self.conflict(
-                    "top.center_distance",
-                    "must be > −top.peg_radius and not 0 (the centre of mass of a tippe top is inside its sphere)",
-                )
-            },
-        )?;
-        let is_euler = self.formulation == FormulationKind::Euler;
-        let is_part = self.model.friction.dissipation != Dissipation::Full;
-        let is_endless = self.stop.duration.is_none();
-        let needs: Vec<&str> = [
-            is_euler.then_some("formulation = \"body\""),
-            is_part.then_some("friction.dissipation = \"full\""),
-            is_endless.then_some("stop.duration (it may roll forever)"),
-        ]
-        .into_iter()
-        .flatten()
-        .collect();
-        ensure(needs.is_empty(), || {
-            let reason = format!("requires {}", needs.join(", "));
-            self.conflict("support.kind", &reason)
-        })?;
-        self.check_places()?;
-        match self.set_key(["stop.theta_risen", "stop.theta_fallen"]) {
-            Some(key) if distance < 0.0 => Err(self.conflict(
-                key,
-                "not applicable to a tippe top (top.center_distance < 0); use stop.duration",
-            )),
-            _ => Ok(()),
-        }
-    }
-
-    /// Checks that the peg and the centre of mass don't both have a position, or a velocity.
-    fn check_places(&self) -> Result<(), ScenarioError> {
-        for (of_peg, of_center) in PLACES {
-            if let (Some(key), Some(other)) = (self.set_key(of_peg), self.set_key(of_center)) {
-                let reason = format!(
-                    "conflicts with {other}: set the position of either the peg or the centre of mass"
-                );
-                return Err(self.conflict(key, &reason));
-            }
-        }
-        Ok(())
-    }
-
-    /// The first of these keys that is set.
-    fn set_key(&self, keys: [&'static str; 2]) -> Option<&'static str> {
-        keys.into_iter().find(|key| self.values.get(key).is_some())
-    }
-
-    fn conflict(&self, key: &str, reason: &str) -> ScenarioError {
-        let value = self.values.get(key);
-        let value = value.map_or_else(String::new, ToString::to_string);
-        ScenarioError::of_value(key, &value, reason)
-    }
-
-    fn check_body(&self) -> Result<(), ScenarioError> {
-        let top = &self.model.top;
-        let offset = top.mass * top.center_distance * top.center_distance;
-        ensure(top.transverse_moment > offset, || {
-            let reason = format!(
-                "must be more than {} kg m² = top.mass · top.center_distance² (parallel axis theorem)",
-                short_number(offset)
-            );
-            self.values.invalid("top.transverse_moment", &reason)
-        })?;
-        // The axial moment of a rigid body is at most twice its transverse moment about any point of the axis.
-        // The limit is lowest at the centre of mass.
-        let limit = 2.0 * top.transverse_moment;
-        for (limit, what) in [
-            (limit, "2 · top.transverse_moment"),
-            (
-                limit - 2.0 * offset,
-                "2 · (top.transverse_moment − top.mass · top.center_distance²), twice the transverse moment about the centre of mass",
-            ),
-        ] {
-            ensure(top.axial_moment <= limit, || {
-                let reason = format!(
-                    "must be at most {} kg m² = {what} (limit for a rigid body)",
-                    short_number(limit)
-                );
-                self.values.invalid("top.axial_moment", &reason)
-            })?;
-        }
-        Ok(())
-    }
-
-    fn check_start(&self) -> Result<(), ScenarioError> {
-        let theta = self.angles.theta;
-        let is_singular = theta <= 0.0 || theta >= PI;
-        ensure(
-            !is_singular || self.formulation == FormulationKind::Body,
-            || {
-                let reason = "must be strictly between 0 and π with formulation = \"euler\"; \
-                           use formulation = \"body\" for a vertical axis";
-                self.values.invalid("initial.theta", reason)
-            },
-        )?;
-        let drops_terms = self.model.friction.dissipation.drops_euler_terms();
-        let is_endless = drops_terms && !self.is_frictionless() && self.stop.theta_risen.is_none();
-        ensure(!is_endless, || {
-            let reason = "requires stop.theta_risen, because its equations divide by sin θ";
-            self.values.invalid("friction.dissipation", reason)
-        })?;
-        let (risen, fallen) = (self.stop.theta_risen, self.stop.theta_fallen);
-        for (key, limit) in [
-            ("stop.theta_risen", risen.filter(|limit| theta <= *limit)),
-            ("stop.theta_fallen", fallen.filter(|limit| theta >= *limit)),
-        ] {
-            if limit.is_some() {
-                let start = short_number(theta);
-                let reason = format!("the start, initial.theta = {start}, is already beyond it");
-                return Err(self.values.invalid(key, &reason));
-            }
-        }
-        Ok(())
-    }
-
-    fn check_sticking(&self) -> Result<(), ScenarioError> {
-        let conflict = |reason: &str| self.values.invalid("stop.on_stick", reason);
-        ensure(self.model.friction.can_stick(), || {
-            conflict(
-                "this friction law never sticks; use friction.law = \"coulomb\", \"stribeck\" or \
-                 \"contensou\", or rolling.arm, with friction.dissipation = \"full\"",
-            )
-        })?;
-        ensure(self.stop.duration.is_some(), || {
-            conflict("requires stop.duration, because the top may stick forever")
-        })
-    }
-
-    fn check_end(&self) -> Result<(), ScenarioError> {
-        let stop = &self.stop;
-        if stop.may_stick && !self.model.support.is_free() {
-            self.check_sticking()?;
-        }
-        let Some(duration) = stop.duration else {
-            let by_angle = stop.theta_risen.is_some() || stop.theta_fallen.is_some();
-            let ends = by_angle && !self.is_frictionless();
-            return ensure(ends, || {
-                ScenarioError(
-                    "the run would never stop: set stop.duration, stop.theta_risen or stop.theta_fallen (without friction: stop.duration)"
-                        .to_owned(),
-                )
-            });
-        };
-        let samples = duration * 1e9 / self.sample_period_ns as f64;
-        ensure(samples < f64::from(u32::MAX), || {
-            let reason = format!(
-                "must be larger: at most {} samples fit in stop.duration = {} s",
-                u32::MAX,
-                short_number(duration)
-            );
-            self.values.invalid("sampling.period", &reason)
-        })
-    }
-}
-
-/// Keys of the position and of the velocity: those of the peg and of the centre of mass exclude each other.
-const PLACES: [([&str; 2], [&str; 2]); 2] = [
-    (
-        ["initial.peg_x", "initial.peg_y"],
-        ["initial.center_x", "initial.center_y"],
-    ),
-    (
-        ["initial.peg_x_dot", "initial.peg_y_dot"],
-        ["initial.center_x_dot", "initial.center_y_dot"],
-    ),
-];
-
-/// The error unless a condition holds.
-fn ensure(holds: bool, error: impl FnOnce() -> ScenarioError) -> Result<(), ScenarioError> {
-    if holds { Ok(()) } else { Err(error()) }
 }

@@ -1,15 +1,370 @@
 //! The error of a scenario.
 
+use super::key::{Key, Kind, short_number};
+use std::fmt;
 use thiserror::Error;
 
-/// Error of an invalid scenario: a text that names the key, the value and the allowed values.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("{0}")]
-pub struct ScenarioError(pub(super) String);
+/// Maximum length of a value quoted in an error, characters.
+const MAX_EXCERPT_LENGTH: usize = 100;
+
+/// Error of an invalid scenario: the key, its value and the problem.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub struct ScenarioError {
+    /// The key to change, as given. `None` if the scenario as a whole can't be read, or never stops.
+    pub key: Option<String>,
+    /// The value of the key in `--set` notation, truncated if it is long. `None` if the value is not the problem.
+    pub value: Option<String>,
+    /// The problem.
+    pub problem: Problem,
+}
+
+/// What is wrong with a scenario, or with the value of a key.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Problem {
+    /// The text is not TOML.
+    Syntax(String),
+    /// There is no such preset.
+    UnknownPreset {
+        /// The requested name.
+        name: String,
+        /// Similar names.
+        similar: Vec<&'static str>,
+        /// All presets.
+        presets: Vec<&'static str>,
+    },
+    /// There is no such key.
+    UnknownKey {
+        /// Similar keys.
+        similar: Vec<&'static str>,
+        /// The keys of the same section, or all.
+        allowed: Vec<&'static str>,
+    },
+    /// The key can never have the value.
+    NotAllowed {
+        /// Allowed values.
+        allowed: Kind,
+        /// Unit; may be empty.
+        unit: &'static str,
+        /// What was probably meant.
+        hint: Option<Hint>,
+    },
+    /// The key is set twice under different spellings.
+    SetTwice,
+    /// Required keys are not set.
+    Missing {
+        /// The missing keys, in table order.
+        keys: Vec<&'static Key>,
+        /// Typical values of the parameters of the friction law that they belong to.
+        typical: Option<&'static str>,
+    },
+    /// The key applies only if another key has one of these values.
+    Inapplicable {
+        /// The other key.
+        other: &'static str,
+        /// The value of the other key.
+        current: Option<String>,
+        /// Values with which the key applies.
+        needed: &'static [&'static str],
+    },
+    /// The key requires values of other keys.
+    Requires {
+        /// The required values.
+        requirements: Vec<Requirement>,
+        /// The reason, unless the requirements speak for themselves.
+        reason: Option<&'static str>,
+    },
+    /// The key and another one exclude each other.
+    Excludes(&'static str),
+    /// The centre of mass of a top with a fixed peg is not above the peg.
+    NotAboveFixedPeg,
+    /// The centre of mass of a tippe top is not inside its sphere, or is the peg's centre.
+    OutsideSphere,
+    /// The transverse moment is less than that of a point mass at the centre of mass.
+    TooSmallMoment {
+        /// `M l²`, kg m².
+        offset: f64,
+    },
+    /// The axial moment is larger than that of a rigid body with this transverse moment.
+    TooLargeMoment {
+        /// Largest possible axial moment, kg m².
+        limit: f64,
+        /// Whether the limit follows from the transverse moment about the centre of mass.
+        is_central: bool,
+    },
+    /// The Euler angles are singular at the start.
+    SingularStart,
+    /// A stop angle is already passed at the start.
+    AlreadyPassed {
+        /// Initial inclination, rad.
+        theta: f64,
+    },
+    /// A tippe top has no stop angles.
+    TippeTop,
+    /// The friction law includes the torque of the key.
+    AlreadyIncluded,
+    /// The contact point never sticks with this friction.
+    NeverSticks,
+    /// No condition is certain to stop the run.
+    Endless,
+    /// More samples than can be numbered.
+    TooManySamples {
+        /// Duration of the run, s.
+        duration: f64,
+    },
+}
+
+/// A value of another key that a key requires.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Requirement {
+    /// The key has this value.
+    Word(&'static str, &'static str),
+    /// The key is set to any value.
+    Set(&'static str),
+}
+
+/// What was probably meant by a value that is not allowed.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Hint {
+    /// Similar words.
+    Similar(Vec<&'static str>),
+    /// A number written with a decimal comma: the number with a point.
+    DecimalPoint(String),
+    /// An angle in degrees.
+    Degrees {
+        /// The angle as given.
+        text: String,
+        /// The angle, rad.
+        radians: f64,
+    },
+}
+
+impl Problem {
+    /// A value that the key can never have.
+    pub(super) fn not_allowed(key: &Key, hint: Option<Hint>) -> Self {
+        Self::NotAllowed {
+            allowed: key.kind,
+            unit: key.unit,
+            hint,
+        }
+    }
+}
+
+impl Hint {
+    /// Similar words, if there are any.
+    pub(super) fn similar(words: Vec<&'static str>) -> Option<Self> {
+        (!words.is_empty()).then_some(Self::Similar(words))
+    }
+}
 
 impl ScenarioError {
-    /// The error of a value that is not allowed.
-    pub(super) fn of_value(key: &str, value: &str, reason: &str) -> Self {
-        Self(format!("{key} = {value}: {reason}"))
+    /// Problem of the scenario as a whole.
+    pub(super) fn without_key(problem: Problem) -> Self {
+        Self {
+            key: None,
+            value: None,
+            problem,
+        }
+    }
+
+    /// Problem of a key, whatever its value.
+    pub(super) fn with_key(key: &str, problem: Problem) -> Self {
+        Self {
+            key: Some(excerpt(key)),
+            ..Self::without_key(problem)
+        }
+    }
+
+    /// Problem of the value of a key.
+    pub(super) fn with_value(key: &str, value: &str, problem: Problem) -> Self {
+        Self {
+            value: Some(excerpt(value)),
+            ..Self::with_key(key, problem)
+        }
+    }
+
+    /// The error of a key that is set twice.
+    pub fn set_twice(key: &Key) -> Self {
+        Self::with_key(key.path, Problem::SetTwice)
+    }
+
+    /// The key to change; empty if there is none.
+    fn path(&self) -> &str {
+        self.key.as_deref().unwrap_or_default()
+    }
+}
+
+/// A text truncated for a message.
+pub(super) fn excerpt(text: &str) -> String {
+    match text.char_indices().nth(MAX_EXCERPT_LENGTH) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
+impl fmt::Display for ScenarioError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let (Some(key), Some(value)) = (&self.key, &self.value) {
+            write!(f, "{key} = {value}: ")?;
+        }
+        let key = self.path();
+        match &self.problem {
+            Problem::Syntax(message) => write!(f, "not valid TOML: {message}"),
+            Problem::UnknownPreset {
+                name,
+                similar,
+                presets,
+            } => write!(
+                f,
+                "unknown preset {name:?}{}; presets: {}. For a scenario file, give the path, e.g. ./{name}.toml",
+                DidYouMean(similar),
+                presets.join(", ")
+            ),
+            Problem::UnknownKey { similar, allowed } => write!(
+                f,
+                "unknown key {key}{}; allowed: {}",
+                DidYouMean(similar),
+                allowed.join(", ")
+            ),
+            Problem::NotAllowed {
+                allowed,
+                unit,
+                hint,
+            } => write_not_allowed(f, *allowed, unit, hint.as_ref()),
+            Problem::SetTwice => write!(f, "{key}: set twice"),
+            Problem::Missing { keys, typical } => write_missing(f, keys, *typical),
+            Problem::Inapplicable {
+                other,
+                current,
+                needed,
+            } => {
+                match current {
+                    Some(value) => write!(f, "{key} does not apply with {other} = {value:?}")?,
+                    None => write!(f, "{key} does not apply without {other}")?,
+                }
+                let needed = needed.join(" or ");
+                write!(
+                    f,
+                    ": set {other} = {needed}, or remove {key} (--set {key}=)"
+                )
+            }
+            Problem::Requires {
+                requirements,
+                reason,
+            } => write_requirements(f, requirements, *reason),
+            Problem::Excludes(other) => write!(
+                f,
+                "conflicts with {other}: set the position of either the peg or the centre of mass"
+            ),
+            Problem::TooSmallMoment { offset } => write!(
+                f,
+                "must be more than {} kg m² = top.mass · top.center_distance² (parallel axis theorem)",
+                short_number(*offset)
+            ),
+            Problem::TooLargeMoment { limit, is_central } => {
+                write!(f, "must be at most {} kg m² = ", short_number(*limit))?;
+                f.write_str(if *is_central {
+                    "2 · (top.transverse_moment − top.mass · top.center_distance²), twice the transverse moment about the centre of mass"
+                } else {
+                    "2 · top.transverse_moment"
+                })?;
+                write!(f, " (limit for a rigid body)")
+            }
+            Problem::AlreadyPassed { theta } => write!(
+                f,
+                "the start, initial.theta = {}, is already beyond it",
+                short_number(*theta)
+            ),
+            Problem::TooManySamples { duration } => write!(
+                f,
+                "must be larger: at most {} samples fit in stop.duration = {} s",
+                u32::MAX,
+                short_number(*duration)
+            ),
+            Problem::NotAboveFixedPeg => f.write_str(
+                "must be a finite number > 0 (for a tippe top, which has a negative value, set support.kind = \"free\")",
+            ),
+            Problem::OutsideSphere => f.write_str(
+                "must be > −top.peg_radius and not 0 (the centre of mass of a tippe top is inside its sphere)",
+            ),
+            Problem::SingularStart => f.write_str(
+                "must be strictly between 0 and π with formulation = \"euler\"; \
+                 use formulation = \"body\" for a vertical axis",
+            ),
+            Problem::TippeTop => f.write_str(
+                "not applicable to a tippe top (top.center_distance < 0); use stop.duration",
+            ),
+            Problem::AlreadyIncluded => {
+                f.write_str("friction.law = \"contensou\" already includes a drilling torque")
+            }
+            Problem::NeverSticks => f.write_str(
+                "this friction law never sticks; use friction.law = \"coulomb\", \"stribeck\" or \
+                 \"contensou\", or rolling.arm, with friction.dissipation = \"full\"",
+            ),
+            Problem::Endless => f.write_str(
+                "the run would never stop: set stop.duration, stop.theta_risen or stop.theta_fallen (without friction: stop.duration)",
+            ),
+        }
+    }
+}
+
+fn write_not_allowed(
+    f: &mut fmt::Formatter<'_>,
+    allowed: Kind,
+    unit: &str,
+    hint: Option<&Hint>,
+) -> fmt::Result {
+    write!(f, "must be {allowed}")?;
+    if !unit.is_empty() {
+        write!(f, " [{unit}]")?;
+    }
+    match hint {
+        None => Ok(()),
+        Some(Hint::Similar(words)) => write!(f, "{}", DidYouMean(words)),
+        Some(Hint::DecimalPoint(number)) => write!(f, ", with a decimal point, e.g. {number}"),
+        Some(Hint::Degrees { text, radians }) => write!(f, " ({text} is {radians:.4} rad)"),
+    }
+}
+
+fn write_missing(f: &mut fmt::Formatter<'_>, keys: &[&Key], typical: Option<&str>) -> fmt::Result {
+    f.write_str("missing: ")?;
+    for (index, key) in keys.iter().enumerate() {
+        let comma = if index == 0 { "" } else { ", " };
+        let (path, meaning, unit, kind) = (key.path, key.meaning, key.in_unit(), key.kind);
+        write!(f, "{comma}{path} ({meaning}{unit}: {kind})")?;
+    }
+    match typical {
+        Some(typical) => write!(f, "; typical values: {typical}"),
+        None => Ok(()),
+    }
+}
+
+fn write_requirements(
+    f: &mut fmt::Formatter<'_>,
+    requirements: &[Requirement],
+    reason: Option<&str>,
+) -> fmt::Result {
+    f.write_str("requires ")?;
+    for (index, requirement) in requirements.iter().enumerate() {
+        let comma = if index == 0 { "" } else { ", " };
+        match requirement {
+            Requirement::Word(key, word) => write!(f, "{comma}{key} = \"{word}\"")?,
+            Requirement::Set(key) => write!(f, "{comma}{key}")?,
+        }
+    }
+    match reason {
+        Some(reason) => write!(f, ", because {reason}"),
+        None => Ok(()),
+    }
+}
+
+/// A "did you mean" hint; empty without similar names.
+struct DidYouMean<'a>(&'a [&'static str]);
+
+impl fmt::Display for DidYouMean<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0.is_empty() {
+            return Ok(());
+        }
+        write!(f, " (did you mean {}?)", self.0.join(" or "))
     }
 }

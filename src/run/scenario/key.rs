@@ -106,12 +106,12 @@ pub enum Presence {
     RequiredWith(&'static str, &'static [&'static str]),
     /// Required if this other key is set; otherwise not allowed.
     RequiredWithKey(&'static str),
-    /// Optional if another key has this value; otherwise not allowed.
-    OptionalWith(&'static str, &'static str),
+    /// Optional if another key has one of these values; otherwise not allowed.
+    OptionalWith(&'static str, &'static [&'static str]),
 }
 
 /// A row of the table of keys.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key {
     /// Section and name, e.g. `top.mass`; top-level keys have no section.
     pub path: &'static str,
@@ -134,6 +134,20 @@ impl Key {
             typical: Some([low, high]),
             ..self
         }
+    }
+
+    /// The section, e.g. `top`; empty for top-level keys.
+    pub fn section(&self) -> &'static str {
+        self.path
+            .rsplit_once('.')
+            .map_or("", |(section, _)| section)
+    }
+
+    /// The name without section, e.g. `mass`.
+    pub fn name(&self) -> &'static str {
+        self.path
+            .rsplit_once('.')
+            .map_or(self.path, |(_, name)| name)
     }
 
     /// Whether the typical range spans decades, so that a slider should be logarithmic.

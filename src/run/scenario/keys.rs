@@ -1,6 +1,6 @@
 //! The table of scenario keys.
 
-use super::choice::DISSIPATIONS;
+use super::choice::{DISSIPATIONS, FormulationKind, OnStick, SupportKind};
 use super::key::Key;
 use super::key::Kind::{self, Any, Between, Choice, Name, Nanoseconds, Text};
 use super::key::Presence::{self, Optional, OptionalWith, Required, RequiredWith, RequiredWithKey};
@@ -31,13 +31,10 @@ const SCALE: Kind = Between(1e-15, 1e15);
 /// Range of slip speed parameters.
 const SPEED: Kind = Between(1e-9, 1e6);
 
-const FORMULATIONS: &[&str] = &["euler", "body"];
-const SUPPORTS: &[&str] = &["fixed", "free"];
-const ON_STICK: &[&str] = &["stop", "continue"];
 const SMOOTH_LAWS: &[&str] = &["coulomb-sqrt", "coulomb-tanh", "coulomb-rational"];
 
 /// Presence of keys that apply only to a free peg.
-const FREE: Presence = OptionalWith("support.kind", "free");
+const FREE: Presence = OptionalWith("support.kind", &["free"]);
 
 /// The scenario format that this version writes and reads.
 pub const FORMAT: &str = "toprise-1";
@@ -48,7 +45,7 @@ pub const KEYS: &[Key] = &[
     key("format", "", Choice(&[FORMAT]), Optional, "version of this format"),
     key("name", "", Name, Required, "name of the scenario and, by default, of its recordings"),
     key("description", "", Text, Optional, "human-readable description"),
-    key("formulation", "", Choice(FORMULATIONS), Required,
+    key("formulation", "", Choice(FormulationKind::NAMES), Required,
         "integration variables: Euler angles (singular when upright) or rotation of the body"),
     key("gravity", "m/s²", SCALE, Required, "gravitational acceleration g").typically(0.5, 25.0),
     key("top.mass", "kg", INERTIA, Required, "mass M").typically(0.01, 1.0),
@@ -74,7 +71,7 @@ pub const KEYS: &[Key] = &[
     key("initial.center_y", "m", Between(-1e6, 1e6), FREE, "position of the centre of mass, instead of the peg's").typically(-0.1, 0.1),
     key("initial.center_x_dot", "m/s", Between(-1e3, 1e3), FREE, "velocity of the centre of mass, instead of the peg's").typically(-1.0, 1.0),
     key("initial.center_y_dot", "m/s", Between(-1e3, 1e3), FREE, "velocity of the centre of mass, instead of the peg's").typically(-1.0, 1.0),
-    key("support.kind", "", Choice(SUPPORTS), Optional,
+    key("support.kind", "", Choice(SupportKind::NAMES), Optional,
         "whether the peg's centre is fixed, or the peg free to move on the table; default \"fixed\""),
     key("support.restitution", "", Between(0.0, 1.0), FREE,
         "coefficient of restitution e of impacts (Stronge's); default 0").typically(0.0, 1.0),
@@ -114,7 +111,7 @@ pub const KEYS: &[Key] = &[
     key("sampling.period", "s", Nanoseconds, Required, "time between samples").typically(0.0001, 0.1),
     key("stop.theta_risen", "rad", Between(1e-6, PI), Optional, "stop when θ falls to this value (risen)").typically(0.001, 0.4),
     key("stop.theta_fallen", "rad", Between(1e-6, PI), Optional, "stop when θ grows to this value (fallen)").typically(0.5, 3.1),
-    key("stop.on_stick", "", Choice(ON_STICK), Optional,
+    key("stop.on_stick", "", Choice(OnStick::NAMES), Optional,
         "whether to stop or continue when the contact point sticks; default \"stop\""),
     key("stop.duration", "s", Between(0.0, 1e6), Optional, "stop at this time at the latest").typically(1.0, 120.0),
 ];
@@ -122,26 +119,27 @@ pub const KEYS: &[Key] = &[
 impl Law {
     /// The keys of its parameters.
     pub fn parameters(&self) -> impl Iterator<Item = &'static Key> {
-        let is_own = |key: &&Key| {
-            if let RequiredWith("friction.law", words) = key.presence {
-                return words.contains(&self.name);
+        KEYS.iter()
+            .filter(|key| !key.kind.is_text() && self.has_parameter(key))
+    }
+
+    fn has_parameter(&self, key: &Key) -> bool {
+        match key.presence {
+            RequiredWith("friction.law", words) => words.contains(&self.name),
+            // Additional losses have the name of their section.
+            Required | Optional | RequiredWith(..) | RequiredWithKey(_) | OptionalWith(..) => {
+                key.section() == self.name
             }
-            let section = key.path.split_once('.').map(|(section, _)| section);
-            section == Some(self.name)
-        };
-        let is_parameter = |key: &&Key| !key.kind.is_text();
-        KEYS.iter().filter(is_parameter).filter(is_own)
+        }
     }
 }
 
 impl Key {
     /// The key name without section (`k` for `friction.k`), or with section (`drilling-k`) if it is ambiguous.
     pub fn short_name(&self) -> String {
-        let short = |path: &'static str| path.rsplit('.').next().unwrap_or(path);
-        let first = KEYS.iter().find(|key| short(key.path) == short(self.path));
-        match first {
-            Some(key) if key.path == self.path => short(self.path).to_owned(),
-            _ => self.path.replace('.', "-"),
+        match KEYS.iter().find(|key| key.name() == self.name()) {
+            Some(first) if first.path == self.path => self.name().to_owned(),
+            Some(_) | None => self.path.replace('.', "-"),
         }
     }
 }

@@ -6,22 +6,25 @@ use crate::physics::friction::{FrictionLaw, Smoothing};
 /// A friction law of a scenario.
 #[derive(Debug)]
 pub struct Law {
-    /// Its value of `friction.law`, or the section of an additional loss.
+    /// Value of `friction.law`, or the section of an additional loss.
     pub name: &'static str,
     /// Force or torque. `f` is the friction force, `v` the slip velocity, `N` the normal force, `ω` the
     /// angular velocity, `ω_⊥` its horizontal part, `w_n` its part along the symmetry axis `n`, `w_t` the
     /// rest; `M` is a torque about the peg's centre.
     pub formula: &'static str,
-    /// Typical values of its parameters.
+    /// Typical values of the parameters.
     pub typical: &'static str,
     /// Publication.
     pub source: &'static str,
     /// Constructs the sliding law from its keys; `None` for additional losses.
-    make: Option<fn(Number<'_>) -> Result<FrictionLaw, ScenarioError>>,
+    make: Option<MakeLaw>,
 }
 
 /// Looks up the numeric value of a key.
 pub(super) type Number<'a> = &'a dyn Fn(&'static str) -> Result<f64, ScenarioError>;
+
+/// Constructs a sliding law from the values of its keys.
+pub(super) type MakeLaw = fn(Number<'_>) -> Result<FrictionLaw, ScenarioError>;
 
 const ZHURAVLEV: &str = "V. F. Zhuravlev, J. Appl. Math. Mech. 62 (1998) 705";
 
@@ -30,7 +33,7 @@ const fn sliding(
     formula: &'static str,
     typical: &'static str,
     source: &'static str,
-    make: fn(Number<'_>) -> Result<FrictionLaw, ScenarioError>,
+    make: MakeLaw,
 ) -> Law {
     Law {
         make: Some(make),
@@ -136,11 +139,7 @@ impl Law {
     }
 }
 
-/// The sliding law with this name; `None` if there is no such law.
-pub(super) fn sliding_law(
-    word: &str,
-    number: Number<'_>,
-) -> Option<Result<FrictionLaw, ScenarioError>> {
-    let law = LAWS.iter().find(|law| law.name == word)?;
-    law.make.map(|make| make(number))
+/// The constructor of the sliding law with this name.
+pub(super) fn find_sliding_law(word: &str) -> Option<MakeLaw> {
+    LAWS.iter().find(|law| law.name == word)?.make
 }

@@ -1,8 +1,8 @@
 //! Builds the model from scenario values.
 
-use super::choice::dissipation;
-use super::error::ScenarioError;
-use super::laws::sliding_law;
+use super::choice::{SupportKind, find_dissipation};
+use super::error::{Problem, ScenarioError};
+use super::laws::find_sliding_law;
 use super::values::Values;
 use crate::physics::dynamics::{Model, Support};
 use crate::physics::friction::{Air, Branch, Dissipation, Drilling, Friction, FrictionLaw, Losses};
@@ -13,17 +13,16 @@ pub(super) fn model(values: &Values) -> Result<Model, ScenarioError> {
     Ok(Model {
         top: top(values)?,
         friction: friction(values)?,
-        support: support(values),
+        support: support(values)?,
     })
 }
 
-fn support(values: &Values) -> Support {
-    let restitution = values.optional_number("support.restitution");
-    match values.text("support.kind") {
-        Ok("free") => Support::FreePeg {
-            restitution: restitution.unwrap_or_default(),
-        },
-        _ => Support::FixedPeg,
+fn support(values: &Values) -> Result<Support, ScenarioError> {
+    match values.optional_choice("support.kind", SupportKind::find)? {
+        Some(SupportKind::Free) => Ok(Support::FreePeg {
+            restitution: number_or_zero(values, "support.restitution"),
+        }),
+        Some(SupportKind::Fixed) | None => Ok(Support::FixedPeg),
     }
 }
 
@@ -39,41 +38,39 @@ fn top(values: &Values) -> Result<Top, ScenarioError> {
 }
 
 fn friction(values: &Values) -> Result<Friction, ScenarioError> {
-    let law = law(values)?;
-    let losses = Some(losses(values)).filter(|losses| !losses.is_none());
-    if matches!(law, FrictionLaw::Contensou { .. }) && values.get("drilling.k").is_some() {
-        let reason = "friction.law = \"contensou\" already includes a drilling torque";
-        return Err(values.invalid("drilling.k", reason));
+    let make_law = values.choice("friction.law", find_sliding_law)?;
+    let law = make_law(&|key| values.number(key))?;
+    let losses = losses(values);
+    if matches!(law, FrictionLaw::Contensou { .. }) && values.has("drilling.k") {
+        return Err(values.invalid("drilling.k", Problem::AlreadyIncluded));
     }
-    let word = values.text("friction.dissipation").ok();
+    let dissipation = values.optional_choice("friction.dissipation", find_dissipation)?;
     Ok(Friction {
         law,
-        dissipation: word.and_then(dissipation).unwrap_or(Dissipation::Full),
-        losses,
+        // Without sliding friction the key doesn't apply, and there is nothing to leave out.
+        dissipation: dissipation.unwrap_or(Dissipation::Full),
+        losses: (!losses.is_none()).then_some(losses),
         branch: Branch::default(),
     })
 }
 
-fn law(values: &Values) -> Result<FrictionLaw, ScenarioError> {
-    let word = values.text("friction.law")?;
-    let law = sliding_law(word, &|key| values.number(key));
-    // The value was validated before.
-    law.unwrap_or(Ok(FrictionLaw::None))
-}
-
 /// The additional losses.
 fn losses(values: &Values) -> Losses {
-    let number = |path| values.optional_number(path).unwrap_or_default();
     Losses {
-        rolling_arm: number("rolling.arm"),
+        rolling_arm: number_or_zero(values, "rolling.arm"),
         drilling: Drilling {
-            k: number("drilling.k"),
-            patch_radius: number("drilling.patch_radius"),
+            k: number_or_zero(values, "drilling.k"),
+            patch_radius: number_or_zero(values, "drilling.patch_radius"),
         },
         air: Air {
-            axial: number("air.axial"),
-            transverse: number("air.transverse"),
-            disc: number("air.disc"),
+            axial: number_or_zero(values, "air.axial"),
+            transverse: number_or_zero(values, "air.transverse"),
+            disc: number_or_zero(values, "air.disc"),
         },
     }
+}
+
+/// The value of an optional key whose default is 0.
+fn number_or_zero(values: &Values, path: &str) -> f64 {
+    values.optional_number(path).unwrap_or_default()
 }

@@ -1,11 +1,11 @@
 //! Built-in scenarios: the paper's run and its variations.
 
 use super::definition::Scenario;
-use super::error::ScenarioError;
+use super::error::{Problem, ScenarioError};
 use super::key::{Key, Value};
 use super::keys::KEYS;
 use super::values::Values;
-use crate::run::suggestion::suggestion;
+use crate::run::suggestion::similar_names;
 use serde::Deserialize;
 use std::collections::HashMap;
 use std::sync::LazyLock;
@@ -45,10 +45,10 @@ impl Scenario {
         &'a self,
         from: &'a Values,
     ) -> impl Iterator<Item = (&'static Key, Option<&'a Value>)> {
-        let is_text = |key: &Key| matches!(key.path, "format" | "name" | "description");
-        let keys = KEYS.iter().filter(move |key| !is_text(key));
-        let changes = keys.map(|key| (key, self.value(key.path)));
-        changes.filter(|(key, value)| *value != from.get(key.path))
+        KEYS.iter()
+            .filter(|key| !matches!(key.path, "format" | "name" | "description"))
+            .map(|key| (key, self.value(key.path)))
+            .filter(|(key, value)| *value != from.get(key.path))
     }
 
     /// The name, followed by up to two keys that differ from the preset of that name, e.g. `paper, friction.k = 0.02`.
@@ -62,16 +62,18 @@ impl Scenario {
 
     /// The name, followed by up to two keys that differ from `base`.
     pub fn title_from(&self, base: &Values) -> String {
-        let change = |(key, value): (&Key, Option<&Value>)| match value {
-            Some(value) => format!(", {} = {}", key.path, value.to_set_notation()),
-            None => format!(", without {}", key.path),
-        };
-        let changes: Vec<_> = self.changes(base).map(change).collect();
-        let changes = match changes.len() {
-            0..=2 => changes.concat(),
-            count => format!(", {count} keys changed"),
-        };
-        format!("{}{changes}", self.name())
+        let changes: Vec<_> = self.changes(base).collect();
+        if changes.len() > 2 {
+            return format!("{}, {} keys changed", self.name(), changes.len());
+        }
+        let mut title = self.name().to_owned();
+        for (key, value) in changes {
+            title += &match value {
+                Some(value) => format!(", {} = {}", key.path, value.to_set_notation()),
+                None => format!(", without {}", key.path),
+            };
+        }
+        title
     }
 }
 
@@ -81,15 +83,17 @@ impl Preset {
     /// # Errors
     /// [`ScenarioError`], which lists all presets.
     pub fn find(name: &str) -> Result<&'static Self, ScenarioError> {
-        let found = PRESETS.iter().find(|preset| preset.name == name);
-        found.ok_or_else(|| {
-            let names: Vec<_> = PRESETS.iter().map(|preset| preset.name.as_str()).collect();
-            let hint = suggestion(name, names.iter().copied());
-            let allowed = names.join(", ");
-            ScenarioError(format!(
-                "unknown preset {name:?}{hint}; presets: {allowed}. For a scenario file, give the path, e.g. ./{name}.toml"
-            ))
-        })
+        PRESETS
+            .iter()
+            .find(|preset| preset.name == name)
+            .ok_or_else(|| {
+                let presets: Vec<_> = PRESETS.iter().map(|preset| preset.name.as_str()).collect();
+                ScenarioError::without_key(Problem::UnknownPreset {
+                    name: name.to_owned(),
+                    similar: similar_names(name, presets.iter().copied()),
+                    presets,
+                })
+            })
     }
 
     /// Its keys and values.
@@ -103,7 +107,7 @@ impl Preset {
         for key in &self.without {
             values.set(key, "")?;
         }
-        values.change(self.changes.clone())?;
+        values.merge(self.changes.clone())?;
         Ok(values)
     }
 

@@ -20,7 +20,7 @@ pub fn schema() -> String {
             }
             (place, name) = (&mut place[section]["properties"], inner);
         }
-        place[name] = of_key(key);
+        place[name] = key_schema(key);
     }
     schema["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
     schema["title"] = json!("toprise scenario");
@@ -31,7 +31,7 @@ fn object() -> Value {
     json!({ "type": "object", "properties": {}, "additionalProperties": false })
 }
 
-fn of_key(key: &Key) -> Value {
+fn key_schema(key: &Key) -> Value {
     let pattern = "^[A-Za-z0-9_-][A-Za-z0-9._-]{0,99}$";
     let mut schema = match key.kind {
         Kind::Text => json!({ "type": "string" }),
