@@ -1,8 +1,8 @@
 //! Sweeps: the outcomes of many runs as a table in Parquet.
 //!
 //! A [`Spec`] defines the runs: bases, and keys that vary over a grid, a sample or the rows of a table. Row *i* depends
-//! only on the spec and *i*. A *part* is [`PART_ROWS`] consecutive rows; its file depends only on the spec and the part
-//! number: the bytes don't depend on threads, machines or interruptions. [`run`] computes what is missing and merges the
+//! only on the spec and *i*. A *part* is [`Sweep::part_rows`] consecutive rows, about 10 s of work; its file depends only
+//! on the spec and the part number: the bytes don't depend on threads, machines or interruptions. [`run`] computes what is missing and merges the
 //! parts. [`values_of_row`] are those of the scenario of a row, which can be run again.
 
 mod axis;
@@ -14,6 +14,7 @@ mod checksum;
 mod counts;
 mod deserialize;
 mod design;
+mod effort;
 mod error;
 mod file;
 mod part;
@@ -25,7 +26,6 @@ mod sobol;
 mod spec;
 mod store;
 mod table;
-
 mod work;
 
 pub use axis::{Axis, column_name, find_key};
@@ -34,7 +34,7 @@ pub use cells::{Cells, cells};
 pub use counts::{Counts, RowError};
 pub use design::Design;
 pub use error::SweepError;
-pub use part::{PART_ROWS, Sweep};
+pub use part::Sweep;
 pub use reading::{Columns, values_of_row};
 pub use row::{Run, RunResult, Watch};
 pub use sample::{Method, Sample};

@@ -30,7 +30,7 @@ fn key(key: &Key) -> Json {
         "path": key.path,
         "unit": key.unit,
         "meaning": key.meaning,
-        "symbol": key.symbol(),
+        "symbol": key.symbol,
         "range": key.kind.to_string(),
         "words": words,
         "typical": key.typical,

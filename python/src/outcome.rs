@@ -36,7 +36,7 @@ pub fn of_scenario(py: Python<'_>, scenario: Scenario) -> PyResult<Outcome> {
 pub fn dictionary<'py>(py: Python<'py>, outcome: &Outcome) -> PyResult<Bound<'py, PyDict>> {
     let dictionary = PyDict::new(py);
     for column in COLUMNS {
-        match column.of(outcome) {
+        match column.value_of(outcome) {
             Some(Cell::Text(text)) => dictionary.set_item(column.name, text)?,
             Some(Cell::Integer(number)) => dictionary.set_item(column.name, number)?,
             Some(Cell::Number(number)) => dictionary.set_item(column.name, number)?,

@@ -229,7 +229,7 @@ pub fn design(text: &str, folder: PathBuf, start: u64, stop: Option<u64>) -> PyR
 #[pyfunction]
 pub fn rows(text: &str, folder: PathBuf) -> PyResult<(u64, u64)> {
     let sweep = read_spec(text, &folder)?;
-    Ok((sweep.spec().rows(), sweeps::PART_ROWS))
+    Ok((sweep.spec().rows(), sweep.part_rows()))
 }
 
 /// Computes a sweep; see `toprise.sweep`. `progress` is called periodically with the number of finished runs and the total

@@ -19,7 +19,8 @@ impl Progress {
     pub(super) fn of_runs(total: u64) -> Self {
         Self::new(
             Some(total),
-            "{bar:30} {percent:>3} %  {per_sec}  [{elapsed}, {eta} left]  {msg}",
+            // At most 52 columns; the counts of outcomes take what is left of the line.
+            "{bar:16} {percent:>3} %  {per_sec}  [{elapsed}, {eta} left]  {wide_msg}",
         )
     }
 

@@ -16,7 +16,8 @@ use crate::sweep::{
     Table, Watch, left_to_do, parts_directory, run,
 };
 use anyhow::{Context as _, Error, bail};
-use clap::Args;
+use clap::builder::PossibleValue;
+use clap::{Args, ValueEnum};
 pub(crate) use report::SweepReport;
 use report::summary;
 use std::path::{Path, PathBuf};
@@ -25,6 +26,17 @@ use std::time::{Duration, Instant};
 
 /// Maximum number of threads.
 const MOST_JOBS: u64 = 1024;
+
+/// Methods use their names as command-line values.
+impl ValueEnum for Method {
+    fn value_variants<'a>() -> &'a [Self] {
+        &Self::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.name()).help(self.meaning()))
+    }
+}
 
 /// Arguments of `toprise sweep`.
 #[derive(Args, Debug, Default, PartialEq)]

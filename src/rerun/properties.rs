@@ -18,7 +18,7 @@ pub(super) fn entity() -> EntityPath {
 /// An outcome as a component for each column of [`COLUMNS`] that has a value, in their order.
 pub(super) fn of_outcome(outcome: &Outcome) -> Vec<SerializedComponentBatch> {
     let values = COLUMNS.iter().filter_map(|column| {
-        let array = array(column.of(outcome)?);
+        let array = array(column.value_of(outcome)?);
         let descriptor = ComponentDescriptor::partial(column.name);
         Some(SerializedComponentBatch::new(array, descriptor))
     });
@@ -51,7 +51,7 @@ mod tests {
             .collect();
         let expected: Vec<_> = COLUMNS
             .iter()
-            .filter(|column| column.of(&outcome).is_some())
+            .filter(|column| column.value_of(&outcome).is_some())
             .map(|column| column.name)
             .collect();
         assert_eq!(names, expected);

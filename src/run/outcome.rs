@@ -84,7 +84,7 @@ impl Outcome {
     /// The value of a column, if the column exists and has a value.
     pub fn get(&self, name: &str) -> Option<Cell> {
         let column = COLUMNS.iter().find(|column| column.name == name)?;
-        column.of(self)
+        column.value_of(self)
     }
 }
 
@@ -93,7 +93,7 @@ impl Serialize for Outcome {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
         for column in COLUMNS {
-            if let Some(cell) = column.of(self) {
+            if let Some(cell) = column.value_of(self) {
                 map.serialize_entry(column.name, &cell)?;
             }
         }
@@ -117,9 +117,9 @@ impl JsonSchema for Outcome {
                 Number(_) => generator.subschema_for::<f64>(),
             };
             let mut property = schema.to_value();
-            property["description"] = column.described("absent").into();
+            property["description"] = column.sentence().into();
             properties.insert(column.name.to_owned(), property);
-            if !column.may_be_null() {
+            if column.null.is_none() {
                 required.push(column.name);
             }
         }
@@ -158,19 +158,21 @@ pub enum Cell {
 /// A column of a table of outcomes.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
-    /// Its name.
+    /// Name.
     pub name: &'static str,
     /// The unit; may be empty.
     pub unit: &'static str,
-    /// Its description, and the condition under which it is null.
+    /// Description.
     pub meaning: &'static str,
-    /// Its values and their type.
+    /// The condition under which the value is null, e.g. "for a fixed peg"; `None` if it never is.
+    pub null: Option<&'static str>,
+    /// The values and their type.
     pub read: Read,
 }
 
 impl Column {
-    /// Its value in an outcome, if it has one.
-    pub fn of(&self, outcome: &Outcome) -> Option<Cell> {
+    /// The value in an outcome, if there is one.
+    pub fn value_of(&self, outcome: &Outcome) -> Option<Cell> {
         match self.read {
             Text(read) => read(outcome).map(Cell::Text),
             Integer(read) => read(outcome).map(Cell::Integer),
@@ -178,24 +180,34 @@ impl Column {
         }
     }
 
-    /// Whether it can be null.
-    fn may_be_null(&self) -> bool {
-        self.meaning.contains("null")
+    /// The description, and the condition under which the value is null.
+    pub fn description(&self) -> String {
+        match self.null {
+            Some(condition) => format!("{}; null {condition}", self.meaning),
+            None => self.meaning.to_owned(),
+        }
     }
 
-    /// Its description and unit as a sentence, with `null` replaced.
-    fn described(&self, null: &str) -> String {
-        let meaning = self.meaning.replace("null", null);
-        let (what, unless) = match meaning.split_once(';') {
-            Some((what, unless)) => (what, format!(";{unless}")),
-            None => (&*meaning, String::new()),
-        };
-        let unit = match self.unit {
-            "" => String::new(),
-            unit => format!(", {unit}"),
-        };
-        let (first, rest) = what.split_at(what.chars().next().map_or(0, char::len_utf8));
-        format!("{}{rest}{unit}{unless}.", first.to_uppercase())
+    /// The description as a sentence, with the unit; a JSON member that would be null is absent.
+    fn sentence(&self) -> String {
+        let mut letters = self.meaning.chars();
+        let first = letters.next().map(char::to_uppercase);
+        let mut sentence: String = first.into_iter().flatten().chain(letters).collect();
+        if !self.unit.is_empty() {
+            sentence += &format!(", {}", self.unit);
+        }
+        if let Some(condition) = self.null {
+            sentence += &format!("; absent {condition}");
+        }
+        sentence + "."
+    }
+
+    /// Sets the condition under which the value is null.
+    const fn null(self, condition: &'static str) -> Self {
+        Self {
+            null: Some(condition),
+            ..self
+        }
     }
 }
 
@@ -209,6 +221,7 @@ const fn column(
         name,
         unit,
         meaning,
+        null: None,
         read,
     }
 }
@@ -222,12 +235,12 @@ fn counted(count: u64) -> Option<i64> {
 pub const COLUMNS: &[Column] = &[
     column("stop_reason", "", "reason for the end of the run", Text(|o| Some(o.end.stop.name()))),
     column("stop_time", "s", "end time", Number(|o| Some(o.end.time))),
-    column("rise_time", "s", "time at which θ reached stop.theta_risen; null if it did not",
-        Number(|o| o.tally.first(EventKind::Risen))),
-    column("weak_time", "s", "time at which the top became weak (strength ratio below 1); null if it did not, or was weak from the start",
-        Number(|o| o.tally.first(EventKind::WeakTop))),
-    column("loop_time", "s", "time of the first loop (for a tippe top: of the first reversal of precession); null if there is none",
-        Number(|o| o.tally.first(EventKind::LoopingBegins))),
+    column("rise_time", "s", "time at which θ reached stop.theta_risen",
+        Number(|o| o.tally.first(EventKind::Risen))).null("if it did not"),
+    column("weak_time", "s", "time at which the top became weak (strength ratio below 1)",
+        Number(|o| o.tally.first(EventKind::WeakTop))).null("if it did not, or was weak from the start"),
+    column("loop_time", "s", "time of the first loop (for a tippe top: of the first reversal of precession)",
+        Number(|o| o.tally.first(EventKind::LoopingBegins))).null("if there is none"),
     column("loops", "", "number of loops (for a tippe top: of reversals of precession)", Integer(|o| counted(o.tally.number(EventKind::LoopingBegins)))),
     column("nutations", "", "number of complete nutation cycles", Integer(|o| counted(o.end.nutations))),
     column("theta", "rad", "inclination θ at the end", Number(|o| Some(o.end.motion.angles.theta))),
@@ -239,11 +252,11 @@ pub const COLUMNS: &[Column] = &[
     column("energy", "J", "total energy at the end", Number(|o| Some(o.end.energy))),
     column("friction_work", "J", "work done by friction, air drag and impacts (normally negative)", Number(|o| Some(o.end.motion.integrals.friction_work))),
     column("slip_path", "m", "length of the slip path of the contact point", Number(|o| Some(o.end.motion.integrals.slip_path))),
-    column("roll_time", "s", "time at which the peg first rolled; null if it did not, or if the peg is fixed",
-        Number(|o| o.tally.first(EventKind::RollBegins))),
-    column("inversion_time", "s", "time at which the axis of a tippe top passed the horizontal; null otherwise",
-        Number(|o| o.end.inversion_time)),
-    column("hops", "", "number of hops; null for a fixed peg", Integer(|o| counted(o.is_free.then(|| o.tally.number(EventKind::LiftOff))?))),
-    column("impacts", "", "number of impacts on the table; null for a fixed peg", Integer(|o| counted(o.is_free.then_some(o.end.impacts)?))),
+    column("roll_time", "s", "time at which the peg first rolled",
+        Number(|o| o.tally.first(EventKind::RollBegins))).null("if it did not, or if the peg is fixed"),
+    column("inversion_time", "s", "time at which the axis of a tippe top passed the horizontal",
+        Number(|o| o.end.inversion_time)).null("otherwise"),
+    column("hops", "", "number of hops", Integer(|o| counted(o.is_free.then(|| o.tally.number(EventKind::LiftOff))?))).null("for a fixed peg"),
+    column("impacts", "", "number of impacts on the table", Integer(|o| counted(o.is_free.then_some(o.end.impacts)?))).null("for a fixed peg"),
     column("steps", "", "number of integrator steps", Integer(|o| counted(o.end.statistics.accepted))),
 ];

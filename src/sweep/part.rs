@@ -3,6 +3,7 @@
 use super::axis::column_name;
 use super::checksum;
 use super::counts::Counts;
+use super::effort::{BLOCK_ROWS, estimate_steps, part_rows};
 use super::row::{Row, Run, Watch, row};
 use super::spec::Spec;
 use crate::run::outcome::{COLUMNS, Column, Outcome, Read, outcome};
@@ -21,8 +22,8 @@ use std::io::Cursor;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// The number of rows of a part; the last part may be shorter.
-pub const PART_ROWS: u64 = 1000;
+/// Number of rows, evenly spaced, whose work is estimated: an axis that makes runs longer shows in some of them.
+const PROBES: u64 = 64;
 
 /// The entry of a file's metadata with the number of rows for each outcome.
 pub(super) const COUNTS_ENTRY: &str = "toprise.counts";
@@ -31,6 +32,7 @@ pub(super) const COUNTS_ENTRY: &str = "toprise.counts";
 pub struct Sweep {
     spec: Spec,
     schema: SchemaRef,
+    part_rows: u64,
     run: Run,
 }
 
@@ -39,6 +41,7 @@ impl Sweep {
     pub fn new(spec: Spec) -> Self {
         let schema = Arc::new(Schema::new(fields(&spec)));
         Self {
+            part_rows: part_rows(steps_per_row(&spec)),
             spec,
             schema,
             run: |scenario, carry_on| outcome(scenario, carry_on),
@@ -60,15 +63,31 @@ impl Sweep {
         self.schema.clone()
     }
 
+    /// Replaces the number of rows of a part by a divisor of 1000 (for tests).
+    pub fn with_part_rows(self, part_rows: u64) -> Self {
+        Self { part_rows, ..self }
+    }
+
+    /// The number of rows of a part, which takes about 10 s on one core; the last part may be shorter.
+    pub fn part_rows(&self) -> u64 {
+        self.part_rows
+    }
+
     /// The number of parts.
     pub fn parts(&self) -> u64 {
-        self.spec.rows().div_ceil(PART_ROWS)
+        self.spec.rows().div_ceil(self.part_rows)
     }
 
     /// The rows of a part.
     pub fn rows_of(&self, part: u64) -> Range<u64> {
-        let start = (part * PART_ROWS).min(self.spec.rows());
-        start..(start + PART_ROWS).min(self.spec.rows())
+        let start = part.saturating_mul(self.part_rows).min(self.spec.rows());
+        start..(start + self.part_rows).min(self.spec.rows())
+    }
+
+    /// The parts of each row group of the table.
+    pub(super) fn blocks(&self) -> impl Iterator<Item = Range<u64>> + use<> {
+        let (parts, size) = (self.parts(), BLOCK_ROWS / self.part_rows);
+        (0..parts.div_ceil(size)).map(move |block| block * size..((block + 1) * size).min(parts))
     }
 
     /// Some rows of the table, computed with all threads of the current pool, and their counts. `None` if cancelled by
@@ -120,13 +139,7 @@ impl Sweep {
     /// # Errors
     /// [`ScenarioError`] if the changed keys are invalid.
     pub fn scenario(&self, row: u64) -> Result<Scenario, ScenarioError> {
-        let mut values = self.spec.base(row).values.clone();
-        for (key, value) in self.spec.keys().iter().zip(self.spec.values(row)) {
-            if let Some(value) = value {
-                values.set_value(key.path, value)?;
-            }
-        }
-        Scenario::new(values)
+        scenario(&self.spec, row)
     }
 
     fn row(&self, index: u64, watch: &Watch<'_>) -> Option<Row> {
@@ -148,6 +161,29 @@ impl Sweep {
         }
         columns
     }
+}
+
+/// The scenario of a row.
+fn scenario(spec: &Spec, row: u64) -> Result<Scenario, ScenarioError> {
+    let mut values = spec.base(row).values.clone();
+    for (key, value) in spec.keys().iter().zip(spec.values(row)) {
+        if let Some(value) = value {
+            values.set_value(key.path, value)?;
+        }
+    }
+    Scenario::new(values)
+}
+
+/// The estimated number of steps of the longest runs.
+fn steps_per_row(spec: &Spec) -> f64 {
+    let distance = spec.rows().div_ceil(PROBES);
+    let most = spec.most_steps.map_or(f64::INFINITY, |most| most as f64);
+    (0..PROBES)
+        .map(|probe| probe * distance)
+        .take_while(|row| *row < spec.rows())
+        .filter_map(|row| scenario(spec, row).ok())
+        .map(|scenario| estimate_steps(&scenario).min(most))
+        .fold(0.0, f64::max)
 }
 
 /// The values of a key.
@@ -199,7 +235,7 @@ fn fields(spec: &Spec) -> Vec<Field> {
             Read::Integer(_) => DataType::Int64,
             Read::Number(_) => DataType::Float64,
         };
-        field(column.name, kind, column.unit, column.meaning)
+        field(column.name, kind, column.unit, &column.description())
     };
     fields.extend(COLUMNS.iter().map(outcome));
     let digest = "SHA-256 of the scenario; null if there is none";
@@ -233,17 +269,31 @@ pub(super) fn properties(entries: Vec<KeyValue>) -> WriterProperties {
 ///
 /// # Errors
 /// [`ParquetError`] if the writer fails.
-pub(super) fn bytes(
+pub(super) fn part_bytes(
     batch: &RecordBatch,
     counts: &Counts,
     name: KeyValue,
 ) -> Result<Vec<u8>, ParquetError> {
-    let properties = properties(vec![counts_entry(counts), name]);
-    let mut writer = ArrowWriter::try_new(Vec::new(), batch.schema(), Some(properties))?;
-    writer.write(batch)?;
-    let mut bytes = writer.into_inner()?;
+    let entries = vec![counts_entry(counts), name];
+    let mut bytes = row_group(batch.schema(), std::slice::from_ref(batch), entries)?;
     checksum::add(Cursor::new(&mut bytes))?;
     Ok(bytes)
+}
+
+/// A Parquet file whose only row group has these rows.
+///
+/// # Errors
+/// [`ParquetError`] if the writer fails.
+pub(super) fn row_group(
+    schema: SchemaRef,
+    batches: &[RecordBatch],
+    entries: Vec<KeyValue>,
+) -> Result<Vec<u8>, ParquetError> {
+    let mut writer = ArrowWriter::try_new(Vec::new(), schema, Some(properties(entries)))?;
+    for batch in batches {
+        writer.write(batch)?;
+    }
+    writer.into_inner()
 }
 
 /// The entry of a file's metadata with its counts.

@@ -3,18 +3,38 @@
 use super::deserialize;
 use super::sobol::{DIMENSIONS, Sobol};
 use crate::run::scenario::KEYS;
-use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 
 /// Sampling method.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
-    /// Sobol sequence (low discrepancy)
+    /// Sobol sequence (low discrepancy).
     #[default]
     Sobol,
-    /// Independent random coordinates
+    /// Independent random coordinates.
     Random,
+}
+
+impl Method {
+    /// All methods.
+    pub const ALL: [Self; 2] = [Self::Sobol, Self::Random];
+
+    /// The name in specs and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sobol => "sobol",
+            Self::Random => "random",
+        }
+    }
+
+    /// Description for the help.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::Sobol => "Sobol sequence (low discrepancy)",
+            Self::Random => "Independent random coordinates",
+        }
+    }
 }
 
 /// Sampled points of some axes.

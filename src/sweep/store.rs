@@ -4,19 +4,23 @@ use super::change::change;
 use super::checksum;
 use super::counts::Counts;
 use super::error::SweepError;
-use super::part::{COUNTS_ENTRY, Sweep, bytes, counts_entry, properties};
+use super::part::{COUNTS_ENTRY, Sweep, counts_entry, part_bytes, properties, row_group};
 use crate::archive::input::{open_file, read_file};
 use crate::archive::publish::{self, Draft, Existing, is_same_file};
 use crate::archive::sink::SinkError;
 use arrow_array::RecordBatch;
+use bytes::Bytes;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::column::writer::ColumnCloseResult;
 use parquet::errors::ParquetError;
 use parquet::file::metadata::{KeyValue, ParquetMetaData, ParquetMetaDataReader};
+use parquet::file::reader::ChunkReader;
 use parquet::file::writer::SerializedFileWriter;
 use serde_json::Value as Json;
 use sha2::{Digest as _, Sha256};
 use std::fs::{self, File};
-use std::io::{self, BufWriter};
+use std::io::{self, BufWriter, Write};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -164,13 +168,14 @@ impl<'a> Store<'a> {
         counts: &Counts,
     ) -> Result<(), SweepError> {
         let name = KeyValue::new(PART_ENTRY.to_owned(), self.name(part));
-        let bytes = bytes(batch, counts, name)?;
+        let bytes = part_bytes(batch, counts, name)?;
         Ok(publish::write(&self.path(part), Existing::Replace, &bytes)?)
     }
 
     /// The value of [`PART_ENTRY`] of a part.
     fn name(&self, part: u64) -> String {
-        format!("{} {part}", self.digest)
+        // Parts of another size have other rows, though the sweep is the same.
+        format!("{} {part} of {} rows", self.digest, self.sweep.part_rows())
     }
 
     /// Merges all parts into the table and removes them.
@@ -241,28 +246,34 @@ impl<'a> Store<'a> {
         let properties = Arc::new(properties(entries));
         let mut writer = SerializedFileWriter::new(output, schema, properties)?;
         let mut counts = Counts::default();
-        for part in 0..self.sweep.parts() {
-            let part = self.whole(part)?;
-            counts.add(part.counts);
-            for group in part.metadata.row_groups() {
-                let mut copy = writer.next_row_group()?;
-                for column in group.columns() {
-                    let close = ColumnCloseResult {
-                        bytes_written: column.compressed_size() as u64,
-                        rows_written: group.num_rows() as u64,
-                        metadata: column.clone(),
-                        bloom_filter: None,
-                        column_index: None,
-                        offset_index: None,
-                    };
-                    copy.append_column(&part.file, close)?;
-                }
-                copy.close()?;
+        for parts in self.sweep.blocks() {
+            if parts.clone().count() == 1 {
+                let part = self.whole(parts.start)?;
+                counts.add(part.counts);
+                append_row_groups(&mut writer, &part.file, &part.metadata)?;
+            } else {
+                let block = self.block(parts, &mut counts)?;
+                let metadata = ParquetMetaDataReader::new().parse_and_finish(&block)?;
+                append_row_groups(&mut writer, &block, &metadata)?;
             }
         }
         writer.append_key_value_metadata(counts_entry(&counts));
         writer.close()?;
         checksum::add(draft.file()?).map_err(SweepError::io("write", self.table))
+    }
+
+    /// The rows of several parts as one row group: the bytes of the table don't depend on the size of its parts.
+    fn block(&self, parts: Range<u64>, counts: &mut Counts) -> Result<Bytes, SweepError> {
+        let mut batches = Vec::new();
+        for part in parts {
+            let part = self.whole(part)?;
+            counts.add(part.counts);
+            let reader = ParquetRecordBatchReaderBuilder::try_new(part.file)?.build()?;
+            for batch in reader {
+                batches.push(batch.map_err(ParquetError::from)?);
+            }
+        }
+        Ok(row_group(self.sweep.schema(), &batches, Vec::new())?.into())
     }
 
     /// A part; `None` if it is missing or damaged.
@@ -294,6 +305,30 @@ impl<'a> Store<'a> {
         let reason = format!("can't be merged: {reason}; delete it and run the sweep again");
         SweepError::unusable(&self.path(part), reason)
     }
+}
+
+/// Copies the row groups of a file without decoding them.
+fn append_row_groups<W: Write + Send, R: ChunkReader>(
+    writer: &mut SerializedFileWriter<W>,
+    file: &R,
+    metadata: &ParquetMetaData,
+) -> Result<(), ParquetError> {
+    for group in metadata.row_groups() {
+        let mut copy = writer.next_row_group()?;
+        for column in group.columns() {
+            let close = ColumnCloseResult {
+                bytes_written: column.compressed_size() as u64,
+                rows_written: group.num_rows() as u64,
+                metadata: column.clone(),
+                bloom_filter: None,
+                column_index: None,
+                offset_index: None,
+            };
+            copy.append_column(file, close)?;
+        }
+        copy.close()?;
+    }
+    Ok(())
 }
 
 /// Rejects a table or parts directory of another sweep.

@@ -5,6 +5,7 @@ use super::error::SweepError;
 use super::part::Sweep;
 use super::row::Watch;
 use super::store::Store;
+use rayon::iter::{IntoParallelRefIterator as _, ParallelIterator as _};
 use std::path::Path;
 use std::thread;
 
@@ -108,27 +109,45 @@ fn complete(
     let sweep = store.sweep;
     let (to_do, failed) = survey(store, options.shard, options.fail_fast)?;
     let threads = threads(options.threads, rows_in(sweep, &to_do));
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-    let pool = pool.build()?;
-    for part in to_do {
-        let rows = sweep.rows_of(part);
-        let count = rows.end - rows.start;
-        let Some((batch, counts)) = pool.install(|| sweep.batch(rows, watch)) else {
-            finished.is_interrupted = true;
-            return Ok(());
-        };
-        if options.fail_fast {
-            refuse(counts.first_error.as_ref())?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()?;
+    for parts in to_do.chunks(parts_at_once(threads, sweep.part_rows())) {
+        let batches: Vec<_> = pool.install(|| {
+            parts
+                .par_iter()
+                .map(|part| sweep.batch(sweep.rows_of(*part), watch))
+                .collect()
+        });
+        // After an interruption, the parts that were finished before are kept.
+        for (part, batch) in parts.iter().zip(batches) {
+            let Some((batch, counts)) = batch else {
+                finished.is_interrupted = true;
+                continue;
+            };
+            if options.fail_fast {
+                refuse(counts.first_error.as_ref())?;
+            }
+            store.write(*part, &batch, &counts)?;
+            finished.computed += batch.num_rows() as u64;
+            finished.counts.add(counts);
         }
-        store.write(part, &batch, &counts)?;
-        finished.computed += count;
-        finished.counts.add(counts);
+        if finished.is_interrupted {
+            return Ok(());
+        }
     }
     refuse(failed.as_ref())?;
     if options.shard.is_none() {
         store.merge()?;
     }
     Ok(())
+}
+
+/// The number of parts to compute together, so that each thread has a few rows: parts of long runs have fewer rows than
+/// a machine has threads.
+fn parts_at_once(threads: usize, part_rows: u64) -> usize {
+    let rows = usize::try_from(part_rows).unwrap_or(usize::MAX);
+    threads.saturating_mul(2).div_ceil(rows)
 }
 
 /// Number of rows that are still to be computed; an error if the files belong to another sweep.

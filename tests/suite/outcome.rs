@@ -154,7 +154,7 @@ fn columns_have_names_and_values_that_fit() {
         let is_plain = |c: char| c.is_ascii_lowercase() || c == '_';
         assert!(column.name.chars().all(is_plain), "{}", column.name);
         for outcome in [&fixed, &free] {
-            let may_be_null = column.meaning.contains("null");
+            let may_be_null = column.null.is_some();
             assert!(
                 may_be_null || column.of(outcome).is_some(),
                 "{}",
@@ -201,7 +201,7 @@ fn the_columns_are_documented() {
             "" => " ".to_owned(),
             unit => format!(" {unit} "),
         };
-        let line = format!("| `{}` |{unit}| {} |\n", column.name, column.meaning);
+        let line = format!("| `{}` |{unit}| {} |\n", column.name, column.description());
         assert!(text.contains(&line), "docs/sweep.md lacks {line}");
     }
 }

@@ -75,6 +75,11 @@ impl SweepReport {
         if let Some(table) = &self.table {
             facts.push(("table", table.line()));
         }
+        if self.interrupted {
+            let kept = self.runs.saturating_sub(left) + self.computed;
+            let (kept, runs) = (count(kept), counted(self.runs, "run"));
+            facts.push(("kept", format!("{kept} of {runs}")));
+        }
         if let Some(parts) = &self.parts {
             facts.push(("parts", parts.clone()));
             let how = if shard.is_some() && !self.interrupted {

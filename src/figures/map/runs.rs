@@ -76,9 +76,9 @@ impl MapAxis {
     /// The key with values in the column, and its symbol, unless an earlier key has the same symbol.
     fn key_with_symbol(&self) -> Option<(&'static Key, &'static str)> {
         let key = KEYS.iter().find(|key| self.is_of(key))?;
-        let symbol = key.symbol()?;
+        let symbol = key.symbol?;
         // No two axes have the same label.
-        let first = KEYS.iter().find(|key| key.symbol() == Some(symbol))?;
+        let first = KEYS.iter().find(|key| key.symbol == Some(symbol))?;
         self.is_of(first).then_some((key, symbol))
     }
 

@@ -121,8 +121,10 @@ pub struct Key {
     pub kind: Kind,
     /// Whether it is required.
     pub presence: Presence,
-    /// Its description.
+    /// Description.
     pub meaning: &'static str,
+    /// Symbol in formulas and figures, e.g. `v_0`.
+    pub symbol: Option<&'static str>,
     /// Typical range, used for sliders; `None` for text and choices.
     pub typical: Option<[f64; 2]>,
 }
@@ -132,6 +134,14 @@ impl Key {
     pub(super) const fn typically(self, low: f64, high: f64) -> Self {
         Self {
             typical: Some([low, high]),
+            ..self
+        }
+    }
+
+    /// Sets the symbol.
+    pub(super) const fn denoted(self, symbol: &'static str) -> Self {
+        Self {
+            symbol: Some(symbol),
             ..self
         }
     }
@@ -154,21 +164,6 @@ impl Key {
     pub fn is_logarithmic(&self) -> bool {
         self.typical
             .is_some_and(|[low, high]| low > 0.0 && high >= 50.0 * low)
-    }
-
-    /// The symbol in its description, e.g. `v_0`. `None` if there is none, and for stop conditions.
-    pub fn symbol(&self) -> Option<&'static str> {
-        let is_symbol = |word: &&str| {
-            let mut letters = word.chars();
-            let is_letter = letters.next().is_some_and(char::is_alphabetic);
-            let rest = letters.as_str();
-            is_letter && (rest.is_empty() || rest.starts_with('_') || rest == "\u{307}")
-        };
-        let is_end = self.path.starts_with("stop.");
-        let mut words = self.meaning.split_whitespace();
-        words
-            .find(is_symbol)
-            .filter(|_| !is_end && !self.kind.is_text())
     }
 
     /// The unit in brackets with a leading space, or an empty string.
