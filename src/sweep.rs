@@ -33,7 +33,7 @@ pub use base::Base;
 pub use cells::{Cells, cells};
 pub use counts::{Counts, RowError};
 pub use design::Design;
-pub use error::SweepError;
+pub use error::{AxisProblem, CellError, FileProblem, SpecError, SweepError, TableError};
 pub use part::Sweep;
 pub use reading::{Columns, values_of_row};
 pub use row::{Run, RunResult, Watch};

@@ -162,7 +162,10 @@ fn compute(arguments: &SweepArguments, sweep: &Sweep, left: u64) -> Result<Finis
         progress.add(1);
         let mut guard = counts.lock().unwrap_or_else(PoisonError::into_inner);
         let (counts, shown) = &mut *guard;
-        counts.count(0, stop.map(StopReason::name).ok_or(""));
+        match stop {
+            Some(stop) => counts.count_stop(stop),
+            None => counts.errors += 1,
+        }
         if shown.elapsed() > Duration::from_millis(100) {
             *shown = Instant::now();
             progress.set_text(summary(&counts.stops, counts.errors));
@@ -205,7 +208,7 @@ impl SweepArguments {
             seed: self.seed,
         });
         let table = self.table.as_deref().map(Table::read).transpose()?;
-        let design = Design::of(axes, sample, table)?;
+        let design = Design::new(axes, sample, table)?;
         Ok(Spec::new(bases, design, self.max_steps)?)
     }
 

@@ -1,11 +1,11 @@
 //! An axis of a sweep: a scenario key and its values.
 
-use super::error::SweepError;
+use super::error::{AxisProblem, SweepError};
 use crate::physics::math::{exp, ln};
-use crate::run::scenario::{self, KEYS, Key, Value};
+use crate::run::scenario::{self, KEYS, Key, ScenarioError, Value};
 
 /// Maximum number of values of an axis.
-const MOST_VALUES: u32 = 10_000_000;
+const MAX_VALUES: u32 = 10_000_000;
 
 /// A key with its values.
 #[derive(Clone, Debug)]
@@ -38,11 +38,11 @@ struct Range {
 /// The key with this name: its path, or its name in tables.
 ///
 /// # Errors
-/// [`SweepError::Scenario`] if there is none.
-pub fn find_key(name: &str) -> Result<&'static Key, SweepError> {
+/// [`ScenarioError`] if there is none.
+pub fn find_key(name: &str) -> Result<&'static Key, ScenarioError> {
     match KEYS.iter().find(|key| column_name(key) == name) {
         Some(key) => Ok(key),
-        None => Ok(scenario::find_key(name)?),
+        None => scenario::find_key(name),
     }
 }
 
@@ -51,39 +51,34 @@ pub fn column_name(key: &Key) -> String {
     key.path.replace('.', "_")
 }
 
-fn wrong(key: &Key, text: &str, reason: &str) -> SweepError {
-    SweepError::Spec(format!("{}={text}: {reason}", key.path))
-}
-
 impl Axis {
     /// Reads `a..b/N`, `a..b/Nlog`, `a..b` or `a..b/log` (for samples) or values separated by commas.
     ///
     /// # Errors
-    /// [`SweepError::Scenario`] for an unknown key, [`SweepError::Spec`] for invalid values.
+    /// [`SweepError::Scenario`] for an unknown key, [`SweepError::Axis`] for invalid values.
     pub fn parse(name: &str, text: &str) -> Result<Self, SweepError> {
         let key = find_key(name)?;
-        let points = if !key.kind.is_text() && text.contains("..") {
-            range(text).map(Points::Range)
-        } else {
-            let value = |item: &str| match item.trim() {
-                "" => Err(EMPTY.to_owned()),
-                word if word.starts_with(['"', '\'']) => {
-                    Err(format!("{word}: words have no quotes"))
-                }
-                word if key.kind.is_text() => Ok(Value::Text(word.to_owned())),
-                item => number(item).map(Value::Number),
-            };
-            let values: Result<_, String> = text.split(',').map(value).collect();
-            values.map(Points::List)
-        };
-        let points = points.map_err(|reason| wrong(key, text, &reason))?;
-        let text = text.to_owned();
-        Ok(Self { key, text, points })
+        match Points::parse(key, text) {
+            Ok(points) => Ok(Self {
+                key,
+                text: text.to_owned(),
+                points,
+            }),
+            Err(problem) => Err(SweepError::Axis {
+                key,
+                text: text.to_owned(),
+                problem,
+            }),
+        }
     }
 
-    /// The error for invalid values.
-    pub(super) fn wrong(&self, reason: &str) -> SweepError {
-        wrong(self.key, &self.text, reason)
+    /// The error for values that don't suit the sweep.
+    pub(super) fn invalid(&self, problem: AxisProblem) -> SweepError {
+        SweepError::Axis {
+            key: self.key,
+            text: self.text.clone(),
+            problem,
+        }
     }
 
     /// Number of values that a grid has along this axis; `None` if only a sample can choose them.
@@ -116,6 +111,18 @@ impl Axis {
     /// Whether this is a range with a number of values, which a sample doesn't need.
     pub fn is_counted_range(&self) -> bool {
         matches!(&self.points, Points::Range(range) if range.count.is_some())
+    }
+}
+
+impl Points {
+    fn parse(key: &Key, text: &str) -> Result<Self, AxisProblem> {
+        if !key.kind.is_text() && text.contains("..") {
+            return parse_range(text).map(Self::Range);
+        }
+        text.split(',')
+            .map(|item| parse_item(key, item.trim()))
+            .collect::<Result<_, _>>()
+            .map(Self::List)
     }
 }
 
@@ -163,51 +170,65 @@ fn rounded(number: f64) -> f64 {
     format!("{number:.11e}").parse().unwrap_or(number)
 }
 
-/// The error for a list like `1,,2`.
-const EMPTY: &str = "a value is empty";
-
-fn number(text: &str) -> Result<f64, String> {
-    let text = text.trim();
-    if text.is_empty() {
-        return Err(EMPTY.to_owned());
+/// Parses a value of a list.
+fn parse_item(key: &Key, item: &str) -> Result<Value, AxisProblem> {
+    if item.is_empty() {
+        Err(AxisProblem::EmptyValue)
+    } else if item.starts_with(['"', '\'']) {
+        Err(AxisProblem::Quoted(item.to_owned()))
+    } else if key.kind.is_text() {
+        Ok(Value::Text(item.to_owned()))
+    } else {
+        parse_number(item).map(Value::Number)
     }
-    let number: Option<f64> = text.parse().ok();
-    let number = number.filter(|number| number.is_finite());
-    number.ok_or_else(|| format!("{text:?} is not a finite number"))
 }
 
-/// Reads a range.
-fn range(text: &str) -> Result<Range, String> {
+fn parse_number(text: &str) -> Result<f64, AxisProblem> {
+    let text = text.trim();
+    if text.is_empty() {
+        return Err(AxisProblem::EmptyValue);
+    }
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        Ok(_) | Err(_) => Err(AxisProblem::NotANumber(text.to_owned())),
+    }
+}
+
+fn parse_range(text: &str) -> Result<Range, AxisProblem> {
     let (ends, steps) = match text.split_once('/') {
-        Some((_, steps)) if steps.trim().is_empty() => {
-            return Err("the number of values is missing".to_owned());
-        }
+        Some((_, steps)) if steps.trim().is_empty() => return Err(AxisProblem::NoCount),
         Some((ends, steps)) => (ends, steps.trim()),
         None => (text, ""),
     };
-    let ends = ends.split_once("..");
-    let (from, to) = ends.ok_or("expected a..b/N or a..b/Nlog, or a..b for a sample")?;
-    let (from, to) = (number(from)?, number(to)?);
-    let count = steps.strip_suffix("log");
-    let is_log = count.is_some();
-    let wrong = |count| format!("{count:?} is not a number of values from 2 to {MOST_VALUES}");
-    let is_possible = |count: &u32| (2..=MOST_VALUES).contains(count);
-    let count = match count.unwrap_or(steps) {
-        "" => None,
-        text => {
-            let count = text.parse().ok().filter(is_possible);
-            Some(count.ok_or_else(|| wrong(text))?)
-        }
+    let (from, to) = ends.split_once("..").ok_or(AxisProblem::NotARange)?;
+    let (count, is_log) = match steps.strip_suffix("log") {
+        Some(count) => (count, true),
+        None => (steps, false),
     };
-    if is_log && !(from > 0.0 && to > 0.0) {
-        return Err("a logarithmic range needs positive ends".to_owned());
-    }
-    Ok(Range {
-        from,
-        to,
-        count,
+    let range = Range {
+        from: parse_number(from)?,
+        to: parse_number(to)?,
+        count: parse_count(count)?,
         is_log,
-    })
+    };
+    if is_log && !(range.from > 0.0 && range.to > 0.0) {
+        return Err(AxisProblem::NotPositive);
+    }
+    Ok(range)
+}
+
+/// Parses the number of values of a range; samples have none.
+fn parse_count(text: &str) -> Result<Option<u32>, AxisProblem> {
+    if text.is_empty() {
+        return Ok(None);
+    }
+    match text.parse() {
+        Ok(count) if (2..=MAX_VALUES).contains(&count) => Ok(Some(count)),
+        Ok(_) | Err(_) => Err(AxisProblem::WrongCount {
+            text: text.to_owned(),
+            most: MAX_VALUES,
+        }),
+    }
 }
 
 #[cfg(test)]
@@ -268,13 +289,13 @@ mod tests {
     }
 
     #[test]
-    fn values_in_a_list_are_neither_empty_nor_quoted() {
+    fn rejects_empty_and_quoted_values() {
         for (list, part) in [
             ("a,,b", "a value is empty"),
             ("a,", "a value is empty"),
             ("", "a value is empty"),
-            ("'a,b',c", "'a: words have no quotes"),
-            ("\"a", "\"a: words have no quotes"),
+            ("'a,b',c", "'a: don't quote words"),
+            ("\"a", "\"a: don't quote words"),
         ] {
             let message = Axis::parse("description", list).unwrap_err().to_string();
             assert!(message.contains(part), "{list}: {message}");
@@ -292,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_sense_is_refused() {
+    fn rejects_invalid_values() {
         for (key, text) in [
             ("friction.k", ""),
             ("friction.k", "0.1,,0.2"),

@@ -36,21 +36,25 @@ impl Base {
     /// # Errors
     /// [`SweepError::Input`] if there is none, [`SweepError::Scenario`] if a key can't be set.
     pub fn open(word: &str, folder: &Path, set: &[(String, String)]) -> Result<Self, SweepError> {
-        let wrong = |reason| SweepError::Scenario(format!("{word}: {reason}"));
         let path = folder.join(word);
         let path: PathBuf = if path.is_file() { path } else { word.into() };
         let mut values = input::values(&path)?;
         let mut keys = Vec::new();
         for (key, value) in set {
             let key = find_key(key)?;
-            values.set(key.path, value).map_err(wrong)?;
+            values
+                .set(key.path, value)
+                .map_err(|source| SweepError::Base {
+                    base: word.to_owned(),
+                    source,
+                })?;
             if values.get(key.path).is_some() {
                 keys.push(key.path);
             }
         }
         let name = match values.get("name") {
             Some(Value::Text(name)) => name.clone(),
-            _ => word.to_owned(),
+            Some(Value::Number(_)) | None => word.to_owned(),
         };
         Ok(Self {
             name,

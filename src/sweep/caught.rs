@@ -4,6 +4,7 @@ use std::any::Any;
 use std::cell::Cell;
 use std::panic::{self, AssertUnwindSafe, catch_unwind};
 use std::sync::Once;
+use thiserror::Error;
 
 thread_local! {
     static IS_CATCHING: Cell<bool> = const { Cell::new(false) };
@@ -11,8 +12,13 @@ thread_local! {
 
 static QUIET: Once = Once::new();
 
+/// Message of a panic.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("panic: {0}")]
+pub(super) struct Panic(String);
+
 /// The result of a task, or the message of its panic, which isn't printed. Panics of other threads are.
-pub(super) fn catch<T>(task: impl FnOnce() -> T) -> Result<T, String> {
+pub(super) fn catch<T>(task: impl FnOnce() -> T) -> Result<T, Panic> {
     QUIET.call_once(|| {
         let print = panic::take_hook();
         panic::set_hook(Box::new(move |info| {
@@ -24,12 +30,15 @@ pub(super) fn catch<T>(task: impl FnOnce() -> T) -> Result<T, String> {
     let before = IS_CATCHING.replace(true);
     let caught = catch_unwind(AssertUnwindSafe(task));
     IS_CATCHING.set(before);
-    caught.map_err(|panic| message(panic.as_ref()).to_owned())
+    caught.map_err(|panic| Panic(message(panic.as_ref()).to_owned()))
 }
 
 /// Message of a panic.
 fn message(panic: &(dyn Any + Send)) -> &str {
-    let text = panic.downcast_ref::<&str>().copied();
-    let string = || panic.downcast_ref::<String>().map(String::as_str);
-    text.or_else(string).unwrap_or("no message")
+    if let Some(text) = panic.downcast_ref::<&str>() {
+        return text;
+    }
+    panic
+        .downcast_ref::<String>()
+        .map_or("no message", String::as_str)
 }

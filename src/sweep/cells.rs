@@ -1,5 +1,6 @@
 //! Cells of Arrow columns of any numeric or text type.
 
+use super::error::CellError;
 use crate::run::scenario::Value;
 use arrow_array::cast::AsArray as _;
 use arrow_array::types::Float64Type;
@@ -14,22 +15,15 @@ pub type Cells = Vec<Option<Value>>;
 ///
 /// # Errors
 /// The type of the column's values, if they are neither.
-pub fn cells(column: &dyn Array) -> Result<Cells, String> {
-    let cells = match values_of(column.data_type()) {
+pub fn cells(column: &dyn Array) -> Result<Cells, CellError> {
+    match values_of(column.data_type()) {
         DataType::Null => Ok(vec![None; column.len()]),
-        kind if kind.is_string() => words(column),
+        kind if kind.is_string() => Ok(words(column)?),
         // Decimals are converted through their text to get the nearest double.
-        kind if kind.is_decimal() => {
-            cast(column, &DataType::Utf8).and_then(|texts| numbers(&texts))
-        }
-        kind if kind.is_numeric() => numbers(column),
-        kind => {
-            return Err(format!(
-                "values of type {kind} are neither numbers nor words"
-            ));
-        }
-    };
-    cells.map_err(|error| error.to_string())
+        kind if kind.is_decimal() => Ok(numbers(&cast(column, &DataType::Utf8)?)?),
+        kind if kind.is_numeric() => Ok(numbers(column)?),
+        kind => Err(CellError::Type(kind.clone())),
+    }
 }
 
 /// The type of a column's values, which may be a dictionary's.
@@ -51,14 +45,19 @@ fn cast(column: &dyn Array, kind: &DataType) -> Result<ArrayRef, ArrowError> {
 
 fn words(column: &dyn Array) -> Result<Cells, ArrowError> {
     let words = cast(column, &DataType::Utf8)?;
-    let cell = |word: Option<&str>| word.map(|word| Value::Text(word.to_owned()));
-    Ok(words.as_string::<i32>().iter().map(cell).collect())
+    Ok(words
+        .as_string::<i32>()
+        .iter()
+        .map(|word| Some(Value::Text(word?.to_owned())))
+        .collect())
 }
 
 fn numbers(column: &dyn Array) -> Result<Cells, ArrowError> {
-    let numbers = cast(column, &DataType::Float64)?;
-    let numbers = numbers.as_primitive::<Float64Type>().iter();
-    Ok(numbers.map(|number| number.map(Value::Number)).collect())
+    Ok(cast(column, &DataType::Float64)?
+        .as_primitive::<Float64Type>()
+        .iter()
+        .map(|number| number.map(Value::Number))
+        .collect())
 }
 
 #[cfg(test)]
@@ -97,14 +96,16 @@ mod tests {
             assert_eq!(cells(&column).unwrap(), two, "{}", column.data_type());
         }
         assert_eq!(cells(&NullArray::new(2)).unwrap(), [None, None]);
-        let message = cells(&BooleanArray::from(vec![true])).unwrap_err();
+        let message = cells(&BooleanArray::from(vec![true]))
+            .unwrap_err()
+            .to_string();
         assert_eq!(
             message,
             "values of type Boolean are neither numbers nor words"
         );
         let list = vec![Some(vec![Some(1.0)])];
         let list = ListArray::from_iter_primitive::<Float64Type, _, _>(list);
-        let message = cells(&list).unwrap_err();
+        let message = cells(&list).unwrap_err().to_string();
         assert!(
             message.ends_with("are neither numbers nor words"),
             "{message}"

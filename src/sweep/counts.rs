@@ -1,5 +1,6 @@
 //! Counts of rows by result.
 
+use crate::run::simulation::StopReason;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -26,18 +27,18 @@ pub struct RowError {
 }
 
 impl Counts {
-    /// Counts a row by its stop reason, or its error.
-    pub fn count(&mut self, run: u64, result: Result<&str, &str>) {
-        match result {
-            Ok(stop) => *self.stops.entry(stop.to_owned()).or_default() += 1,
-            Err(error) => {
-                self.errors += 1;
-                self.first_error.get_or_insert_with(|| RowError {
-                    run,
-                    error: error.to_owned(),
-                });
-            }
-        }
+    /// Counts a row that has an outcome.
+    pub fn count_stop(&mut self, stop: StopReason) {
+        *self.stops.entry(stop.name().to_owned()).or_default() += 1;
+    }
+
+    /// Counts a row that has none.
+    pub fn count_error(&mut self, run: u64, error: &impl ToString) {
+        self.errors += 1;
+        self.first_error.get_or_insert_with(|| RowError {
+            run,
+            error: error.to_string(),
+        });
     }
 
     /// Adds the counts of later rows.

@@ -1,13 +1,13 @@
 //! Design: the rows per base.
 
 use super::axis::Axis;
-use super::error::SweepError;
+use super::error::{AxisProblem, SpecError, SweepError};
 use super::sample::Sample;
 use super::table::Table;
 use crate::run::scenario::Key;
 
 /// Maximum number of rows (part numbers have six digits).
-pub(super) const MOST_ROWS: u64 = 1_000_000_000;
+pub(super) const MAX_ROWS: u64 = 1_000_000_000;
 
 /// Design of the rows of each base.
 #[derive(Clone, Debug)]
@@ -25,7 +25,7 @@ impl Design {
     ///
     /// # Errors
     /// [`SweepError::Spec`] if they exclude each other.
-    pub fn of(
+    pub fn new(
         axes: Vec<Axis>,
         sample: Option<Sample>,
         table: Option<Table>,
@@ -34,9 +34,7 @@ impl Design {
             (None, None) => Ok(Self::Grid(axes)),
             (Some(sample), None) => Ok(Self::Sample(sample, axes)),
             (None, Some(table)) if axes.is_empty() => Ok(Self::Table(table)),
-            (_, Some(_)) => Err(SweepError::Spec(
-                "a table can't be combined with axes or a sample".to_owned(),
-            )),
+            (_, Some(_)) => Err(SpecError::TableWithAxes.into()),
         }
     }
 
@@ -75,12 +73,9 @@ impl Design {
 fn grid_size(axes: &[Axis]) -> Result<u64, SweepError> {
     let mut size: u64 = 1;
     for axis in axes {
-        let name = axis.key.path;
-        let count = axis.count().ok_or_else(|| {
-            axis.wrong(&format!(
-                "a grid needs a number of values, e.g. {name} = a..b/10 (or draw a sample)"
-            ))
-        })?;
+        let count = axis
+            .count()
+            .ok_or_else(|| axis.invalid(AxisProblem::GridWithoutCount(axis.key.path)))?;
         size = size.saturating_mul(count);
     }
     Ok(size)
@@ -88,14 +83,10 @@ fn grid_size(axes: &[Axis]) -> Result<u64, SweepError> {
 
 fn check_sample(axes: &[Axis]) -> Result<(), SweepError> {
     if axes.is_empty() {
-        let reason = "a sample needs at least one axis, e.g. friction.k = 0.01..1";
-        return Err(SweepError::Spec(reason.to_owned()));
+        return Err(SpecError::SampleWithoutAxis.into());
     }
     match axes.iter().find(|axis| axis.is_counted_range()) {
-        Some(axis) => {
-            let reason = "for a sample, write a..b or a..b/log (without a number of values)";
-            Err(axis.wrong(reason))
-        }
+        Some(axis) => Err(axis.invalid(AxisProblem::SampleWithCount)),
         None => Ok(()),
     }
 }

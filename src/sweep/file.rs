@@ -4,7 +4,7 @@ use super::axis::Axis;
 use super::base::Base;
 use super::deserialize::{section, some_count, texts};
 use super::design::Design;
-use super::error::SweepError;
+use super::error::{AxisProblem, SpecError, SweepError};
 use super::sample::Sample;
 use super::spec::Spec;
 use super::table::Table;
@@ -40,41 +40,37 @@ impl Spec {
         folder: &Path,
         set: &[(String, String)],
     ) -> Result<Self, SweepError> {
-        let refused = |error: toml::de::Error| {
-            SweepError::Spec(format!("not a sweep spec: {}", error.to_string().trim()))
-        };
         // Type errors name the key; syntax errors name the line.
-        let table: toml::Table = text.parse().map_err(refused)?;
-        let file: File = table.try_into().map_err(refused)?;
+        let table: toml::Table = text.parse().map_err(|error| syntax_error(&error))?;
+        let file: File = table.try_into().map_err(|error| syntax_error(&error))?;
         check_quotes("set", &file.set)?;
         check_quotes("over", &file.over)?;
-        let own = file
+        let mut overrides: Vec<_> = file
             .set
             .iter()
-            .map(|(key, value)| (key.clone(), plain(value)));
-        let set: Vec<_> = own.chain(set.iter().cloned()).collect();
+            .map(|(key, value)| (key.clone(), to_argument(value)))
+            .collect();
+        overrides.extend_from_slice(set);
         let words = if file.bases.is_empty() {
             vec!["paper".to_owned()]
         } else {
             file.bases
         };
-        let bases = words.iter().map(|word| Base::open(word, folder, &set));
-        let axes = file.over.iter().map(|(key, value)| match value {
-            toml::Value::Array(values) => {
-                let values: Vec<String> = values.iter().map(plain).collect();
-                let axis = Axis::parse(key, &values.join(","))?;
-                if axis.count() == Some(values.len() as u64) {
-                    Ok(axis)
-                } else {
-                    Err(axis.wrong("each item of a list must be one value, without commas"))
-                }
-            }
-            value => Axis::parse(key, &plain(value)),
-        });
-        let axes = axes.collect::<Result<Vec<_>, _>>()?;
-        let table = file.table.map(|path| Table::read(&folder.join(path)));
-        let design = Design::of(axes, file.sample, table.transpose()?)?;
-        Self::new(bases.collect::<Result<_, _>>()?, design, file.max_steps)
+        let axes = file
+            .over
+            .iter()
+            .map(|(key, value)| parse_axis(key, value))
+            .collect::<Result<_, _>>()?;
+        let table = match file.table {
+            Some(path) => Some(Table::read(&folder.join(path))?),
+            None => None,
+        };
+        let design = Design::new(axes, file.sample, table)?;
+        let bases = words
+            .iter()
+            .map(|word| Base::open(word, folder, &overrides))
+            .collect::<Result<_, _>>()?;
+        Self::new(bases, design, file.max_steps)
     }
 
     /// Whether a TOML text is a spec rather than a scenario.
@@ -84,22 +80,38 @@ impl Spec {
     }
 }
 
+/// An axis as written in a file: a text as on the command line, or a list of values.
+fn parse_axis(key: &str, value: &toml::Value) -> Result<Axis, SweepError> {
+    let toml::Value::Array(items) = value else {
+        return Axis::parse(key, &to_argument(value));
+    };
+    let items: Vec<String> = items.iter().map(to_argument).collect();
+    let axis = Axis::parse(key, &items.join(","))?;
+    if axis.count() == Some(items.len() as u64) {
+        Ok(axis)
+    } else {
+        Err(axis.invalid(AxisProblem::ListInList))
+    }
+}
+
+fn syntax_error(error: &toml::de::Error) -> SpecError {
+    SpecError::Syntax(error.to_string().trim().to_owned())
+}
+
 /// Rejects unquoted keys with dots, which TOML reads as tables.
-fn check_quotes(section: &str, entries: &toml::Table) -> Result<(), SweepError> {
+fn check_quotes(section: &'static str, entries: &toml::Table) -> Result<(), SweepError> {
     let inner = entries.iter().find_map(|(name, value)| {
         let (inner, _) = value.as_table()?.iter().next()?;
         Some(format!("{name}.{inner}"))
     });
     match inner {
-        Some(key) => Err(SweepError::Spec(format!(
-            "[{section}] {key}: a key with a dot needs quotes, as in \"{key}\" = …"
-        ))),
+        Some(key) => Err(SpecError::UnquotedKey { section, key }.into()),
         None => Ok(()),
     }
 }
 
 /// A value in command-line notation.
-fn plain(value: &toml::Value) -> String {
+fn to_argument(value: &toml::Value) -> String {
     match value {
         toml::Value::String(text) => text.clone(),
         // TOML's own formatting may print many zeros.

@@ -105,15 +105,17 @@ impl Sweep {
         let computed = computed?;
         let mut counts = Counts::default();
         for (run, Row { result, .. }) in rows.clone().zip(&computed) {
-            let stop = result.as_ref().map(|outcome| outcome.end.stop.name());
-            counts.count(run, stop.map_err(String::as_str));
+            match result {
+                Ok(outcome) => counts.count_stop(outcome.end.stop),
+                Err(failure) => counts.count_error(run, failure),
+            }
         }
         let mut columns = self.design_columns(rows);
         let results = || computed.iter().map(|row| row.result.as_ref());
         let outcomes = || results().map(Result::ok);
         columns.extend(COLUMNS.iter().map(|c| outcome_column(c, outcomes())));
         let digests = computed.iter().map(|row| row.digest.as_ref());
-        let errors = results().map(Result::err);
+        let errors = results().map(|result| result.err().map(ToString::to_string));
         columns.push(Arc::new(digests.collect::<StringArray>()));
         columns.push(Arc::new(errors.collect::<StringArray>()));
         Some((self.batch_of(columns), counts))
@@ -189,17 +191,17 @@ fn steps_per_row(spec: &Spec) -> f64 {
 /// The values of a key.
 fn key_column(key: &Key, cells: impl Iterator<Item = Option<Value>>) -> ArrayRef {
     if key.kind.is_text() {
-        let text = |cell| match cell {
+        let texts = cells.map(|cell| match cell {
             Some(Value::Text(text)) => Some(text),
-            _ => None,
-        };
-        Arc::new(cells.map(text).collect::<StringArray>())
+            Some(Value::Number(_)) | None => None,
+        });
+        Arc::new(texts.collect::<StringArray>())
     } else {
-        let number = |cell| match cell {
+        let numbers = cells.map(|cell| match cell {
             Some(Value::Number(number)) => Some(number),
-            _ => None,
-        };
-        Arc::new(cells.map(number).collect::<Float64Array>())
+            Some(Value::Text(_)) | None => None,
+        });
+        Arc::new(numbers.collect::<Float64Array>())
     }
 }
 
@@ -217,10 +219,11 @@ fn outcome_column<'a>(
 
 /// The columns: number and base of a run, its changed keys, its outcome, its digest or error.
 fn fields(spec: &Spec) -> Vec<Field> {
-    let text = |name, meaning| field(name, DataType::Utf8, "", meaning);
-    let run = field("run", DataType::Int64, "", "number of the row");
-    let scenario = text("scenario", "name of the scenario that the run starts from");
-    let mut fields = vec![run.with_nullable(false), scenario.with_nullable(false)];
+    let mut fields = vec![
+        field("run", DataType::Int64, "", "number of the row").with_nullable(false),
+        text_field("scenario", "name of the scenario that the run starts from")
+            .with_nullable(false),
+    ];
     fields.extend(spec.keys().iter().map(|key| {
         let kind = if key.kind.is_text() {
             DataType::Utf8
@@ -229,19 +232,27 @@ fn fields(spec: &Spec) -> Vec<Field> {
         };
         field(&column_name(key), kind, key.unit, key.meaning)
     }));
-    let outcome = |column: &Column| {
+    for column in COLUMNS {
         let kind = match column.read {
             Read::Text(_) => DataType::Utf8,
             Read::Integer(_) => DataType::Int64,
             Read::Number(_) => DataType::Float64,
         };
-        field(column.name, kind, column.unit, &column.description())
-    };
-    fields.extend(COLUMNS.iter().map(outcome));
-    let digest = "SHA-256 of the scenario; null if there is none";
-    let error = "error message of a run that failed; null if it has an outcome";
-    fields.extend([text("scenario_digest", digest), text("error", error)]);
+        fields.push(field(column.name, kind, column.unit, &column.description()));
+    }
+    fields.push(text_field(
+        "scenario_digest",
+        "SHA-256 of the scenario; null if there is none",
+    ));
+    fields.push(text_field(
+        "error",
+        "error message of a run that failed; null if it has an outcome",
+    ));
     fields
+}
+
+fn text_field(name: &str, meaning: &str) -> Field {
+    field(name, DataType::Utf8, "", meaning)
 }
 
 fn field(name: &str, kind: DataType, unit: &str, meaning: &str) -> Field {

@@ -1,7 +1,7 @@
 //! Reading Parquet files.
 
 use super::caught::catch;
-use super::error::SweepError;
+use super::error::{SweepError, TableError};
 use crate::archive::input::open_file;
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
@@ -16,11 +16,12 @@ pub(super) type Opened = ParquetRecordBatchReaderBuilder<File>;
 /// return an error. Such a panic becomes an error here, and its message is not printed.
 pub(super) fn read<T>(
     path: &Path,
-    read: impl FnOnce(Opened) -> Result<T, SweepError>,
+    read: impl FnOnce(Opened) -> Result<T, TableError>,
 ) -> Result<T, SweepError> {
     let file = open_file(path).map_err(SweepError::io("read", path))?;
-    catch(|| read(Opened::try_new(file).map_err(SweepError::table(path))?))
-        .map_err(|_| SweepError::table(path)("the file is damaged"))?
+    catch(|| read(Opened::try_new(file)?))
+        .unwrap_or(Err(TableError::Damaged))
+        .map_err(SweepError::table(path))
 }
 
 /// The batches of some columns.

@@ -2,15 +2,18 @@
 
 use super::axis::find_key;
 use super::cells::{Cells, cells};
-use super::error::SweepError;
+use super::error::{CellError, SweepError, TableError};
 use super::reader::{self, Opened};
 use super::store::{SPEC_ENTRY, entry};
 use crate::run::scenario::{Scenario, Value, Values};
 use arrow_array::{Array, RecordBatch, RecordBatchReader as _};
-use arrow_schema::SchemaRef;
+use arrow_schema::{Schema, SchemaRef};
 use serde::Deserialize as _;
 use serde_json::Value as Json;
 use std::path::{Path, PathBuf};
+
+/// The column with the digests of scenarios.
+const DIGEST_COLUMN: &str = "scenario_digest";
 
 /// Some columns of a table of outcomes.
 #[derive(Clone, Debug)]
@@ -26,26 +29,16 @@ impl Columns {
     /// # Errors
     /// [`SweepError::File`] if it is not a Parquet file, or a column is missing.
     pub fn read(path: &Path, names: &[&str]) -> Result<Self, SweepError> {
-        let wrong = SweepError::table(path);
         reader::read(path, |opened| {
-            let fields = opened.schema().fields().iter();
-            let all: Vec<&str> = fields.map(|field| field.name().as_str()).collect();
-            let is = |name: &str, other: &str| plain(name) == plain(other);
-            let is_there = |name: &&&str| all.iter().any(|other| is(name, other));
-            if let Some(name) = names.iter().find(|name| !is_there(name)) {
-                let all = all.join(", ");
-                let reason = format!("no column {name}; columns: {all}");
-                return Err(wrong(reason));
+            let mut wanted = Vec::new();
+            for name in names {
+                wanted.push(find_column(opened.schema(), name)?);
             }
-            let is_wanted = |at: &usize| names.iter().any(|name| is(name, all[*at]));
-            let wanted: Vec<_> = (0..all.len()).filter(is_wanted).collect();
-            let reader = reader::batches(opened, wanted).map_err(SweepError::table(path))?;
-            let schema = reader.schema();
-            let batches = reader.collect::<Result<_, _>>();
+            let reader = reader::batches(opened, wanted)?;
             Ok(Self {
                 path: path.to_owned(),
-                schema,
-                batches: batches.map_err(SweepError::table(path))?,
+                schema: reader.schema(),
+                batches: reader.collect::<Result<_, _>>()?,
             })
         })
     }
@@ -60,27 +53,22 @@ impl Columns {
         schema: SchemaRef,
         batches: Vec<RecordBatch>,
     ) -> Result<Self, SweepError> {
-        let columns = Self {
-            path: name.into(),
+        let path = PathBuf::from(name);
+        for name in names {
+            find_column(&schema, name).map_err(SweepError::table(&path))?;
+        }
+        Ok(Self {
+            path,
             schema,
             batches,
-        };
-        match names.iter().find(|name| columns.position(name).is_none()) {
-            None => Ok(columns),
-            Some(missing) => {
-                let fields = columns.schema.fields().iter();
-                let all: Vec<&str> = fields.map(|field| field.name().as_str()).collect();
-                let reason = format!("no column {missing}; columns: {}", all.join(", "));
-                Err(SweepError::table(&columns.path)(reason))
-            }
-        }
+        })
     }
 
     /// The unit of a column; empty if it has none.
     pub fn unit(&self, name: &str) -> &str {
-        let field = self.position(name).map(|at| self.schema.field(at));
-        let unit = field.and_then(|field| field.metadata().get("unit"));
-        unit.map_or("", String::as_str)
+        position(&self.schema, name)
+            .and_then(|index| self.schema.field(index).metadata().get("unit"))
+            .map_or("", String::as_str)
     }
 
     /// The numbers of a column; NaN where there is none.
@@ -88,12 +76,17 @@ impl Columns {
     /// # Errors
     /// [`SweepError::File`] if they are not numbers.
     pub fn numbers(&self, name: &str) -> Result<Vec<f64>, SweepError> {
-        let number = |cell: Option<Value>| match cell {
-            Some(Value::Number(number)) => Ok(number),
-            Some(Value::Text(text)) => Err(self.wrong(name, &format!("{text:?} is not a number"))),
-            None => Ok(f64::NAN),
-        };
-        self.cells(name)?.into_iter().map(number).collect()
+        let mut numbers = Vec::new();
+        for cell in self.cells(name)? {
+            numbers.push(match cell {
+                Some(Value::Number(number)) => number,
+                Some(Value::Text(text)) => {
+                    return Err(self.invalid(name, CellError::NotANumber(text)));
+                }
+                None => f64::NAN,
+            });
+        }
+        Ok(numbers)
     }
 
     /// The cells of a column as strings; `None` for nulls.
@@ -101,32 +94,47 @@ impl Columns {
     /// # Errors
     /// [`SweepError::File`] if they are neither numbers nor words.
     pub fn texts(&self, name: &str) -> Result<Vec<Option<String>>, SweepError> {
-        let text = |value: Value| match value {
-            Value::Number(number) => (!number.is_nan()).then(|| number.to_string()),
-            Value::Text(text) => Some(text),
-        };
-        let cells = self.cells(name)?.into_iter();
-        Ok(cells.map(|cell| cell.and_then(text)).collect())
+        let mut texts = Vec::new();
+        for cell in self.cells(name)? {
+            texts.push(match cell {
+                Some(Value::Number(number)) if !number.is_nan() => Some(number.to_string()),
+                Some(Value::Text(text)) => Some(text),
+                Some(Value::Number(_)) | None => None,
+            });
+        }
+        Ok(texts)
     }
 
     fn cells(&self, name: &str) -> Result<Cells, SweepError> {
-        let Some(at) = self.position(name) else {
-            return Ok(Vec::new());
-        };
-        let read = self.batches.iter().map(|batch| cells(batch.column(at)));
-        let read: Result<Vec<Cells>, _> = read.collect();
-        let read = read.map_err(|reason| self.wrong(name, &reason))?;
-        Ok(read.concat())
+        let mut all = Vec::new();
+        if let Some(index) = position(&self.schema, name) {
+            for batch in &self.batches {
+                all.extend(cells(batch.column(index)).map_err(|error| self.invalid(name, error))?);
+            }
+        }
+        Ok(all)
     }
 
-    fn position(&self, name: &str) -> Option<usize> {
-        let mut fields = self.schema.fields().iter();
-        fields.position(|field| plain(field.name()) == plain(name))
+    fn invalid(&self, column: &str, error: CellError) -> SweepError {
+        SweepError::table(&self.path)(TableError::column(column)(error))
     }
+}
 
-    fn wrong(&self, column: &str, reason: &str) -> SweepError {
-        SweepError::table(&self.path)(format!("{column}: {reason}"))
-    }
+/// The index of a column, given its name or a key's path.
+fn position(schema: &Schema, name: &str) -> Option<usize> {
+    schema
+        .fields()
+        .iter()
+        .position(|field| normalized(field.name()) == normalized(name))
+}
+
+/// The index of a column, which must exist.
+fn find_column(schema: &Schema, name: &str) -> Result<usize, TableError> {
+    position(schema, name).ok_or_else(|| {
+        let fields = schema.fields().iter();
+        let columns: Vec<_> = fields.map(|field| field.name().as_str()).collect();
+        TableError::no_column(name, &columns)
+    })
 }
 
 /// The scenario values of a row of a sweep table: those of its base with the row's changes.
@@ -135,55 +143,53 @@ impl Columns {
 /// [`SweepError::File`] if it is not the table of a sweep, has no such row, or gives another scenario than the one that was
 /// run; [`SweepError::Scenario`] if this version doesn't have a key of it.
 pub fn values_of_row(table: &Path, row: u64) -> Result<Values, SweepError> {
-    reader::read(table, |opened| read_row(table, row, opened))
+    reader::read(table, |opened| read_row(row, opened))
 }
 
-fn read_row(table: &Path, row: u64, opened: Opened) -> Result<Values, SweepError> {
-    let wrong = |reason: String| SweepError::table(table)(reason);
-    let spec = entry(opened.metadata(), SPEC_ENTRY);
-    let spec: Option<Json> = spec.and_then(|text| serde_json::from_str(text).ok());
-    let bases = spec.as_ref().and_then(|spec| spec["bases"].as_array());
-    let bases = bases.ok_or_else(|| wrong("it is not the table of a sweep".to_owned()))?;
+fn read_row(row: u64, opened: Opened) -> Result<Values, TableError> {
+    let spec: Json = entry(opened.metadata(), SPEC_ENTRY)
+        .and_then(|text| serde_json::from_str(text).ok())
+        .ok_or(TableError::NotASweep)?;
+    let bases = spec["bases"].as_array().ok_or(TableError::NotASweep)?;
     let rows = opened.metadata().file_metadata().num_rows() as u64;
     if row >= rows {
-        let reason = format!("no row {row}: the table has {rows} rows, numbered from 0");
-        return Err(wrong(reason));
+        return Err(TableError::NoRow { row, rows });
     }
-    let reader = opened.with_offset(row as usize).with_limit(1).build();
-    let batch = reader.map_err(SweepError::table(table))?.next().transpose();
-    let batch = batch.map_err(SweepError::table(table))?;
-    let batch = batch.ok_or_else(|| wrong(format!("row {row} is missing")))?;
+    let mut reader = opened.with_offset(row as usize).with_limit(1).build()?;
+    let batch = reader.next().ok_or(TableError::MissingRow(row))??;
     let rows_per_base = (rows / bases.len().max(1) as u64).max(1);
-    let base = bases.get((row / rows_per_base) as usize);
-    let base = base.and_then(|base| base["scenario"].as_object());
+    let base = bases
+        .get((row / rows_per_base) as usize)
+        .and_then(|base| base["scenario"].as_object());
     let mut values = Values::default();
     for (key, value) in base.into_iter().flatten() {
-        let value = Value::deserialize(value).map_err(SweepError::table(table))?;
-        values.set_value(key, value)?;
+        values.set_value(key, Value::deserialize(value)?)?;
     }
-    let cell = |column: &dyn Array| {
-        let read = cells(column).map_err(wrong)?;
-        Ok::<_, SweepError>(read.into_iter().next().flatten())
-    };
     for (field, column) in batch.schema_ref().fields().iter().zip(batch.columns()) {
         if let Ok(key) = find_key(field.name())
-            && let Some(value) = cell(column)?
+            && let Some(value) = first_cell(field.name(), column)?
         {
             values.set_value(key.path, value)?;
         }
     }
-    let recorded = batch.column_by_name("scenario_digest");
-    let recorded = recorded.map(|column| cell(column));
+    let recorded = match batch.column_by_name(DIGEST_COLUMN) {
+        Some(column) => first_cell(DIGEST_COLUMN, column)?,
+        None => None,
+    };
     let digest = Scenario::new(values.clone()).map(|scenario| Value::Text(scenario.digest()));
-    if recorded.transpose()?.flatten() != digest.ok() {
-        return Err(wrong(format!(
-            "the scenario of row {row} does not match its digest: the table was modified or written by another version"
-        )));
+    if recorded != digest.ok() {
+        return Err(TableError::ModifiedRow(row));
     }
     Ok(values)
 }
 
-/// The name of a column, given that name or a key's path.
-fn plain(name: &str) -> String {
+/// The first cell of a column.
+fn first_cell(name: &str, column: &dyn Array) -> Result<Option<Value>, TableError> {
+    let cells = cells(column).map_err(TableError::column(name))?;
+    Ok(cells.into_iter().next().flatten())
+}
+
+/// A name in which keys and their columns are equal.
+fn normalized(name: &str) -> String {
     name.replace('.', "_")
 }

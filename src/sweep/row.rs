@@ -1,9 +1,10 @@
 //! Computes one row of a sweep.
 
-use super::caught::catch;
+use super::caught::{Panic, catch};
 use crate::run::outcome::Outcome;
 use crate::run::scenario::{Scenario, ScenarioError};
 use crate::run::simulation::{SimulationError, StopReason};
+use thiserror::Error;
 
 /// Result of a run.
 pub type RunResult = Result<Outcome, SimulationError>;
@@ -19,12 +20,29 @@ pub struct Watch<'a> {
     pub done: &'a (dyn Fn(Option<StopReason>) + Sync),
 }
 
+/// Why a row has no outcome.
+#[derive(Debug, Error)]
+pub(super) enum RowFailure {
+    /// The scenario is invalid.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// The motion can't be computed.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// A mistake in this program.
+    #[error(transparent)]
+    Panic(#[from] Panic),
+    /// The run takes more steps than the sweep allows.
+    #[error("not finished within {0} steps")]
+    TooManySteps(u64),
+}
+
 /// Result of a row.
 pub(super) struct Row {
     /// Digest of the scenario; `None` if it is invalid.
     pub(super) digest: Option<String>,
-    /// The outcome or an error text.
-    pub(super) result: Result<Outcome, String>,
+    /// The outcome, if there is one.
+    pub(super) result: Result<Outcome, RowFailure>,
 }
 
 /// Computes a row; panics become errors. `None` if cancelled.
@@ -34,31 +52,35 @@ pub(super) fn row(
     run: Run,
     watch: &Watch<'_>,
 ) -> Option<Row> {
-    let (digest, scenario) = match scenario {
-        Ok(scenario) => (Some(scenario.digest()), scenario),
+    let scenario = match scenario {
+        Ok(scenario) => scenario,
         Err(error) => {
-            let (digest, result) = (None, Err(error.to_string()));
-            return Some(Row { digest, result });
+            return Some(Row {
+                digest: None,
+                result: Err(error.into()),
+            });
         }
     };
     let mut steps = 0;
-    let mut is_over_budget = false;
-    let mut carry_on = || {
-        steps += 1;
-        is_over_budget = most_steps.is_some_and(|most| steps > most);
-        !is_over_budget && (watch.carry_on)()
-    };
-    let result = match catch(|| run(&scenario, &mut carry_on)) {
-        Err(panic) => Err(format!("panic: {panic}")),
-        Ok(Err(error)) => Err(error.to_string()),
+    // The step limit, once it is exceeded.
+    let mut exceeded = None;
+    let caught = catch(|| {
+        run(&scenario, &mut || {
+            steps += 1;
+            exceeded = most_steps.filter(|most| steps > *most);
+            exceeded.is_none() && (watch.carry_on)()
+        })
+    });
+    let result = match caught {
+        Err(panic) => Err(panic.into()),
+        Ok(Err(error)) => Err(error.into()),
         Ok(Ok(outcome)) if outcome.end.stop == StopReason::Interrupted => {
-            if !is_over_budget {
-                return None;
-            }
-            let most = most_steps.unwrap_or_default();
-            Err(format!("not finished within {most} steps"))
+            Err(RowFailure::TooManySteps(exceeded?))
         }
         Ok(Ok(outcome)) => Ok(outcome),
     };
-    Some(Row { digest, result })
+    Some(Row {
+        digest: Some(scenario.digest()),
+        result,
+    })
 }

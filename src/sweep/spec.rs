@@ -2,8 +2,8 @@
 
 use super::axis::Axis;
 use super::base::Base;
-use super::design::{Design, MOST_ROWS};
-use super::error::SweepError;
+use super::design::{Design, MAX_ROWS};
+use super::error::{SpecError, SweepError};
 use super::sample::Points;
 use crate::run::scenario::{Key, Value};
 use serde_json::{Map, Value as Json, json};
@@ -32,31 +32,28 @@ impl Spec {
         design: Design,
         most_steps: Option<u64>,
     ) -> Result<Self, SweepError> {
-        let wrong = |reason: String| Err(SweepError::Spec(reason));
         if bases.is_empty() {
-            return wrong("a sweep needs at least one preset or scenario file".to_owned());
+            return Err(SpecError::NoBase.into());
         }
         if most_steps == Some(0) {
-            return wrong("max_steps must be at least 1".to_owned());
+            return Err(SpecError::NoSteps.into());
         }
         let rows_per_base = design.rows()?;
         let keys = design.keys();
         if let Some(key) = repeated(keys.iter().map(|key| key.path)) {
-            return wrong(format!("{key} varies twice"));
+            return Err(SpecError::VariesTwice(key).into());
         }
         let mut set = bases.iter().flat_map(|base| &base.set);
         if let Some(key) = set.find(|key| design.always_has(key)) {
-            return wrong(format!(
-                "{key} is both set and varied: remove one of the two"
-            ));
+            return Err(SpecError::SetAndVaried(key).into());
         }
         let points = match &design {
             Design::Sample(sample, axes) => Points::new(sample, axes.len()),
             Design::Grid(_) | Design::Table(_) => Points::default(),
         };
         match rows_per_base.checked_mul(bases.len() as u64) {
-            Some(0) => wrong("there is nothing to run".to_owned()),
-            Some(1..=MOST_ROWS) => Ok(Self {
+            Some(0) => Err(SpecError::Empty.into()),
+            Some(1..=MAX_ROWS) => Ok(Self {
                 bases,
                 design,
                 most_steps,
@@ -64,7 +61,7 @@ impl Spec {
                 rows_per_base,
                 points,
             }),
-            _ => wrong(format!("more than {MOST_ROWS} runs")),
+            Some(_) | None => Err(SpecError::TooMany(MAX_ROWS).into()),
         }
     }
 
@@ -122,32 +119,37 @@ impl Spec {
 
     /// Everything that determines the bytes of the table, which identifies the sweep.
     pub fn to_json(&self) -> Json {
-        let axes = |axes: &[Axis]| -> Json {
-            let entry = |axis: &Axis| (axis.key.path.to_owned(), json!(axis.text));
-            Json::Object(axes.iter().map(entry).collect())
-        };
-        let base = |base: &Base| json!({"name": base.name, "scenario": base.to_json()});
-        let mut spec = Map::new();
-        let mut put = |name: &str, value| spec.insert(name.to_owned(), value);
-        put("format", json!("toprise-sweep-2"));
-        put("toprise", json!(env!("CARGO_PKG_VERSION")));
-        put("runs", json!(self.rows()));
-        put("bases", self.bases.iter().map(base).collect());
+        let bases: Vec<_> = self
+            .bases
+            .iter()
+            .map(|base| json!({"name": base.name, "scenario": base.to_json()}))
+            .collect();
+        let mut spec = json!({
+            "format": "toprise-sweep-2",
+            "toprise": env!("CARGO_PKG_VERSION"),
+            "runs": self.rows(),
+            "bases": bases,
+        });
         match &self.design {
-            Design::Grid(grid) => {
-                put("over", axes(grid));
+            Design::Grid(axes) => spec["over"] = axes_to_json(axes),
+            Design::Sample(sample, axes) => {
+                spec["over"] = axes_to_json(axes);
+                spec["sample"] = json!(sample);
             }
-            Design::Sample(sample, over) => {
-                put("over", axes(over));
-                put("sample", json!(sample));
-            }
-            Design::Table(table) => {
-                put("table", json!({"sha256": table.digest()}));
-            }
+            Design::Table(table) => spec["table"] = json!({"sha256": table.digest()}),
         }
-        put("max_steps", json!(self.most_steps));
-        Json::Object(spec)
+        spec["max_steps"] = json!(self.most_steps);
+        spec
     }
+}
+
+/// The values of axes by their keys.
+fn axes_to_json(axes: &[Axis]) -> Json {
+    let mut object = Map::new();
+    for axis in axes {
+        object.insert(axis.key.path.to_owned(), json!(axis.text));
+    }
+    Json::Object(object)
 }
 
 /// The first duplicate name.

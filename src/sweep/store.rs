@@ -3,7 +3,7 @@
 use super::change::change;
 use super::checksum;
 use super::counts::Counts;
-use super::error::SweepError;
+use super::error::{FileProblem, SweepError};
 use super::part::{COUNTS_ENTRY, Sweep, counts_entry, part_bytes, properties, row_group};
 use crate::archive::input::{open_file, read_file};
 use crate::archive::publish::{self, Draft, Existing, is_same_file};
@@ -94,17 +94,15 @@ impl<'a> Store<'a> {
         if table.symlink_metadata().is_err() {
             return Ok(None);
         }
-        let unusable = |reason| SweepError::unusable(table, reason);
-        let exists = || unusable("exists and is not a sweep table: choose another name");
+        let not_a_table = || SweepError::unusable(table, FileProblem::NotATable);
         let file = open_file(table).map_err(SweepError::io("read", table))?;
-        let metadata = metadata(&file).map_err(|_| exists())?;
-        let spec = entry(&metadata, SPEC_ENTRY).ok_or_else(exists)?;
-        refuse_other(table, spec, &self.identity)?;
+        let metadata = metadata(&file).map_err(|_| not_a_table())?;
+        let spec = entry(&metadata, SPEC_ENTRY).ok_or_else(not_a_table)?;
+        check_same_sweep(table, spec, &self.identity)?;
         if !checksum::is_right(&file).map_err(SweepError::io("read", table))? {
-            let reason = "is damaged or was modified: choose another name, or delete it and run the sweep again";
-            return Err(unusable(reason));
+            return Err(SweepError::unusable(table, FileProblem::Modified));
         }
-        counts(&metadata).map(Some).ok_or_else(exists)
+        counts(&metadata).map(Some).ok_or_else(not_a_table)
     }
 
     /// Creates the parts directory or checks that it belongs to this sweep, and rejects invalid table names early.
@@ -129,7 +127,7 @@ impl<'a> Store<'a> {
     pub(super) fn check_parts(&self) -> Result<(), SweepError> {
         let path = self.spec_file();
         match read_file(&path) {
-            Ok(text) => refuse_other(&self.parts, &text, &self.identity),
+            Ok(text) => check_same_sweep(&self.parts, &text, &self.identity),
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
             Err(error) => Err(SweepError::io("read", &path)(error)),
         }
@@ -286,7 +284,7 @@ impl<'a> Store<'a> {
             return Ok(None);
         };
         if entry(&metadata, PART_ENTRY) != Some(&self.name(part)) {
-            return Err(self.bad(part, "it belongs to another sweep"));
+            return Err(self.unusable_part(part, FileProblem::OtherPart));
         }
         Ok(counts(&metadata).map(|counts| Part {
             file,
@@ -298,12 +296,11 @@ impl<'a> Store<'a> {
     /// A part; an error if it is missing.
     fn whole(&self, part: u64) -> Result<Part, SweepError> {
         self.found(part)?
-            .ok_or_else(|| self.bad(part, "it is missing or damaged"))
+            .ok_or_else(|| self.unusable_part(part, FileProblem::MissingPart))
     }
 
-    fn bad(&self, part: u64, reason: &str) -> SweepError {
-        let reason = format!("can't be merged: {reason}; delete it and run the sweep again");
-        SweepError::unusable(&self.path(part), reason)
+    fn unusable_part(&self, part: u64, problem: FileProblem) -> SweepError {
+        SweepError::unusable(&self.path(part), problem)
     }
 }
 
@@ -332,16 +329,14 @@ fn append_row_groups<W: Write + Send, R: ChunkReader>(
 }
 
 /// Rejects a table or parts directory of another sweep.
-fn refuse_other(path: &Path, text: &str, sweep: &Json) -> Result<(), SweepError> {
+fn check_same_sweep(path: &Path, text: &str, sweep: &Json) -> Result<(), SweepError> {
     let Ok(before) = serde_json::from_str::<Json>(text) else {
-        let reason = "is damaged (its spec is unreadable): choose another name or delete it";
-        return Err(SweepError::unusable(path, reason));
+        return Err(SweepError::unusable(path, FileProblem::UnreadableSpec));
     };
-    let Some(change) = change(&before, sweep) else {
-        return Ok(());
-    };
-    let reason = format!("belongs to another sweep: {change}; choose another name or delete it");
-    Err(SweepError::unusable(path, reason))
+    match change(&before, sweep) {
+        None => Ok(()),
+        Some(change) => Err(SweepError::unusable(path, FileProblem::OtherSweep(change))),
+    }
 }
 
 /// Unwraps the I/O error of a Parquet write error.

@@ -1,19 +1,20 @@
 //! Input tables with the values of each run.
 
 use super::axis::find_key;
-use super::cells::{Cells, cells as cells_of, values_of};
-use super::error::SweepError;
+use super::cells::{Cells, cells as column_cells, values_of};
+use super::error::{CellError, SweepError, TableError};
 use super::reader::{self, Opened};
 use crate::archive::input::read_file;
 use crate::run::scenario::{Key, Value};
 use arrow_array::{RecordBatch, new_empty_array};
 use arrow_schema::{DataType, Schema};
+use csv::StringRecord;
 use serde_json::Value as Json;
 use sha2::{Digest as _, Sha256};
 use std::path::{Path, PathBuf};
 
 /// Maximum number of rows (held in memory).
-const MOST_ROWS: u64 = 10_000_000;
+const MAX_ROWS: u64 = 10_000_000;
 
 /// A table with a column for each key that varies. Empty cells keep the base's value.
 #[derive(Clone, Debug)]
@@ -35,17 +36,16 @@ impl Table {
     /// Reads a `.parquet` or a `.csv` file.
     ///
     /// # Errors
-    /// [`SweepError::File`] for other file types, or a column that is not a key.
+    /// [`SweepError::Table`] for other file types, or a column that is not a key.
     pub fn read(path: &Path) -> Result<Self, SweepError> {
-        let has = |kind| path.extension().is_some_and(|extension| extension == kind);
-        let wrong = SweepError::table(path);
-        let mut table = if has("parquet") {
-            reader::read(path, |opened| from_parquet(opened).map_err(wrong))?
-        } else if has("csv") {
+        let extension = path.extension().unwrap_or_default();
+        let mut table = if extension == "parquet" {
+            reader::read(path, from_parquet)?
+        } else if extension == "csv" {
             let text = read_file(path).map_err(SweepError::io("read", path))?;
-            from_csv(&text).map_err(wrong)?
+            from_csv(&text).map_err(SweepError::table(path))?
         } else {
-            return Err(wrong("must be a .parquet or a .csv file".to_owned()));
+            return Err(SweepError::table(path)(TableError::Extension));
         };
         table.file = Some(path.to_owned());
         Ok(table)
@@ -56,9 +56,9 @@ impl Table {
     ///
     /// # Errors
     /// A column that is not a key, or has values that are neither numbers nor words.
-    pub fn from_batches(schema: &Schema, batches: &[RecordBatch]) -> Result<Self, String> {
+    pub fn from_batches(schema: &Schema, batches: &[RecordBatch]) -> Result<Self, TableError> {
         let rows = batches.iter().map(|batch| batch.num_rows() as u64).sum();
-        let mut table = Self::of_schema(schema, rows)?;
+        let mut table = Self::empty(schema, rows)?;
         for batch in batches {
             table.add(batch)?;
         }
@@ -66,19 +66,23 @@ impl Table {
     }
 
     /// An empty table for a schema and number of rows, validated before any cell is read.
-    fn of_schema(schema: &Schema, rows: u64) -> Result<Self, String> {
+    fn empty(schema: &Schema, rows: u64) -> Result<Self, TableError> {
         check_rows(rows)?;
         let indices = pandas_indices(schema);
         let mut columns = Vec::new();
         for field in schema.fields() {
-            let name = field.name().clone();
-            let key = match find_key(&name) {
-                Err(_) if indices.contains(&name) || is_nameless_index(&name) => continue,
-                found => found.map_err(|error| error.to_string())?,
+            let name = field.name();
+            let key = match find_key(name) {
+                Ok(key) => key,
+                Err(_) if indices.contains(name) || is_nameless_index(name) => continue,
+                Err(error) => return Err(error.into()),
             };
-            check_type(key, field.data_type()).map_err(|reason| format!("{name}: {reason}"))?;
-            let cells = Vec::new();
-            columns.push(Column { name, key, cells });
+            check_type(key, field.data_type()).map_err(TableError::column(name))?;
+            columns.push(Column {
+                name: name.clone(),
+                key,
+                cells: Vec::new(),
+            });
         }
         Ok(Self {
             columns,
@@ -88,13 +92,12 @@ impl Table {
     }
 
     /// Adds the rows of a batch.
-    fn add(&mut self, batch: &RecordBatch) -> Result<(), String> {
+    fn add(&mut self, batch: &RecordBatch) -> Result<(), TableError> {
         self.rows += batch.num_rows() as u64;
         check_rows(self.rows.max(1))?;
         for Column { name, cells, .. } in &mut self.columns {
             if let Some(column) = batch.column_by_name(name) {
-                let read = cells_of(column.as_ref());
-                cells.extend(read.map_err(|reason| format!("{name}: {reason}"))?);
+                cells.extend(column_cells(column).map_err(TableError::column(name))?);
             }
         }
         Ok(())
@@ -123,8 +126,10 @@ impl Table {
 
     /// The cells of a row.
     pub(super) fn row(&self, row: u64) -> Vec<Option<Value>> {
-        let cells = |column: &Column| column.cells[row as usize].clone();
-        self.columns.iter().map(cells).collect()
+        self.columns
+            .iter()
+            .map(|column| column.cells[row as usize].clone())
+            .collect()
     }
 
     /// SHA-256 of keys and cells, independent of the file type.
@@ -145,47 +150,59 @@ impl Table {
 }
 
 /// Checks the number of rows.
-fn check_rows(rows: u64) -> Result<(), String> {
+fn check_rows(rows: u64) -> Result<(), TableError> {
     match rows {
-        0 => Err("there are no rows".to_owned()),
-        1..=MOST_ROWS => Ok(()),
-        _ => Err(format!("more than {MOST_ROWS} rows: split the table")),
+        0 => Err(TableError::Empty),
+        1..=MAX_ROWS => Ok(()),
+        _ => Err(TableError::TooManyRows(MAX_ROWS)),
     }
 }
 
 /// Checks that a column type suits its key.
-fn check_type(key: &Key, of: &DataType) -> Result<(), String> {
-    cells_of(&new_empty_array(of))?;
-    let of = values_of(of);
-    if *of == DataType::Null || of.is_string() == key.kind.is_text() {
-        return Ok(());
+fn check_type(key: &Key, kind: &DataType) -> Result<(), CellError> {
+    column_cells(&new_empty_array(kind))?;
+    let values = values_of(kind);
+    match (values.is_string(), key.kind.is_text()) {
+        _ if *values == DataType::Null => Ok(()),
+        (true, false) => Err(CellError::Words(key.kind)),
+        (false, true) => Err(CellError::Numbers(key.kind)),
+        (true, true) | (false, false) => Ok(()),
     }
-    let are = if of.is_string() { "words" } else { "numbers" };
-    Err(format!("the values are {are}; expected {}", key.kind))
 }
 
-fn from_parquet(opened: Opened) -> Result<Table, String> {
-    let groups = opened.metadata().row_groups().iter();
-    let rows = groups.map(|group| u64::try_from(group.num_rows()).unwrap_or(u64::MAX));
-    let rows = rows.fold(0, u64::saturating_add);
-    let mut table = Table::of_schema(opened.schema(), rows)?;
-    let fields = opened.schema().fields().clone();
-    let is_wanted = |name: &String| table.columns.iter().any(|column| column.name == *name);
-    let wanted = (0..fields.len()).filter(|at| is_wanted(fields[*at].name()));
-    let wanted: Vec<_> = wanted.collect();
-    let reader = reader::batches(opened, wanted).map_err(|error| error.to_string())?;
-    for batch in reader {
-        table.add(&batch.map_err(|error| error.to_string())?)?;
+fn from_parquet(opened: Opened) -> Result<Table, TableError> {
+    let rows = opened
+        .metadata()
+        .row_groups()
+        .iter()
+        .map(|group| u64::try_from(group.num_rows()).unwrap_or(u64::MAX))
+        .fold(0, u64::saturating_add);
+    let schema = opened.schema().clone();
+    let mut table = Table::empty(&schema, rows)?;
+    // Columns that aren't keys are not decoded.
+    let mut wanted = Vec::new();
+    for (index, field) in schema.fields().iter().enumerate() {
+        if table
+            .columns
+            .iter()
+            .any(|column| column.name == *field.name())
+        {
+            wanted.push(index);
+        }
+    }
+    for batch in reader::batches(opened, wanted)? {
+        table.add(&batch?)?;
     }
     Ok(table)
 }
 
 /// The columns in which pandas has stored its row index.
 fn pandas_indices(schema: &Schema) -> Vec<String> {
-    let about = schema.metadata().get("pandas");
-    let about: Option<Json> = about.and_then(|text| serde_json::from_str(text).ok());
-    let indices = about.and_then(|about| about["index_columns"].as_array().cloned());
-    let names = indices.into_iter().flatten();
+    let Some(text) = schema.metadata().get("pandas") else {
+        return Vec::new();
+    };
+    let metadata: Json = serde_json::from_str(text).unwrap_or_default();
+    let names = metadata["index_columns"].as_array().into_iter().flatten();
     // A RangeIndex is not a column; it is described by an object.
     names
         .filter_map(|name| name.as_str().map(str::to_owned))
@@ -194,9 +211,9 @@ fn pandas_indices(schema: &Schema) -> Vec<String> {
 
 /// Whether this is the name of an unnamed pandas index: `__index_level_0__`.
 fn is_nameless_index(name: &str) -> bool {
-    let level = name.strip_prefix("__index_level_");
-    let level = level.and_then(|rest| rest.strip_suffix("__"));
-    level.is_some_and(|level| level.parse::<u32>().is_ok())
+    name.strip_prefix("__index_level_")
+        .and_then(|rest| rest.strip_suffix("__"))
+        .is_some_and(|level| level.parse::<u32>().is_ok())
 }
 
 /// Whether a line of a comma-separated table has no cell with content. Editors leave blank lines, and spreadsheets write
@@ -206,86 +223,124 @@ fn is_empty_row(line: &str) -> bool {
 }
 
 /// The lines of a comma-separated table that have content, with their numbers; no cell contains a line break.
-fn csv_lines(text: &str) -> Result<Vec<(&str, u64)>, String> {
-    let lines = text.split(['\n', '\r']).zip(1..);
-    let lines: Vec<_> = lines.filter(|(line, _)| !is_empty_row(line)).collect();
-    let is_open = |(line, _): &&(&str, u64)| line.matches('"').count() % 2 == 1;
-    if let Some((_, line)) = lines.iter().find(is_open) {
-        return Err(format!("line {line}: unclosed quote"));
+fn csv_lines(text: &str) -> Result<Vec<(&str, u64)>, TableError> {
+    let mut lines = Vec::new();
+    for (text, line) in text.split(['\n', '\r']).zip(1..) {
+        if is_empty_row(text) {
+            continue;
+        }
+        if text.matches('"').count() % 2 == 1 {
+            return Err(TableError::UnclosedQuote { line });
+        }
+        lines.push((text, line));
     }
     Ok(lines)
 }
 
 /// Reads a comma-separated table.
-fn from_csv(text: &str) -> Result<Table, String> {
+fn from_csv(text: &str) -> Result<Table, TableError> {
     let text = text.trim_start_matches('\u{feff}').replace("\r\n", "\n");
     let lines = csv_lines(&text)?;
     let filled: Vec<&str> = lines.iter().map(|(line, _)| *line).collect();
     let filled = filled.join("\n");
-    let mut reader = csv::ReaderBuilder::new();
-    reader
+    let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
-        .trim(csv::Trim::All);
-    let mut reader = reader.from_reader(filled.as_bytes());
-    let mut records = reader
-        .records()
-        .map(|record| record.map_err(|error| error.to_string()));
+        .trim(csv::Trim::All)
+        .from_reader(filled.as_bytes());
+    let mut records = reader.records();
     let header = records.next().transpose()?.unwrap_or_default();
-    // A column without a name is an index that pandas has written.
-    let all = header.iter().enumerate();
-    let (indices, named): (Vec<_>, Vec<_>) = all.partition(|(_, name)| name.is_empty());
-    let column = |(_, name): &(usize, &str)| {
-        let (name, cells) = ((*name).to_owned(), Vec::new());
-        let key = find_key(&name).map_err(|error| error.to_string())?;
-        Ok(Column { name, key, cells })
-    };
-    let columns: Result<Vec<_>, String> = named.iter().map(column).collect();
-    let mut columns = columns?;
-    let mut rows: u64 = 0;
+    let mut table = CsvTable::new(&header)?;
     for (record, (_, line)) in records.zip(lines.into_iter().skip(1)) {
-        let record = record?;
-        let (count, expected) = (record.len(), header.len());
-        if count != expected {
-            let cells = if count == 1 { "cell" } else { "cells" };
-            return Err(format!(
-                "line {line} has {count} {cells}, the header has {expected}"
-            ));
-        }
-        // Spreadsheets may quote the cells in which nothing was entered.
-        if expected > 1 && record.iter().all(str::is_empty) {
-            continue;
-        }
-        let mut cells = indices.iter().map(|(at, _)| &record[*at]);
-        if let Some(cell) = cells.find(|cell| cell.parse() != Ok(rows)) {
-            return Err(format!(
-                "line {line}: {cell:?} is in an unnamed column, which must be a row index (0, 1, 2, …): name the column or remove it"
-            ));
-        }
-        for (Column { key, cells, .. }, (at, _)) in columns.iter_mut().zip(&named) {
-            let cell = csv_cell(key, &record[*at]);
-            cells.push(cell.map_err(|reason| format!("line {line}: {reason}"))?);
-        }
-        rows += 1;
+        table.add(&record?, line)?;
     }
-    check_rows(rows)?;
+    check_rows(table.rows)?;
     Ok(Table {
-        columns,
-        rows,
+        columns: table.columns,
+        rows: table.rows,
         file: None,
     })
 }
 
+/// A comma-separated table that is being read.
+struct CsvTable {
+    /// Number of cells of each row.
+    width: usize,
+    /// Columns without a name: row indices that pandas has written.
+    indices: Vec<usize>,
+    /// Where the cells of each column are in a row.
+    places: Vec<usize>,
+    columns: Vec<Column>,
+    rows: u64,
+}
+
+impl CsvTable {
+    fn new(header: &StringRecord) -> Result<Self, TableError> {
+        let mut table = Self {
+            width: header.len(),
+            indices: Vec::new(),
+            places: Vec::new(),
+            columns: Vec::new(),
+            rows: 0,
+        };
+        for (place, name) in header.iter().enumerate() {
+            if name.is_empty() {
+                table.indices.push(place);
+                continue;
+            }
+            table.places.push(place);
+            table.columns.push(Column {
+                name: name.to_owned(),
+                key: find_key(name)?,
+                cells: Vec::new(),
+            });
+        }
+        Ok(table)
+    }
+
+    fn add(&mut self, record: &StringRecord, line: u64) -> Result<(), TableError> {
+        if record.len() != self.width {
+            return Err(TableError::CellCount {
+                line,
+                count: record.len(),
+                expected: self.width,
+            });
+        }
+        // Spreadsheets may quote the cells in which nothing was entered.
+        if self.width > 1 && record.iter().all(str::is_empty) {
+            return Ok(());
+        }
+        for place in &self.indices {
+            let cell = &record[*place];
+            if cell.parse() != Ok(self.rows) {
+                let cell = cell.to_owned();
+                return Err(TableError::UnnamedColumn { line, cell });
+            }
+        }
+        for (Column { key, cells, .. }, place) in self.columns.iter_mut().zip(&self.places) {
+            cells.push(csv_cell(key, &record[*place], line)?);
+        }
+        self.rows += 1;
+        Ok(())
+    }
+}
+
 /// A cell of a CSV file: empty, a word or a number.
-fn csv_cell(key: &Key, cell: &str) -> Result<Option<Value>, String> {
+fn csv_cell(key: &'static Key, cell: &str, line: u64) -> Result<Option<Value>, TableError> {
     if cell.is_empty() {
         return Ok(None);
     }
     if key.kind.is_text() {
         return Ok(Some(Value::Text(cell.to_owned())));
     }
-    let number = cell.parse().map(|number| Some(Value::Number(number)));
-    number.map_err(|_| format!("{} = {cell:?} is not a number", key.path))
+    match cell.parse() {
+        Ok(number) => Ok(Some(Value::Number(number))),
+        Err(_) => Err(TableError::NotANumber {
+            line,
+            key,
+            cell: cell.to_owned(),
+        }),
+    }
 }
 
 #[cfg(test)]
@@ -302,7 +357,7 @@ mod tests {
 
     /// Output of `DataFrame.to_csv`.
     #[test]
-    fn an_index_of_pandas_in_a_csv_file_is_passed_over() {
+    fn ignores_pandas_index_in_csv() {
         let plain = read("friction_k,initial.phi\n0.1,1\n0.2,\n").unwrap();
         let table = read(",friction_k,initial.phi\n0,0.1,1\n1,0.2,\n").unwrap();
         assert_eq!(table.rows(), 2);
@@ -340,7 +395,7 @@ mod tests {
     }
 
     #[test]
-    fn csv_row_of_only_commas_is_no_run() {
+    fn skips_csv_rows_of_commas() {
         let plain = read("friction_k,initial.phi\n0.1,1\n0.2,\n").unwrap();
         for text in [
             "friction_k,initial.phi\n0.1,1\n,\n0.2,\n,\n",
@@ -360,7 +415,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_in_a_csv_file_is_told_with_its_line() {
+    fn csv_errors_name_the_line() {
         for (text, message) in [
             (
                 "friction_k\n0.1\nfast\n",

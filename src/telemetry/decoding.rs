@@ -1,7 +1,7 @@
 //! Shared parts of the decoders: rows, errors, message structure.
 
 use super::channel::ChannelInfo;
-use std::fmt::Display;
+use std::str::Utf8Error;
 use thiserror::Error;
 
 /// A decoded message (reusable buffer).
@@ -27,23 +27,90 @@ impl Row {
 
     /// Adds a part of the timestamp, ns, if it is in range. A repeated part is added, which eventually fails.
     #[inline]
-    pub(super) fn add_time(&mut self, part_ns: Option<u64>) -> Result<(), &'static str> {
-        let time = part_ns.and_then(|part| self.time_ns.checked_add(part));
-        self.time_ns = time.ok_or("its timestamp is out of range")?;
+    pub(super) fn add_time(&mut self, part_ns: Option<u64>) -> Result<(), TimestampOverflow> {
+        self.time_ns = part_ns
+            .and_then(|part| self.time_ns.checked_add(part))
+            .ok_or(TimestampOverflow)?;
         Ok(())
     }
 }
 
-/// Error of decoding a channel or message of a file, as a text.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("{0}")]
-pub struct DecodeError(pub(crate) String);
+/// A timestamp of more nanoseconds than a recording can have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("its timestamp is out of range")]
+pub struct TimestampOverflow;
 
-impl DecodeError {
+/// Error of decoding a channel or message of a file.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum DecodeError {
     /// The schema of the channel can't be read.
-    pub(super) fn of_schema(reason: impl Display) -> Self {
-        Self(format!("its schema can't be read: {reason}"))
-    }
+    #[error("its schema can't be read: {0}")]
+    Schema(#[from] SchemaError),
+    /// No encoding has this name.
+    #[error("unknown message encoding {0:?}; json and protobuf can be read")]
+    UnknownEncoding(String),
+    /// The message is not JSON of its schema, for the reason that the parser gives.
+    #[error("not a json message: {0}")]
+    Json(String),
+    /// The message is not protobuf of its schema.
+    #[error("not a protobuf message: {0}")]
+    Protobuf(#[from] WireError),
+    /// The message has other fields than its schema.
+    #[error("it has {found} of the {expected} fields of its schema, and {unknown} unknown fields")]
+    Fields {
+        /// Number of fields of the schema that the message has.
+        found: usize,
+        /// Number of fields of the schema.
+        expected: usize,
+        /// Number of other fields.
+        unknown: usize,
+    },
+    /// The message's own timestamp is not its log time.
+    #[error("its timestamp, {0} ns, differs from its log time")]
+    Timestamp(u64),
+}
+
+/// Error of reading the schema of a channel.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum SchemaError {
+    /// The schema is longer than any that is read, bytes.
+    #[error("longer than {0} bytes")]
+    TooLong(usize),
+    /// The schema is not JSON, for the reason that the parser gives.
+    #[error("{0}")]
+    Json(String),
+    /// The schema is not a set of protobuf descriptors.
+    #[error(transparent)]
+    Protobuf(#[from] prost::DecodeError),
+    /// The descriptors lack the message type.
+    #[error("it has no message {0}")]
+    NoMessage(String),
+    /// Nested types expand to too many fields.
+    #[error("its field paths exceed {MAX_PATHS_LENGTH} bytes")]
+    TooManyPaths,
+}
+
+/// Error of reading a protobuf message.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum WireError {
+    /// A key, number or group can't be read.
+    #[error(transparent)]
+    Malformed(#[from] prost::DecodeError),
+    /// The message ends too early.
+    #[error("it ends within a field")]
+    Truncated,
+    /// A text is not UTF-8.
+    #[error(transparent)]
+    Text(#[from] Utf8Error),
+    /// The timestamp is too large.
+    #[error(transparent)]
+    Timestamp(#[from] TimestampOverflow),
+    /// A field is not in the schema.
+    #[error("field {0} is not in the schema")]
+    UnknownField(u32),
+    /// A field has another type than in the schema.
+    #[error("field {0} has the wrong wire type")]
+    WireType(u32),
 }
 
 /// Field differences between a channel of a file and the table (other version).
@@ -58,13 +125,18 @@ pub struct FieldDifferences {
 impl FieldDifferences {
     /// Fields that a file with the fields `present` lacks, and those that the table lacks.
     pub(super) fn between(channel: &ChannelInfo, present: &[String]) -> Self {
-        let known = |path: &String| channel.leaves().any(|leaf| leaf.path == *path);
-        let paths = channel.leaves().map(|leaf| &leaf.path);
-        let missing = paths.filter(|path| !present.contains(path));
-        let unknown = present.iter().filter(|path| !known(path));
         Self {
-            missing: missing.cloned().collect(),
-            unknown: unknown.cloned().collect(),
+            missing: channel
+                .leaves()
+                .map(|leaf| &leaf.path)
+                .filter(|path| !present.contains(path))
+                .cloned()
+                .collect(),
+            unknown: present
+                .iter()
+                .filter(|path| channel.leaves().all(|leaf| leaf.path != **path))
+                .cloned()
+                .collect(),
         }
     }
 
@@ -91,13 +163,16 @@ pub(super) enum Target<K> {
 }
 
 impl<K> Target<K> {
-    /// That of the field at `path` in a channel's messages.
-    pub(super) fn of(channel: &ChannelInfo, path: &str) -> Self {
-        let text = || channel.texts.iter().position(|text| text.path == path);
-        match channel.number_index(path) {
-            Some(index) => Self::Number(index),
-            None => text().map_or(Self::Skipped, Self::Text),
+    /// The storage place of the field at `path` in a channel's messages.
+    pub(super) fn for_field(channel: &ChannelInfo, path: &str) -> Self {
+        if let Some(index) = channel.number_index(path) {
+            return Self::Number(index);
         }
+        channel
+            .texts
+            .iter()
+            .position(|text| text.path == path)
+            .map_or(Self::Skipped, Self::Text)
     }
 }
 
@@ -127,12 +202,11 @@ pub(super) struct Paths {
 
 impl Paths {
     /// Counts a field before it is expanded.
-    pub(super) fn count(&mut self, path: &str) -> Result<(), DecodeError> {
+    pub(super) fn count(&mut self, path: &str) -> Result<(), SchemaError> {
         self.bytes += path.len() + 1;
         if self.bytes <= MAX_PATHS_LENGTH {
             return Ok(());
         }
-        let reason = format!("its field paths exceed {MAX_PATHS_LENGTH} bytes");
-        Err(DecodeError::of_schema(reason))
+        Err(SchemaError::TooManyPaths)
     }
 }

@@ -1,7 +1,9 @@
 //! Message encodings: encoders and decoders.
 
 use super::channel::ChannelInfo;
-pub use super::decoding::{DecodeError, FieldDifferences, Row};
+pub use super::decoding::{
+    DecodeError, FieldDifferences, Row, SchemaError, TimestampOverflow, WireError,
+};
 use super::json::{self, JsonDecoder};
 use super::message::Message;
 use super::protobuf::{self, ProtobufDecoder, file_descriptor_set};
@@ -107,11 +109,9 @@ impl Decoder {
         schema: &[u8],
     ) -> Result<Self, DecodeError> {
         if schema.len() > MAX_SCHEMA_LENGTH {
-            let reason = format!("longer than {MAX_SCHEMA_LENGTH} bytes");
-            return Err(DecodeError::of_schema(reason));
+            return Err(SchemaError::TooLong(MAX_SCHEMA_LENGTH).into());
         }
-        let found = Encoding::find(encoding);
-        let (format, present) = match found {
+        let (format, present) = match Encoding::find(encoding) {
             Some(Encoding::Json) => {
                 let (decoder, present) = JsonDecoder::new(channel, schema)?;
                 (Format::Json(decoder), present)
@@ -120,11 +120,7 @@ impl Decoder {
                 let (decoder, present) = ProtobufDecoder::new(channel, schema_name, schema)?;
                 (Format::Protobuf(decoder), present)
             }
-            None => {
-                return Err(DecodeError(format!(
-                    "unknown message encoding {encoding:?}; json and protobuf can be read"
-                )));
-            }
+            None => return Err(DecodeError::UnknownEncoding(encoding.to_owned())),
         };
         Ok(Self {
             channel,

@@ -1,7 +1,7 @@
 //! Messages as JSON: `{"timestamp":{"sec":…,"nsec":…},"theta":…,…}`.
 
 use super::channel::{ChannelInfo, Content};
-use super::decoding::{DecodeError, Object, Paths, Row, Target};
+use super::decoding::{DecodeError, Object, Paths, Row, SchemaError, Target};
 use super::message::Message;
 use super::template::Template;
 use crate::run::time::{NANOSECONDS, seconds_and_nanoseconds};
@@ -74,8 +74,9 @@ impl JsonDecoder {
     pub(super) fn new(
         channel: &ChannelInfo,
         schema: &[u8],
-    ) -> Result<(Self, Vec<String>), DecodeError> {
-        let schema: Value = serde_json::from_slice(schema).map_err(DecodeError::of_schema)?;
+    ) -> Result<(Self, Vec<String>), SchemaError> {
+        let schema: Value =
+            serde_json::from_slice(schema).map_err(|error| SchemaError::Json(error.to_string()))?;
         let mut paths = Paths::default();
         unfold(&schema, "", &mut paths)?;
         let present = paths.leaves;
@@ -94,8 +95,10 @@ impl JsonDecoder {
             };
             members.push((name.to_owned(), target));
         }
-        let known = |path: &&String| channel.leaves().any(|leaf| leaf.path == **path);
-        let matched = present.iter().filter(known).count();
+        let matched = present
+            .iter()
+            .filter(|path| channel.leaves().any(|leaf| leaf.path == **path))
+            .count();
         let message = Object(members);
         let decoder = Self {
             unknown: unknown_members(&message, &present),
@@ -106,29 +109,36 @@ impl JsonDecoder {
     }
 
     pub(super) fn decode(&self, data: &[u8], row: &mut Row) -> Result<(), DecodeError> {
-        let malformed =
-            |reason: serde_json::Error| DecodeError(format!("not a json message: {reason}"));
+        let Tally { found, unknown } = self
+            .fill(data, row)
+            .map_err(|error| DecodeError::Json(error.to_string()))?;
+        if found == self.expected && unknown == self.unknown {
+            return Ok(());
+        }
+        Err(DecodeError::Fields {
+            found,
+            expected: self.expected,
+            unknown,
+        })
+    }
+
+    /// Fills a row from a message.
+    fn fill(&self, data: &[u8], row: &mut Row) -> Result<Tally, serde_json::Error> {
         let mut tally = Tally::default();
         let mut deserializer = serde_json::Deserializer::from_slice(data);
-        let seed = Filling {
+        RowBuilder {
             object: &self.message,
             row,
             tally: &mut tally,
-        };
-        seed.deserialize(&mut deserializer).map_err(malformed)?;
-        deserializer.end().map_err(malformed)?;
-        if tally.found == self.expected && tally.unknown == self.unknown {
-            return Ok(());
         }
-        let (Tally { found, unknown }, expected) = (tally, self.expected);
-        Err(DecodeError(format!(
-            "it has {found} of the {expected} fields of its schema, and {unknown} unknown fields"
-        )))
+        .deserialize(&mut deserializer)?;
+        deserializer.end()?;
+        Ok(tally)
     }
 }
 
 /// Finds the paths of all numbers and texts in a JSON Schema, except the timestamp.
-fn unfold(schema: &Value, prefix: &str, paths: &mut Paths) -> Result<(), DecodeError> {
+fn unfold(schema: &Value, prefix: &str, paths: &mut Paths) -> Result<(), SchemaError> {
     let properties = schema.get("properties").and_then(Value::as_object);
     for (name, inner) in properties.into_iter().flatten() {
         if prefix.is_empty() && name == TIMESTAMP {
@@ -179,13 +189,13 @@ struct Tally {
 }
 
 /// Fills a row from a JSON object.
-struct Filling<'a> {
+struct RowBuilder<'a> {
     object: &'a Object<String>,
     row: &'a mut Row,
     tally: &'a mut Tally,
 }
 
-impl<'de> DeserializeSeed<'de> for Filling<'_> {
+impl<'de> DeserializeSeed<'de> for RowBuilder<'_> {
     type Value = ();
 
     fn deserialize<D: de::Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
@@ -193,7 +203,7 @@ impl<'de> DeserializeSeed<'de> for Filling<'_> {
     }
 }
 
-impl<'de> Visitor<'de> for Filling<'_> {
+impl<'de> Visitor<'de> for RowBuilder<'_> {
     type Value = ();
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -229,7 +239,7 @@ impl<'de> Visitor<'de> for Filling<'_> {
                     self.row.add_time(part).map_err(de::Error::custom)?;
                 }
                 Target::Object(object) => {
-                    map.next_value_seed(Filling {
+                    map.next_value_seed(RowBuilder {
                         object,
                         row: &mut *self.row,
                         tally: &mut *self.tally,

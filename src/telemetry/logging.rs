@@ -12,9 +12,18 @@ use crate::run::time::seconds;
 use thiserror::Error;
 
 /// Error of converting a record to messages: a quantity is infinite or not a number.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("{0}: only finite numbers are recorded")]
-pub struct TelemetryError(String);
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("{topic} {field} is {value} at t = {} s: only finite numbers are recorded", seconds(*time_ns))]
+pub struct TelemetryError {
+    /// Topic of the message.
+    pub topic: &'static str,
+    /// Path of the field.
+    pub field: String,
+    /// The value.
+    pub value: f64,
+    /// Time of the message, ns.
+    pub time_ns: u64,
+}
 
 /// Converts the records of a run to messages.
 #[derive(Debug)]
@@ -109,12 +118,13 @@ impl Telemetry {
                 Source::Text(get) => self.texts.push(get(source).to_owned()),
             }
         }
-        if let Some(wrong) = self.numbers.iter().position(|number| !number.is_finite()) {
-            let (topic, value) = (row.topic, self.numbers[wrong]);
-            let field = &channels()[channel].numbers[wrong].path;
-            let time = seconds(time_ns);
-            let text = format!("{topic} {field} is {value} at t = {time} s");
-            return Err(E::from(TelemetryError(text)));
+        if let Some(index) = self.numbers.iter().position(|number| !number.is_finite()) {
+            return Err(E::from(TelemetryError {
+                topic: row.topic,
+                field: channels()[channel].numbers[index].path.clone(),
+                value: self.numbers[index],
+                time_ns,
+            }));
         }
         emit(&Message {
             channel,

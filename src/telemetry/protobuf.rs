@@ -5,7 +5,7 @@
 //! All numbers are doubles and always written, so that negative zeros are preserved.
 
 use super::channel::{ChannelInfo, Content, Member};
-use super::decoding::{DecodeError, Object, Paths, Row, Target};
+use super::decoding::{DecodeError, Object, Paths, Row, SchemaError, Target, WireError};
 use super::message::Message;
 use super::schema::with_unit_and_frame;
 use super::template::Template;
@@ -281,10 +281,10 @@ impl ProtobufDecoder {
         channel: &ChannelInfo,
         name: &str,
         schema: &[u8],
-    ) -> Result<(Self, Vec<String>), DecodeError> {
-        let set = FileDescriptorSet::decode(schema).map_err(DecodeError::of_schema)?;
-        let root = find_message(&set, name)
-            .ok_or_else(|| DecodeError::of_schema(format!("it has no message {name}")))?;
+    ) -> Result<(Self, Vec<String>), SchemaError> {
+        let set = FileDescriptorSet::decode(schema)?;
+        let root =
+            find_message(&set, name).ok_or_else(|| SchemaError::NoMessage(name.to_owned()))?;
         let mut builder = Builder {
             set: &set,
             channel,
@@ -300,8 +300,7 @@ impl ProtobufDecoder {
         for number in &self.present {
             row.numbers[*number] = 0.0;
         }
-        let filled = self.message.fill(data, row);
-        filled.map_err(|reason| DecodeError(format!("not a protobuf message: {reason}")))
+        Ok(self.message.fill(data, row)?)
     }
 }
 
@@ -320,7 +319,7 @@ impl Builder<'_> {
         message: &DescriptorProto,
         prefix: &str,
         depth: usize,
-    ) -> Result<Object<u32>, DecodeError> {
+    ) -> Result<Object<u32>, SchemaError> {
         let mut fields = Vec::new();
         for field in &message.field {
             let number = u32::try_from(field.number()).unwrap_or(0);
@@ -334,7 +333,7 @@ impl Builder<'_> {
         field: &FieldDescriptorProto,
         prefix: &str,
         depth: usize,
-    ) -> Result<Target<u32>, DecodeError> {
+    ) -> Result<Target<u32>, SchemaError> {
         let path = format!("{prefix}{}", field.name());
         self.paths.count(&path)?;
         if field.label() == Label::Repeated {
@@ -352,7 +351,7 @@ impl Builder<'_> {
                 return Ok(Target::Object(object));
             }
         }
-        let target = Target::of(self.channel, &path);
+        let target = Target::for_field(self.channel, &path);
         match (field.r#type(), &target) {
             (Type::Double, Target::Number(index)) => self.present.push(*index),
             (Type::String, Target::Text(_)) | (_, Target::Skipped) => {}
@@ -386,8 +385,8 @@ fn find_message<'a>(set: &'a FileDescriptorSet, name: &str) -> Option<&'a Descri
 }
 
 impl Object<u32> {
-    /// Reads the fields of a message, or returns an error text.
-    fn fill(&self, mut data: &[u8], row: &mut Row) -> Result<(), String> {
+    /// Reads the fields of a message.
+    fn fill(&self, mut data: &[u8], row: &mut Row) -> Result<(), WireError> {
         let mut next = 0;
         while !data.is_empty() {
             let (number, wire) = take_field(&mut data)?;
@@ -397,7 +396,7 @@ impl Object<u32> {
                 }
                 (Some(Target::Object(object)), Wire::Bytes(inner)) => object.fill(inner, row)?,
                 (Some(Target::Text(index)), Wire::Bytes(bytes)) => {
-                    let text = std::str::from_utf8(bytes).map_err(|e| e.to_string())?;
+                    let text = std::str::from_utf8(bytes)?;
                     row.texts[*index].clear();
                     row.texts[*index].push_str(text);
                 }
@@ -405,9 +404,9 @@ impl Object<u32> {
                     row.add_time(seconds.checked_mul(1_000_000_000))?;
                 }
                 (Some(Target::Nanoseconds), Wire::Varint(part)) => row.add_time(Some(part))?,
-                (None, _) => return Err(format!("field {number} is not in the schema")),
+                (None, _) => return Err(WireError::UnknownField(number)),
                 (Some(Target::Skipped), wire) if !matches!(wire, Wire::End) => {}
-                _ => return Err(format!("field {number} has the wrong wire type")),
+                (Some(_), _) => return Err(WireError::WireType(number)),
             }
         }
         Ok(())

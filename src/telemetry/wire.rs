@@ -1,5 +1,6 @@
 //! The protobuf wire format: decoding of fields.
 
+use super::decoding::WireError;
 use prost::encoding::{DecodeContext, WireType, decode_key, decode_varint, skip_field};
 
 /// Content of a field, by its wire type.
@@ -16,36 +17,30 @@ pub(super) enum Wire<'a> {
 
 /// Removes the first field. Returns its number and content.
 #[inline]
-pub(super) fn take_field<'a>(data: &mut &'a [u8]) -> Result<(u32, Wire<'a>), String> {
+pub(super) fn take_field<'a>(data: &mut &'a [u8]) -> Result<(u32, Wire<'a>), WireError> {
     let (number, wire) = match **data {
         // Most field numbers are small.
         [key @ 8..0x80, ..] => {
             *data = &data[1..];
-            let wire = WireType::try_from(u64::from(key & 7));
-            (
-                u32::from(key >> 3),
-                wire.map_err(|error| error.to_string())?,
-            )
+            (u32::from(key >> 3), WireType::try_from(u64::from(key & 7))?)
         }
-        _ => decode_key(data).map_err(|error| error.to_string())?,
+        _ => decode_key(data)?,
     };
     let wire = match wire {
-        WireType::Varint => Wire::Varint(varint(data)?),
+        WireType::Varint => Wire::Varint(decode_varint(data)?),
         WireType::SixtyFourBit => Wire::Eight(u64::from_le_bytes(take_array(data)?)),
         WireType::ThirtyTwoBit => {
             take_array::<4>(data)?;
             Wire::Four
         }
         WireType::LengthDelimited => {
-            let length = varint(data)?;
-            let length = usize::try_from(length).map_err(|error| error.to_string())?;
-            let (bytes, rest) = data.split_at_checked(length).ok_or(CUT)?;
+            let length = usize::try_from(decode_varint(data)?).unwrap_or(usize::MAX);
+            let (bytes, rest) = data.split_at_checked(length).ok_or(WireError::Truncated)?;
             *data = rest;
             Wire::Bytes(bytes)
         }
         WireType::StartGroup => {
-            skip_field(wire, number, data, DecodeContext::default())
-                .map_err(|error| error.to_string())?;
+            skip_field(wire, number, data, DecodeContext::default())?;
             Wire::Group
         }
         WireType::EndGroup => Wire::End,
@@ -54,15 +49,8 @@ pub(super) fn take_field<'a>(data: &mut &'a [u8]) -> Result<(u32, Wire<'a>), Str
 }
 
 #[inline]
-fn varint(data: &mut &[u8]) -> Result<u64, String> {
-    decode_varint(data).map_err(|error| error.to_string())
-}
-
-const CUT: &str = "it ends within a field";
-
-#[inline]
-fn take_array<const N: usize>(data: &mut &[u8]) -> Result<[u8; N], String> {
-    let (array, rest) = data.split_first_chunk().ok_or(CUT)?;
+fn take_array<const N: usize>(data: &mut &[u8]) -> Result<[u8; N], WireError> {
+    let (array, rest) = data.split_first_chunk().ok_or(WireError::Truncated)?;
     *data = rest;
     Ok(*array)
 }

@@ -9,7 +9,7 @@ use toprise::run::scenario::{PRESETS, Scenario};
 use toprise::run::simulation::{EventKind, StopReason, Tally};
 
 /// The outcome as the records of a whole simulation tell it.
-fn told_by_simulation(scenario: &Scenario) -> Outcome {
+fn outcome_of_simulation(scenario: &Scenario) -> Outcome {
     let run = Run::of(scenario);
     let mut tally = Tally::default();
     for event in &run.events {
@@ -29,12 +29,12 @@ fn bits(outcome: &Outcome) -> Vec<(&'static str, Option<String>)> {
     };
     let columns = COLUMNS.iter();
     columns
-        .map(|column| (column.name, column.of(outcome).map(value)))
+        .map(|column| (column.name, column.value_of(outcome).map(value)))
         .collect()
 }
 
 #[test]
-fn outcomes_of_presets_are_those_of_whole_runs_to_the_last_bit() {
+fn outcomes_of_presets_match_whole_runs_bit_for_bit() {
     for preset in PRESETS.iter() {
         let mut scenario = preset.scenario().unwrap();
         // What a free top does in all its run takes too long for a test.
@@ -43,13 +43,13 @@ fn outcomes_of_presets_are_those_of_whole_runs_to_the_last_bit() {
             scenario.stop.duration = duration;
         }
         let alone = outcome(&scenario, || true).unwrap();
-        let told = told_by_simulation(&scenario);
+        let told = outcome_of_simulation(&scenario);
         assert_eq!(bits(&alone), bits(&told), "{}", preset.name);
     }
 }
 
 #[test]
-fn a_tippe_top_inverts_where_its_axis_passes_the_horizontal() {
+fn tippe_top_inverts_at_the_horizontal() {
     let inverted = scenario("tippe-top", &[("stop.duration", "6.0")]);
     let outcome_of = |scenario| outcome(scenario, || true).unwrap();
     let time = outcome_of(&inverted).end.inversion_time.unwrap();
@@ -74,7 +74,7 @@ proptest! {
 
     /// Random tops, some of which fall, stick, loop or never do anything.
     #[test]
-    fn outcomes_are_those_of_whole_runs(
+    fn outcomes_match_whole_runs(
         base in prop_oneof![
             Just("paper"), Just("full-coulomb"), Just("viscous"), Just("stribeck"), Just("free-paper"),
         ],
@@ -101,14 +101,14 @@ proptest! {
         }
         let scenario = scenario(base, &changes);
         let alone = outcome(&scenario, || true).unwrap();
-        prop_assert_eq!(bits(&alone), bits(&told_by_simulation(&scenario)));
+        prop_assert_eq!(bits(&alone), bits(&outcome_of_simulation(&scenario)));
     }
 }
 
 /// A top that falls among tops that rise: the dips of its nutation just miss `stop.theta_risen`, whatever the variables and
 /// tolerances of the integration. Documented in docs/sweep.md.
 #[test]
-fn a_fall_between_rises_is_no_artefact() {
+fn falls_between_rises_are_real() {
     for (formulation, tolerance) in [("euler", "1e-12"), ("body", "1e-10")] {
         let end = |k| {
             let changes = [
@@ -133,7 +133,7 @@ fn a_fall_between_rises_is_no_artefact() {
 }
 
 #[test]
-fn an_outcome_that_is_broken_off_says_so() {
+fn interrupted_outcome_says_so() {
     let scenario = scenario("paper", &[]);
     let mut steps = 0;
     let broken = outcome(&scenario, || {
@@ -147,7 +147,7 @@ fn an_outcome_that_is_broken_off_says_so() {
 }
 
 #[test]
-fn columns_have_names_and_values_that_fit() {
+fn columns_have_unique_names_and_their_type() {
     let fixed = outcome(&scenario("paper", &[("stop.duration", "1")]), || true).unwrap();
     let free = outcome(&scenario("free-paper", &[("stop.duration", "1")]), || true).unwrap();
     for column in COLUMNS {
@@ -156,7 +156,7 @@ fn columns_have_names_and_values_that_fit() {
         for outcome in [&fixed, &free] {
             let may_be_null = column.null.is_some();
             assert!(
-                may_be_null || column.of(outcome).is_some(),
+                may_be_null || column.value_of(outcome).is_some(),
                 "{}",
                 column.name
             );
@@ -175,7 +175,7 @@ fn columns_have_names_and_values_that_fit() {
 }
 
 #[test]
-fn events_are_counted() {
+fn counts_events() {
     let scenario = scenario("paper", &[]);
     let run = Run::of(&scenario);
     let outcome = outcome(&scenario, || true).unwrap();
@@ -193,7 +193,7 @@ fn events_are_counted() {
 
 /// The documented columns match the table.
 #[test]
-fn the_columns_are_documented() {
+fn documents_list_every_column() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/sweep.md");
     let text = std::fs::read_to_string(path).unwrap();
     for column in COLUMNS {

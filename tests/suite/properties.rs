@@ -49,7 +49,7 @@ fn model(dissipation: Dissipation, k: f64) -> Model {
 
 proptest! {
     #[test]
-    fn the_quaternion_is_the_product_of_three_rotations(a in angles()) {
+    fn quaternion_is_product_of_three_rotations(a in angles()) {
         use nalgebra::UnitQuaternion as Q;
         let about = |axis, angle| Q::from_axis_angle(&axis, angle);
         let product = about(Vector3::z_axis(), a.phi) * about(Vector3::x_axis(), a.theta)
@@ -61,7 +61,7 @@ proptest! {
     }
 
     #[test]
-    fn euler_angles_come_back_unwrapped(a in angles(), turns_phi in -5..5, turns_psi in -500..500) {
+    fn euler_angles_round_trip_unwrapped(a in angles(), turns_phi in -5..5, turns_psi in -500..500) {
         let turn = std::f64::consts::TAU;
         let far = Euler {
             phi: a.phi + turn * f64::from(turns_phi),
@@ -127,7 +127,7 @@ proptest! {
     }
 
     #[test]
-    fn friction_never_gives_energy_and_never_turns_about_the_vertical(
+    fn friction_dissipates_and_has_no_vertical_torque(
         a in angles(), r in rates(), k in 0.0..2.0,
         part in prop_oneof![Just(Dissipation::Full), Just(Dissipation::WithoutNutationPart)],
     ) {
@@ -176,7 +176,7 @@ proptest! {
     }
 
     #[test]
-    fn the_roots_of_regular_precession_solve_their_equation(a in angles(), psi in -300.0..300.0_f64) {
+    fn precession_roots_solve_their_equation(a in angles(), psi in -300.0..300.0_f64) {
         let top = model(Dissipation::Full, 0.0).top;
         let tilt = Tilt::from_rates(a.theta, Euler { phi: 0.0, theta: 0.0, psi });
         if let Some(roots) = top.precession_roots(&tilt) {
@@ -199,7 +199,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
 
     #[test]
-    fn the_mirror_image_is_the_mirror_motion(theta in 0.2..1.2_f64, phi in 0.5..4.0_f64, psi in 100.0..200.0_f64) {
+    fn mirrored_start_gives_mirrored_motion(theta in 0.2..1.2_f64, phi in 0.5..4.0_f64, psi in 100.0..200.0_f64) {
         let run = |sign: f64| Run::with("paper", &[
             ("initial.theta", &format!("{theta:?}")),
             ("initial.phi_dot", &format!("{:?}", sign * phi)),
@@ -217,7 +217,7 @@ proptest! {
     }
 
     #[test]
-    fn only_the_product_of_k_and_radius_counts(scale in 0.5..2.0_f64) {
+    fn motion_depends_on_product_of_k_and_radius(scale in 0.5..2.0_f64) {
         let run = |k: f64, radius: f64| Run::with("paper", &[
             ("friction.k", &format!("{k:?}")),
             ("top.peg_radius", &format!("{radius:?}")),
@@ -230,7 +230,7 @@ proptest! {
     }
 
     #[test]
-    fn stronger_gravity_is_faster_time(lambda in 0.5..2.0_f64) {
+    fn gravity_scales_time(lambda in 0.5..2.0_f64) {
         // g → λ² g and rates → λ: the same motion, λ times as fast.
         let run = |lambda: f64| Run::with("paper", &[
             ("gravity", &format!("{:?}", 9.81 * lambda * lambda)),
@@ -244,7 +244,7 @@ proptest! {
     }
 
     #[test]
-    fn where_the_axis_points_at_first_does_not_matter(phi in -3.0..3.0_f64, psi in -3.0..3.0_f64) {
+    fn motion_is_independent_of_azimuth(phi in -3.0..3.0_f64, psi in -3.0..3.0_f64) {
         for formulation in ["euler", "body"] {
             let run = |phi: f64, psi: f64| Run::with("paper", &[
                 ("formulation", formulation),
@@ -261,7 +261,7 @@ proptest! {
     }
 
     #[test]
-    fn without_friction_time_can_be_turned_back(theta in 0.2..1.2_f64, phi in 0.5..4.0_f64) {
+    fn frictionless_motion_is_reversible(theta in 0.2..1.2_f64, phi in 0.5..4.0_f64) {
         let there = Run::with("frictionless", &[
             ("initial.theta", &format!("{theta:?}")),
             ("initial.phi_dot", &format!("{phi:?}")),

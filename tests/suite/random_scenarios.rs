@@ -294,24 +294,24 @@ fn assert_lawful(seed: u64, count: usize, make: Make) {
 }
 
 #[test]
-fn random_tops_keep_the_laws_of_motion() {
+fn random_tops_obey_the_laws_of_motion() {
     assert_lawful(1, 200, scenario);
 }
 
 #[test]
-fn random_free_tops_keep_the_laws_of_motion() {
+fn random_free_tops_obey_the_laws_of_motion() {
     assert_lawful(3, 200, free_scenario);
 }
 
 #[test]
 #[ignore = "takes minutes"]
-fn many_random_tops_keep_the_laws_of_motion() {
+fn many_random_tops_obey_the_laws_of_motion() {
     assert_lawful(2, count().unwrap_or(10_000), scenario);
 }
 
 #[test]
 #[ignore = "takes minutes"]
-fn many_random_free_tops_keep_the_laws_of_motion() {
+fn many_random_free_tops_obey_the_laws_of_motion() {
     assert_lawful(4, count().unwrap_or(2000), free_scenario);
 }
 
@@ -322,7 +322,7 @@ pub fn count() -> Option<usize> {
 
 /// Tops of which a law was once called broken by a tolerance that was too small.
 #[test]
-fn regress_tops_at_the_edge_keep_the_laws() {
+fn regress_extreme_tops_obey_the_laws_of_motion() {
     let cases: [(&str, &[(&str, &str)]); 6] = [
         ("full-coulomb", &[("air.transverse", "1e-3")]),
         ("full-coulomb", &[("air.axial", "1e-2")]),

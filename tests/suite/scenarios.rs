@@ -26,7 +26,7 @@ fn applicable(keys: &[ApplicableKey], path: &str) -> Option<ApplicableKey> {
 }
 
 #[test]
-fn every_preset_comes_back_from_its_canonical_form() {
+fn canonical_form_of_presets_round_trips() {
     for preset in PRESETS.iter() {
         let scenario = preset.scenario().unwrap();
         assert_eq!(scenario.name(), preset.name);
@@ -40,7 +40,7 @@ fn every_preset_comes_back_from_its_canonical_form() {
 }
 
 #[test]
-fn the_digest_is_that_of_the_run_not_of_its_name() {
+fn digest_ignores_the_name() {
     let paper = scenario("paper", &[]);
     let renamed = scenario("paper", &[("name", "other")]);
     assert_eq!(paper.digest(), renamed.digest());
@@ -49,7 +49,7 @@ fn the_digest_is_that_of_the_run_not_of_its_name() {
 }
 
 #[test]
-fn each_error_names_key_value_and_what_is_allowed() {
+fn errors_name_key_value_and_allowed_values() {
     // Overrides, and the parts of the message.
     for (overrides, parts) in [
         ("top.mass=-1", "top.mass | -1 | from 1e-30"),
@@ -173,7 +173,7 @@ fn each_error_names_key_value_and_what_is_allowed() {
 }
 
 #[test]
-fn files_are_checked_like_overrides() {
+fn rejects_invalid_files() {
     let paper = Preset::find("paper").unwrap().scenario().unwrap().to_toml();
     let broken = |from: &str, to: &str| {
         assert!(paper.contains(from), "{from}");
@@ -207,7 +207,7 @@ fn files_are_checked_like_overrides() {
 }
 
 #[test]
-fn errors_say_what_to_do_next() {
+fn errors_suggest_a_remedy() {
     for (changes, parts) in [
         (
             &[("friction.law", "stribeck")][..],
@@ -247,7 +247,7 @@ fn errors_say_what_to_do_next() {
 }
 
 #[test]
-fn whole_numbers_and_unquoted_words_are_taken() {
+fn accepts_whole_numbers_and_unquoted_words() {
     let changes = [
         ("gravity", "10"),
         ("formulation", "body"),
@@ -260,7 +260,7 @@ fn whole_numbers_and_unquoted_words_are_taken() {
 }
 
 #[test]
-fn an_unknown_preset_is_told_which_there_are() {
+fn unknown_preset_lists_all_presets() {
     let message = Preset::find("papr").unwrap_err().to_string();
     assert_contains(&message, "papr");
     assert_contains(&message, "full-coulomb");
@@ -268,7 +268,7 @@ fn an_unknown_preset_is_told_which_there_are() {
 
 proptest! {
     #[test]
-    fn every_number_survives_to_the_last_bit(phi in -1e9..1e9_f64, psi_dot in -1e6..1e6_f64, ns in 1_u64..3_600_000_000_000) {
+    fn numbers_round_trip_bit_for_bit(phi in -1e9..1e9_f64, psi_dot in -1e6..1e6_f64, ns in 1_u64..3_600_000_000_000) {
         let period = ns as f64 / 1e9;
         let original = scenario("paper", &[
             ("initial.phi", &format!("{phi:?}")),
@@ -283,7 +283,7 @@ proptest! {
     }
 
     #[test]
-    fn no_text_makes_the_reader_panic(text in "\\PC*", key in 0..KEYS.len(), value in "\\PC{0,12}") {
+    fn arbitrary_text_does_not_panic(text in "\\PC*", key in 0..KEYS.len(), value in "\\PC{0,12}") {
         let _ = Values::from_toml(&text);
         let _ = Scenario::from_toml(&text);
         let mut values = Preset::find("paper").unwrap().values().unwrap();
@@ -303,7 +303,7 @@ proptest! {
 }
 
 #[test]
-fn errors_quote_the_beginning_of_what_is_long() {
+fn errors_truncate_long_values() {
     let long = "x".repeat(10_000_000);
     for text in [
         long.clone(),
@@ -322,7 +322,7 @@ fn errors_quote_the_beginning_of_what_is_long() {
 }
 
 #[test]
-fn a_number_that_is_refused_is_told_without_rows_of_zeros() {
+fn errors_print_numbers_in_short_form() {
     for (key, value, told) in [
         (
             "top.axial_moment",
@@ -369,7 +369,7 @@ fn a_number_that_is_refused_is_told_without_rows_of_zeros() {
 }
 
 #[test]
-fn a_scenario_is_set_otherwise_key_by_key() {
+fn with_changes_single_keys() {
     let paper = Preset::find("paper").unwrap().scenario().unwrap();
     let changed = paper
         .with([

@@ -26,8 +26,8 @@ use toprise::run::outcome::Cell;
 use toprise::run::scenario::{Scenario, Value};
 use toprise::sweep::{
     Axis, Base, Columns, Design, Finished, Method, Options, RowError, RunResult, Sample, Shard,
-    Spec, Sweep, SweepError, Table, Watch, parts_directory, run, threads as threads_for,
-    values_of_row,
+    Spec, Sweep, SweepError, Table, Watch, left_to_do, parts_directory, run,
+    threads as threads_for, values_of_row,
 };
 
 /// Runs that end at once, over a grid of 2,400: three parts.
@@ -113,7 +113,7 @@ fn errors(table: &RecordBatch) -> Vec<(usize, String)> {
 }
 
 #[test]
-fn the_bytes_do_not_depend_on_how_they_are_computed() {
+fn table_bytes_do_not_depend_on_threads_or_shards() {
     let folder = Folder::new();
     let sweep = Sweep::new(spec(AXES));
     assert_eq!(sweep.parts(), 3);
@@ -139,7 +139,7 @@ fn the_bytes_do_not_depend_on_how_they_are_computed() {
 }
 
 #[test]
-fn an_interrupted_sweep_goes_on_where_it_was() {
+fn resumes_after_interruption() {
     let folder = Folder::new();
     let sweep = Sweep::new(spec(AXES));
     let whole = folder.at("whole.parquet");
@@ -165,6 +165,62 @@ fn an_interrupted_sweep_goes_on_where_it_was() {
     // It is complete, and nothing is left to do.
     let again = complete(&sweep, &table).unwrap();
     assert_eq!((again.computed, again.counts), (0, finished.counts));
+}
+
+#[test]
+fn table_bytes_do_not_depend_on_part_size() {
+    let folder = Folder::new();
+    let default = folder.at("default.parquet");
+    complete(&Sweep::new(spec(AXES)), &default).unwrap();
+    for size in [20, 500] {
+        let sweep = Sweep::new(spec(AXES)).with_part_rows(size);
+        assert_eq!(sweep.parts(), 2400_u64.div_ceil(size));
+        let table = folder.at(&format!("{size}.parquet"));
+        compute(&sweep, &table, &shard(1, 3)).unwrap();
+        complete(&sweep, &table).unwrap();
+        assert_eq!(digest(&table), digest(&default), "{size}");
+    }
+}
+
+#[test]
+fn interruption_keeps_finished_parts() {
+    let folder = Folder::new();
+    let sweep = Sweep::new(spec(AXES)).with_part_rows(10);
+    let table = folder.at("a.parquet");
+    let done = AtomicU64::new(0);
+    let watch = Watch {
+        carry_on: &|| done.load(Ordering::Relaxed) < 500,
+        done: &|_| {
+            done.fetch_add(1, Ordering::Relaxed);
+        },
+    };
+    let options = Options {
+        threads: 1,
+        ..Options::default()
+    };
+    let finished = run(&sweep, &table, &options, &watch).unwrap();
+    // All but the part that was being computed.
+    assert_eq!((finished.is_interrupted, finished.computed), (true, 500));
+    assert_eq!(left_to_do(&sweep, &table, None).unwrap(), 1900);
+}
+
+#[test]
+fn part_size_follows_from_the_work_of_a_row() {
+    for (duration, max_steps, rows) in [
+        // 170 rad/s take about 510 steps per second.
+        ("1", None, 1000),
+        ("60", None, 100),
+        ("6000", None, 1),
+        ("6000", Some(5000), 1000),
+    ] {
+        let set = [("stop.duration", duration)];
+        let design = Design::Grid(axes(&[("friction.k", "0.01..0.1/5000")]));
+        let spec = Spec::new(vec![base("paper", &set)], design, max_steps).unwrap();
+        assert_eq!(Sweep::new(spec).part_rows(), rows, "{duration} s");
+    }
+    // The longest of all rows counts.
+    let durations = [("stop.duration", "1..6000/64")];
+    assert_eq!(Sweep::new(spec(&durations)).part_rows(), 1);
 }
 
 #[test]
@@ -225,7 +281,7 @@ fn panicking(scenario: &Scenario, carry_on: &mut dyn FnMut() -> bool) -> RunResu
 
 /// `--set` takes the numbers that `--over` takes, and leaves texts as they are.
 #[test]
-fn numbers_need_no_digit_on_both_sides_of_the_point() {
+fn accepts_numbers_without_leading_digit() {
     let set = [
         ("initial.theta", ".5"),
         ("friction.k", "1."),
@@ -244,7 +300,7 @@ fn numbers_need_no_digit_on_both_sides_of_the_point() {
 
 /// A table leaves a key to the base where a cell is empty.
 #[test]
-fn a_key_that_each_row_of_a_table_has_is_not_set_too() {
+fn rejects_keys_both_set_and_varied() {
     let folder = Folder::new();
     let path = folder.at("design.csv");
     let told = |rows: &str| {
@@ -259,7 +315,7 @@ fn a_key_that_each_row_of_a_table_has_is_not_set_too() {
 }
 
 #[test]
-fn rows_that_fail_say_why() {
+fn failed_rows_have_an_error() {
     let folder = Folder::new();
     let table = folder.at("a.parquet");
     // θ = 0 can't be in Euler angles, beyond π is no inclination, and 10 s are over the budget.
@@ -304,7 +360,7 @@ fn rows_that_fail_say_why() {
 }
 
 #[test]
-fn a_sweep_may_end_at_the_first_error() {
+fn fail_fast_stops_at_first_error() {
     let folder = Folder::new();
     let table = folder.at("a.parquet");
     let sweep = Sweep::new(spec(&[("initial.theta", "0.4,0.5,4,5")]));
@@ -319,7 +375,7 @@ fn a_sweep_may_end_at_the_first_error() {
 
 /// What is there is ended at too: the first row in order.
 #[test]
-fn regress_a_first_error_may_be_in_a_part_or_table_that_is_there() {
+fn regress_fail_fast_sees_errors_of_existing_parts() {
     let folder = Folder::new();
     let table = folder.at("a.parquet");
     // The third of four parts has the first inclinations from which tops have fallen, the fourth has no others.
@@ -355,7 +411,7 @@ fn regress_a_first_error_may_be_in_a_part_or_table_that_is_there() {
 
 /// A row whose run fails comes before one whose values make no scenario.
 #[test]
-fn regress_the_first_error_is_the_first_whatever_its_kind() {
+fn regress_fail_fast_reports_the_lowest_row() {
     let folder = Folder::new();
     let table = folder.at("a.parquet");
     let mut spec = spec(&[("stop.duration", "0.002,10,-1")]);
@@ -372,7 +428,7 @@ fn regress_the_first_error_is_the_first_whatever_its_kind() {
 }
 
 #[test]
-fn what_is_there_is_never_overwritten() {
+fn never_overwrites_other_files() {
     let folder = Folder::new();
     let table = folder.at("a.parquet");
     let sweep = |text| Sweep::new(spec(&[("friction.k", text)]));
@@ -401,7 +457,7 @@ fn what_is_there_is_never_overwritten() {
 }
 
 #[test]
-fn samples_and_tables_say_what_runs() {
+fn samples_and_tables_define_rows() {
     let folder = Folder::new();
     let sample = |method, seed| {
         let sample = Sample {
@@ -431,7 +487,7 @@ fn samples_and_tables_say_what_runs() {
     let text = "friction_k, initial.psi_dot\n0.01, 100\n,150\n0.02,\n";
     fs::write(&csv, text).unwrap();
     let of = |path: &Path| {
-        let design = Design::of(Vec::new(), None, Some(Table::read(path).unwrap())).unwrap();
+        let design = Design::new(Vec::new(), None, Some(Table::read(path).unwrap())).unwrap();
         Spec::new(vec![base("paper", &[])], design, None).unwrap()
     };
     let spec = of(&csv);
@@ -496,7 +552,7 @@ fn val_samples_are_the_sobol_sequence_of_scipy() {
 }
 
 #[test]
-fn the_command_sweeps_resumes_and_reports() {
+fn command_resumes_and_reports() {
     let folder = Folder::new();
     let line = "sweep paper --set stop.duration=0.01 --over initial_theta=0.5,4 -o a.parquet";
     let answer = folder.toprise(&format!("{line} --dry-run"), 0).stdout;
@@ -523,7 +579,7 @@ fn the_command_sweeps_resumes_and_reports() {
 
 /// Any design: a grid over several bases, with words, a sample, and a table that leaves cells to the base.
 #[test]
-fn a_row_is_run_again_as_it_was() {
+fn run_repeats_a_row() {
     let folder = Folder::new();
     folder.write("design.csv", "friction_k,initial.theta\n0.02,0.5\n,0.4\n");
     let brief = "--set stop.duration=0.1 --format json";
@@ -565,7 +621,7 @@ fn a_row_is_run_again_as_it_was() {
 }
 
 #[test]
-fn a_row_that_is_not_there_or_was_changed_is_not_run() {
+fn rejects_missing_and_modified_rows() {
     let folder = Folder::new();
     let table = folder.at("a.parquet");
     let sweep = Sweep::new(spec(&[("initial.theta", "0.4,4")]));
@@ -599,7 +655,7 @@ fn a_row_that_is_not_there_or_was_changed_is_not_run() {
 
 /// Whatever bit of it is wrong: the row is the one that was run, or the table is refused.
 #[test]
-fn no_damage_of_a_table_is_more_than_an_error() {
+fn damaged_tables_do_not_panic() {
     let folder = Folder::new();
     let table = folder.at("a.parquet");
     let sweep = Sweep::new(spec(&[("friction.k", "0.01..0.1/12")]));
@@ -623,7 +679,7 @@ fn no_damage_of_a_table_is_more_than_an_error() {
 }
 
 #[test]
-fn sweeps_are_drawn_as_maps_and_curves() {
+fn draws_maps_and_curves() {
     let folder = Folder::new();
     let sweep = "sweep paper viscous --set stop.duration=0.05 --over friction.k=0.01..1/5log --over initial.theta=0.3..0.5/3 -o a.parquet";
     folder.toprise(sweep, 0);
@@ -659,7 +715,7 @@ fn sweeps_are_drawn_as_maps_and_curves() {
 /// A part is taken for that of this sweep only if it is, and every bit of it is as it was written. What is damaged is
 /// computed again.
 #[test]
-fn parts_that_are_others_or_damaged_are_never_merged() {
+fn never_merges_foreign_or_damaged_parts() {
     let folder = Folder::new();
     let (a, b) = (folder.at("a.parquet"), folder.at("b.parquet"));
     let sweep = |last| Sweep::new(spec(&[AXES[0], ("initial.psi_dot", last)]));
@@ -702,7 +758,7 @@ fn parts_that_are_others_or_damaged_are_never_merged() {
 
 /// A table that is there is done only if every bit of it is as it was written.
 #[test]
-fn regress_a_damaged_table_is_not_done() {
+fn regress_rejects_damaged_table() {
     let folder = Folder::new();
     let table = folder.at("a.parquet");
     let sweep = Sweep::new(spec(AXES));
@@ -730,7 +786,7 @@ fn regress_a_damaged_table_is_not_done() {
 
 /// Row counts, names and types of a Parquet file are looked at before its columns.
 #[test]
-fn regress_a_design_is_refused_before_its_columns_are_read() {
+fn regress_checks_columns_before_reading_cells() {
     let folder = Folder::new();
     let path = folder.at("design.parquet");
     let written = |name: &str, column: ArrayRef| {
@@ -791,7 +847,7 @@ fn regress_a_design_is_refused_before_its_columns_are_read() {
 /// Threads that have nothing to do cost as much as others to start.
 #[cfg(target_os = "linux")]
 #[test]
-fn regress_there_are_no_more_threads_than_processors_and_runs() {
+fn regress_limits_threads_to_processors_and_runs() {
     let folder = Folder::new();
     let threads = || fs::read_dir("/proc/self/task").unwrap().count() as u64;
     let most = AtomicU64::new(0);
@@ -818,7 +874,7 @@ fn regress_there_are_no_more_threads_than_processors_and_runs() {
 
 /// A share that comes in late, when the sweep has been completed without it, leaves nothing behind.
 #[test]
-fn what_comes_late_is_cleared_away() {
+fn clears_late_parts() {
     let folder = Folder::new();
     let table = folder.at("a.parquet");
     let sweep = Sweep::new(spec(AXES));
@@ -847,7 +903,7 @@ fn what_comes_late_is_cleared_away() {
 }
 
 #[test]
-fn what_says_of_which_sweep_parts_are_may_be_damaged() {
+fn rejects_damaged_spec_of_parts() {
     let folder = Folder::new();
     let table = folder.at("a.parquet");
     let sweep = Sweep::new(spec(&[("friction.k", "0.1")]));
@@ -879,7 +935,7 @@ fn write_columns<const N: usize>(path: &Path, columns: [(&str, ArrayRef); N]) {
 }
 
 #[test]
-fn designs_of_every_compression_are_read() {
+fn reads_every_compression() {
     let folder = Folder::new();
     let path = folder.at("design.parquet");
     let numbers: Vec<f64> = (0..1000).map(|row| 1e-4 * f64::from(row)).collect();
@@ -904,7 +960,7 @@ fn designs_of_every_compression_are_read() {
 
 /// Decades are whole numbers of nanoseconds, as sampling periods must be.
 #[test]
-fn decades_of_sampling_periods_can_be_run() {
+fn runs_decades_of_sampling_periods() {
     let axis = Axis::parse("sampling.period", "1e-4..1e-1/4log").unwrap();
     for row in 0..4 {
         let Value::Number(period) = axis.at(row) else {
@@ -921,7 +977,7 @@ fn decades_of_sampling_periods_can_be_run() {
 
 /// A table as pandas writes it: its index is a column like any other, but for its name or what the schema says.
 #[test]
-fn an_index_of_pandas_is_no_key() {
+fn ignores_pandas_index() {
     let folder = Folder::new();
     let path = folder.at("design.parquet");
     let design = |indices: &str| {
@@ -950,7 +1006,7 @@ fn an_index_of_pandas_is_no_key() {
 
 /// Libraries have several types for texts and numbers, and write a table with others than it had.
 #[test]
-fn tables_that_others_have_written_are_drawn() {
+fn draws_tables_of_other_software() {
     let folder = Folder::new();
     let sweep = "sweep paper viscous --set stop.duration=0.05 --over friction.k=0.01,0.02,0.03 --over initial.theta=0.25,0.5 -o a.parquet";
     folder.toprise(sweep, 0);
@@ -1005,7 +1061,7 @@ fn tables_that_others_have_written_are_drawn() {
 }
 
 #[test]
-fn a_table_needs_a_name() {
+fn rejects_table_without_name() {
     let folder = Folder::new();
     for name in ["..", "/", "new/"] {
         let line = format!("sweep paper --set stop.duration=0.01 -o {name}");
@@ -1019,7 +1075,7 @@ fn a_table_needs_a_name() {
 /// A name that leaves room for the directory of parts is a table's, and one that does not is not.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_name_that_is_too_long_is_refused_before_anything_is_computed() {
+fn rejects_too_long_names_early() {
     let folder = Folder::new();
     let table = folder.at("a".repeat(249));
     let sweep = Sweep::new(spec(&[("friction.k", "0.1,0.2")]));
@@ -1040,7 +1096,7 @@ fn a_name_that_is_too_long_is_refused_before_anything_is_computed() {
 }
 
 #[test]
-fn what_others_keep_beside_the_parts_stays() {
+fn keeps_foreign_files_next_to_parts() {
     let folder = Folder::new();
     let parts = folder.at("a.parquet.parts");
     fs::create_dir(&parts).unwrap();
@@ -1091,7 +1147,7 @@ fn what_others_keep_beside_the_parts_stays() {
 
 #[cfg(unix)]
 #[test]
-fn a_folder_that_cannot_be_written_is_an_error() {
+fn rejects_unwritable_folder() {
     let folder = Folder::new();
     // A file where the folder would have to be: nobody can write there, not even root.
     folder.write("a.parquet.parts", "");
@@ -1102,7 +1158,7 @@ fn a_folder_that_cannot_be_written_is_an_error() {
 }
 
 #[test]
-fn outcomes_have_no_column_of_a_key() {
+fn outcome_columns_differ_from_keys() {
     let names: Vec<_> = outcome::COLUMNS.iter().map(|c| c.name).collect();
     for key in toprise::run::scenario::KEYS {
         let column = toprise::sweep::column_name(key);
@@ -1114,7 +1170,7 @@ fn outcomes_have_no_column_of_a_key() {
 /// A process that dies while it merges leaves its draft among the parts, which the next one clears away.
 #[cfg(unix)]
 #[test]
-fn what_a_killed_merge_leaves_is_cleared_away() {
+fn clears_drafts_of_killed_merges() {
     let folder = Folder::new();
     let line = "sweep paper --set stop.duration=0.002 --over friction.k=0.005..0.1/40log --over initial.psi_dot=60..200/60 -o a.parquet";
     folder.toprise(&format!("{line} --shard 0/1"), 0);
@@ -1142,7 +1198,7 @@ fn what_a_killed_merge_leaves_is_cleared_away() {
 /// The directory of parts may be a link to another disk, from which a file can't be renamed.
 #[cfg(target_os = "linux")]
 #[test]
-fn parts_may_be_on_another_disk() {
+fn merges_parts_from_another_disk() {
     use std::os::unix::fs::MetadataExt as _;
     let folder = Folder::new();
     let Ok(other) = tempfile::tempdir_in("/dev/shm") else {
@@ -1164,7 +1220,7 @@ fn parts_may_be_on_another_disk() {
 /// Waiting for somebody at the other end of a pipe would take for ever.
 #[cfg(unix)]
 #[test]
-fn pipes_and_devices_are_refused_at_once() {
+fn rejects_pipes_and_devices() {
     let folder = Folder::new();
     for name in ["a.parquet", "a.csv"] {
         let mut command = std::process::Command::new("mkfifo");
@@ -1218,13 +1274,13 @@ fn table_of_others(folder: &Folder, values: [f64; 3]) -> &'static str {
 }
 
 #[test]
-fn columns_may_have_the_names_of_keys() {
+fn accepts_key_names_as_columns() {
     let folder = Folder::new();
     folder.toprise(table_of_others(&folder, [0.1, 0.2, 0.3]), 0);
 }
 
 #[test]
-fn numbers_beyond_all_use_are_not_drawn() {
+fn rejects_extreme_numbers_in_figures() {
     let folder = Folder::new();
     for beyond in [1e300, -1e308] {
         let line = table_of_others(&folder, [0.1, beyond, 0.3]);
@@ -1233,7 +1289,7 @@ fn numbers_beyond_all_use_are_not_drawn() {
 }
 
 #[test]
-fn scenarios_of_one_name_are_warned_of() {
+fn warns_of_shared_names() {
     let folder = Folder::new();
     let line = "sweep paper viscous --set stop.duration=0.001";
     let told = folder.toprise(&format!("{line} -o a.parquet"), 0).stderr;

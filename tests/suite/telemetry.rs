@@ -54,7 +54,7 @@ fn precession_views() -> Vec<(Option<[f64; 2]>, Vec<f64>)> {
 }
 
 #[test]
-fn views_tell_the_range_in_the_last_nutation() {
+fn views_have_the_range_of_the_last_nutation() {
     for (range, values) in precession_views() {
         let value = values[0];
         let [least, greatest] = range.unwrap_or([value; 2]);
@@ -137,7 +137,7 @@ fn joint_states_have_arrays_of_one_length() {
 }
 
 #[test]
-fn regress_the_committed_schemas_are_those_of_the_table() {
+fn regress_committed_schemas_match_the_table() {
     let directory = root().join("schemas");
     let reports = toprise::cli::schemas();
     let mut schemas = reports.clone();
@@ -160,7 +160,7 @@ fn regress_the_committed_schemas_are_those_of_the_table() {
 }
 
 #[test]
-fn the_documents_list_every_channel() {
+fn documents_list_every_channel() {
     let page = fs::read_to_string(root().join("docs/recordings.md")).unwrap();
     let rows = channels().iter();
     let rows = rows.map(|channel| format!("| `{}` | {} |", channel.topic, channel.meaning));
@@ -205,7 +205,7 @@ fn lint(path: &str, schema: &Value) {
 }
 
 #[test]
-fn schemas_keep_to_what_every_viewer_reads() {
+fn schemas_use_common_features_only() {
     for channel in channels() {
         let schema: Value = serde_json::from_str(&json_schema(channel)).unwrap();
         lint(channel.topic, &schema);
@@ -237,7 +237,7 @@ fn conforms(message: &Value, schema: &Value) -> bool {
 }
 
 #[test]
-fn json_messages_carry_every_bit_and_fit_their_schema() {
+fn json_messages_are_lossless_and_match_their_schema() {
     let fixed = short_run(&[]);
     let free = in_memory(&scenario("drop", &[("stop.duration", "0.2")])).0;
     let encoder = Encoder::new(Encoding::Json);
@@ -266,7 +266,7 @@ fn json_messages_carry_every_bit_and_fit_their_schema() {
 }
 
 #[test]
-fn messages_come_in_the_order_of_their_times_at_exact_times() {
+fn messages_are_ordered_by_time() {
     let sink = short_run(&[("sampling.period", "0.0003")]);
     let times: Vec<_> = sink.messages.iter().map(|m| m.time_ns).collect();
     assert!(times.is_sorted());
@@ -279,7 +279,7 @@ fn messages_come_in_the_order_of_their_times_at_exact_times() {
 }
 
 #[test]
-fn the_digest_sees_every_bit_but_not_the_interleaving() {
+fn digest_ignores_channel_order() {
     let sink = short_run(&[("stop.duration", "0.05")]);
     let digest = |messages: &[Owned]| {
         let mut digest = ContentDigest::default();
@@ -309,7 +309,7 @@ fn the_digest_sees_every_bit_but_not_the_interleaving() {
 }
 
 #[test]
-fn topics_that_are_not_wanted_are_not_made() {
+fn skips_unselected_topics() {
     let mut telemetry = Telemetry::with_topics(&Topics::Only(vec![STATE, EVENTS]));
     let scenario = scenario("paper", &[("stop.duration", "0.1")]);
     let mut sink = MemorySink::default();

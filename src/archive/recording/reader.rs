@@ -154,8 +154,7 @@ impl<'r> Reader<'r> {
         };
         let stamp = self.row.time_ns;
         if decoded.is_ok() && stamp != time_ns {
-            let reason = format!("its timestamp, {stamp} ns, differs from its log time");
-            decoded = Err(DecodeError(reason));
+            decoded = Err(DecodeError::Timestamp(stamp));
         }
         Some(match decoded {
             Ok(()) => Ok(Message {
