@@ -15,23 +15,31 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod claim;
 mod evidence;
 mod fact;
 mod fixed;
 mod free;
+mod momentum;
+mod observations;
 mod precession;
+mod story;
 
+pub use self::claim::{Claim, Stopped};
 use self::evidence::Evidence;
 pub use self::fact::Fact;
+use self::observations::Observations;
 pub use self::precession::Stage;
+pub use self::story::Story;
 
 use crate::analysis::history::{RunHistory, RunSummary};
 use crate::analysis::phrase::moment;
-use crate::analysis::subject::Subject;
-use crate::archive::format::STOP_REASON;
+use crate::analysis::subject::{ReadEnd, Subject};
+use crate::archive::recording::RecordingError;
+use crate::run::scenario::Scenario;
 use crate::run::simulation::{EventKind, StopReason};
 use crate::telemetry::fields::{ACCELERATION, ENERGY, EVENTS, NUTATION, STATE};
-use crate::telemetry::{Topic, Topics};
+use crate::telemetry::{Message, Topic, Topics};
 use schemars::JsonSchema;
 use serde::Serialize;
 use thiserror::Error;
@@ -40,15 +48,44 @@ use thiserror::Error;
 const NEEDED: [Topic; 4] = [STATE, ACCELERATION, ENERGY, EVENTS];
 
 /// The reason why a run can't be explained.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("{0}")]
-pub struct ExplainError(String);
+#[derive(Debug, Error)]
+pub enum ExplainError {
+    /// The file is not a recording of toprise.
+    #[error("not a toprise recording")]
+    Foreign,
+    /// The recording lacks a topic.
+    #[error("it has no {missing}; required topics: {}", NEEDED.map(Topic::name).join(", "))]
+    MissingTopic {
+        /// The first topic that it lacks.
+        missing: Topic,
+    },
+    /// The scenario of the recording can't be read.
+    #[error(transparent)]
+    Scenario(#[from] RecordingError),
+    /// The explanation was cancelled.
+    #[error("interrupted")]
+    Interrupted,
+    /// There is no motion between samples.
+    #[error(
+        "it has fewer than two samples ({})",
+        match loss {
+            Some(loss) => format!("missing: {loss}"),
+            None => "set a shorter sampling.period or a longer stop.duration".to_owned(),
+        }
+    )]
+    TooFewSamples {
+        /// The first part of the run that could not be read.
+        loss: Option<String>,
+    },
+}
 
 /// The explanation of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Explanation {
     /// The run and its end.
     pub title: String,
+    /// The causes of the motion; without claims for a recording from which something is missing.
+    pub story: Story,
     /// The facts, chapter by chapter.
     pub chapters: Vec<Chapter>,
     /// The kinds of events, in the order of their first times; empty for a recording with gaps, which may lack some.
@@ -101,108 +138,199 @@ pub fn explain_while<'a>(
     subject: impl Into<Subject<'a>>,
     carry_on: &dyn Fn() -> bool,
 ) -> Result<Explanation, ExplainError> {
-    let evidence = gather(subject.into(), carry_on)?;
-    let [motion, cause, energy] = if evidence.scenario.model.support.is_free() {
-        [free::motion, free::cause, free::energy]
-    } else {
-        [fixed::motion, fixed::cause, fixed::energy]
+    let subject = subject.into();
+    if !subject.is_ours() {
+        return Err(ExplainError::Foreign);
+    }
+    for topic in NEEDED {
+        if !subject.has_topic(topic) {
+            return Err(ExplainError::MissingTopic { missing: topic });
+        }
+    }
+    let scenario = match subject {
+        Subject::Scenario(scenario) => scenario.clone(),
+        Subject::Recording(recording) => recording.scenario()?,
     };
+    let mut explainer = Explainer::new(&scenario);
+    let ended = subject.read(&Topics::All, &mut |message, _| {
+        explainer.take(message);
+        carry_on()
+    });
+    if !carry_on() {
+        return Err(ExplainError::Interrupted);
+    }
+    explainer.finish(ended)
+}
+
+/// Explains a run while its messages are made or read.
+///
+/// ```
+/// use toprise::analysis::explain::Explainer;
+/// use toprise::analysis::subject::ReadEnd;
+/// use toprise::archive::format::end_entries;
+/// use toprise::run::scenario::{Preset, Scenario};
+/// use toprise::run::simulation::Simulation;
+/// use toprise::telemetry::Telemetry;
+///
+/// let mut values = Preset::find("frictionless")?.values()?;
+/// values.set("stop.duration", "0.2")?;
+/// let scenario = Scenario::new(values)?;
+/// let mut explainer = Explainer::new(&scenario);
+/// let (mut simulation, mut telemetry) = (Simulation::new(&scenario)?, Telemetry::default());
+/// while let Some(record) = simulation.next() {
+///     telemetry.messages(&record?, |message| {
+///         explainer.take(message);
+///         Ok::<_, Box<dyn std::error::Error>>(())
+///     })?;
+/// }
+/// let ended = ReadEnd {
+///     end: Some(end_entries(&simulation.end())),
+///     ..ReadEnd::default()
+/// };
+/// let story = explainer.finish(ended)?.story.text().unwrap();
+/// assert!(story.starts_with("Without friction, nothing changes the energy"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Explainer {
+    scenario: Scenario,
+    history: RunHistory,
+    observations: Observations,
+}
+
+impl Explainer {
+    /// Creates an explainer of a run of this scenario.
+    pub fn new(scenario: &Scenario) -> Self {
+        let mut history = RunHistory::new(Some(scenario), None);
+        let peg_radius = scenario.model.top.peg_radius;
+        history.set_flight_at_start(scenario.start().is_in_flight(peg_radius));
+        Self {
+            observations: Observations::new(scenario.model.support.is_free()),
+            scenario: scenario.clone(),
+            history,
+        }
+    }
+
+    /// Takes the next message, in the order of time.
+    pub fn take(&mut self, message: &Message<'_>) {
+        self.history.take(message);
+        self.observations.take(message);
+    }
+
+    /// Explains the run after its last message.
+    ///
+    /// # Errors
+    /// [`ExplainError`] if there are too few samples.
+    pub fn finish(mut self, ended: ReadEnd) -> Result<Explanation, ExplainError> {
+        self.history.finish(ended.end, ended.missing);
+        self.observations.finish();
+        if !has_motion(&self.history) {
+            return Err(ExplainError::TooFewSamples {
+                loss: ended.losses.into_iter().next(),
+            });
+        }
+        Ok(explanation(Evidence {
+            summary: self.history.summary(),
+            peg_intervals: self.history.peg_intervals(),
+            scenario: self.scenario,
+            history: self.history,
+            observations: self.observations,
+            losses: ended.losses,
+        }))
+    }
+}
+
+/// Whether there are two samples, or the run ended in a state from which nothing moves before the second.
+fn has_motion(history: &RunHistory) -> bool {
+    let Some([first, last]) = history.states else {
+        return false;
+    };
+    first.time < last.time || history.stop_reason() == Some(StopReason::Rest)
+}
+
+fn explanation(evidence: Evidence) -> Explanation {
     // Counts and averages of a recording with gaps are not those of the run.
     let history = &evidence.history;
     let lacks_averages = history.has_gaps || history.lacks(NUTATION);
     let lacks_events = history.has_gaps || history.lacks(EVENTS);
+    let story = if evidence.losses.is_empty() && !lacks_averages && !lacks_events {
+        story::story(&evidence)
+    } else {
+        Story::default()
+    };
     let motion = if lacks_averages || lacks_events {
         vec![fixed::start(&evidence)]
     } else {
         motion(&evidence)
     };
-    let cause = if lacks_averages || history.lacks(ACCELERATION) {
-        Vec::new()
-    } else {
-        cause(&evidence)
-    };
-    let events = if lacks_events {
-        Vec::new()
-    } else {
-        event_summaries(history)
-    };
-    let stages = if lacks_averages {
-        Vec::new()
-    } else {
-        precession::stages(&evidence)
-    };
-    let chapter = |heading, facts| Chapter { heading, facts };
+    let mut cause: Vec<Fact> = story.claims.iter().flat_map(Claim::facts).collect();
+    if !lacks_averages && !history.lacks(ACCELERATION) {
+        cause.extend(motion_cause(&evidence));
+    }
     let mut chapters = vec![
-        chapter("What happened", motion),
-        chapter("Why the axis moves", cause),
-        chapter("Where the energy goes", energy(&evidence)),
+        Chapter {
+            heading: "What happened",
+            facts: motion,
+        },
+        Chapter {
+            heading: "Why the axis moves",
+            facts: cause,
+        },
+        Chapter {
+            heading: "Where the energy goes",
+            facts: energy(&evidence),
+        },
     ];
     chapters.retain(|chapter| !chapter.facts.is_empty());
-    Ok(Explanation {
+    Explanation {
         title: title(&evidence),
+        story,
         chapters,
-        events,
-        stages,
+        events: if lacks_events {
+            Vec::new()
+        } else {
+            event_summaries(history)
+        },
+        stages: if lacks_averages {
+            Vec::new()
+        } else {
+            precession::stages(&evidence)
+        },
         summary: evidence.summary,
         losses: evidence.losses,
-    })
+    }
 }
 
-/// Reads a run.
-fn gather(subject: Subject<'_>, carry_on: &dyn Fn() -> bool) -> Result<Evidence, ExplainError> {
-    let refused = |reason: String| Err(ExplainError(reason));
-    if !subject.is_ours() {
-        return refused("not a toprise recording".to_owned());
+fn motion(evidence: &Evidence) -> Vec<Fact> {
+    if evidence.scenario.model.support.is_free() {
+        free::motion(evidence)
+    } else {
+        fixed::motion(evidence)
     }
-    if let Some(missing) = NEEDED.into_iter().find(|topic| !subject.has_topic(*topic)) {
-        let needed = NEEDED.map(Topic::name).join(", ");
-        return refused(format!("it has no {missing}; required topics: {needed}"));
+}
+
+fn motion_cause(evidence: &Evidence) -> Vec<Fact> {
+    if evidence.scenario.model.support.is_free() {
+        free::cause(evidence)
+    } else {
+        fixed::cause(evidence)
     }
-    let scenario = match subject {
-        Subject::Scenario(scenario) => scenario.clone(),
-        Subject::Recording(recording) => recording
-            .scenario()
-            .map_err(|error| ExplainError(error.to_string()))?,
-    };
-    let mut history = RunHistory::new(Some(scenario.model), None);
-    let peg_radius = scenario.model.top.peg_radius;
-    history.set_flight_at_start(scenario.start().is_in_flight(peg_radius));
-    let ended = subject.read(&Topics::All, &mut |message, _| {
-        history.take(message);
-        carry_on()
-    });
-    if !carry_on() {
-        return refused("interrupted".to_owned());
+}
+
+fn energy(evidence: &Evidence) -> Vec<Fact> {
+    if evidence.scenario.model.support.is_free() {
+        free::energy(evidence)
+    } else {
+        fixed::energy(evidence)
     }
-    history.finish(ended.end, ended.missing);
-    let losses = ended.losses;
-    let has_samples = history
-        .states
-        .is_some_and(|[first, last]| first.time < last.time);
-    if !has_samples {
-        let reason = losses.first().map_or_else(
-            || "set a shorter sampling.period or a longer stop.duration".to_owned(),
-            |loss| format!("missing: {loss}"),
-        );
-        return refused(format!("it has fewer than two samples ({reason})"));
-    }
-    Ok(Evidence {
-        summary: history.summary(),
-        peg_intervals: history.peg_intervals(),
-        scenario,
-        history,
-        losses,
-    })
 }
 
 fn title(evidence: &Evidence) -> String {
-    let reason = evidence.history.end_entry(STOP_REASON);
-    let mut known = StopReason::ALL.into_iter();
-    let reason = known.find(|stop| Some(stop.name()) == reason);
+    let history = &evidence.history;
     let scenario = evidence.scenario.title();
-    let end = moment(evidence.history.stop_time().unwrap_or(0.0));
-    match reason {
-        Some(reason) if evidence.history.is_recorded_to_end() => {
+    let end = moment(history.stop_time().unwrap_or(0.0));
+    match history.stop_reason() {
+        Some(reason) if history.is_recorded_to_end() => {
             format!("{scenario}: {} at t = {end}", reason.sentence())
         }
         _ => format!("{scenario}: incomplete, recorded until t = {end}"),
@@ -211,15 +339,15 @@ fn title(evidence: &Evidence) -> String {
 
 /// Event kinds, without nutation extremes.
 fn event_summaries(history: &RunHistory) -> Vec<EventSummary> {
-    let mut event_summaries: Vec<EventSummary> = Vec::new();
-    let is_listed = |kind: EventKind| kind != EventKind::Start && !kind.is_of_nutation();
-    let events = history.events.iter();
-    let events = events.filter_map(|event| Some((event.kind?, event)));
-    for (kind, event) in events.filter(|(kind, _)| is_listed(*kind)) {
-        let mut known = event_summaries.iter_mut();
-        match known.find(|known| known.name == kind.name()) {
+    let mut summaries: Vec<EventSummary> = Vec::new();
+    for event in &history.events {
+        let Some(kind) = event.kind else { continue };
+        if kind == EventKind::Start || kind.is_of_nutation() {
+            continue;
+        }
+        match summaries.iter_mut().find(|known| known.name == kind.name()) {
             Some(known) => (known.count, known.last) = (known.count + 1, event.time),
-            None => event_summaries.push(EventSummary {
+            None => summaries.push(EventSummary {
                 name: kind.name().to_owned(),
                 count: 1,
                 first: event.time,
@@ -228,5 +356,5 @@ fn event_summaries(history: &RunHistory) -> Vec<EventSummary> {
             }),
         }
     }
-    event_summaries
+    summaries
 }

@@ -20,8 +20,8 @@ use self::energy::Energies;
 use self::level::FirstCrossing;
 use crate::analysis::missing::Missing;
 use crate::archive::format::{Entries, INVERSION_TIME, SAMPLE_COUNT, STOP_REASON, STOP_TIME};
-use crate::physics::dynamics::Model;
 use crate::physics::kinematics::Euler;
+use crate::run::scenario::Scenario;
 use crate::run::simulation::{EventKind, StopReason};
 use crate::run::time::seconds;
 use crate::telemetry::fields::{
@@ -59,10 +59,10 @@ pub(crate) struct RunHistory {
     pub(crate) has_gaps: bool,
     /// Messages that the recording lacks, according to the end record.
     missing: Vec<Missing>,
-    /// Number of the next sample, if none is missing.
-    next_sample: u32,
-    /// Number of events that precede the last one, but are missing.
-    pub(crate) missing_events: u64,
+    /// Time between samples, ns, if the scenario is known.
+    sample_period_ns: Option<u64>,
+    /// Time of the last sample, ns.
+    last_sample_ns: Option<u64>,
     /// The first and the last sample.
     pub(crate) states: Option<[State; 2]>,
     pub(crate) energies: Option<Energies>,
@@ -85,12 +85,15 @@ pub(crate) struct RunHistory {
 }
 
 impl RunHistory {
-    /// Creates an empty history; `model` is set if known. `level` is the θ level whose first crossing is recorded, rad.
-    pub(crate) fn new(model: Option<Model>, level: Option<f64>) -> Self {
-        let free = model.filter(|model| model.support.is_free());
+    /// Creates an empty history; `scenario` is set if known. `level` is the θ level whose first crossing is recorded,
+    /// rad.
+    pub(crate) fn new(scenario: Option<&Scenario>, level: Option<f64>) -> Self {
         Self {
-            peg: free.map(PegHistory::new),
-            rise: level.map(FirstCrossing::of),
+            peg: scenario
+                .filter(|scenario| scenario.model.support.is_free())
+                .map(|scenario| PegHistory::new(scenario.model)),
+            rise: level.map(FirstCrossing::at_level),
+            sample_period_ns: scenario.map(|scenario| scenario.sample_period_ns),
             ..Self::default()
         }
     }
@@ -116,15 +119,14 @@ impl RunHistory {
             CONTACT => {
                 self.slip_path = Some(contact::SLIP_PATH.of(message)).filter(|p| !p.is_nan());
             }
-            NUTATION => self.cycles.push(Cycle::of(message)),
+            NUTATION => self.cycles.push(Cycle::from_message(message)),
             EVENTS => self.event(message),
             _ => {}
         }
     }
 
     fn state(&mut self, message: &Message<'_>) {
-        self.has_gaps |= message.sequence != self.next_sample;
-        self.next_sample = message.sequence.wrapping_add(1);
+        self.find_gap(message.time_ns);
         let rates = Euler {
             phi: state::PHI_DOT.of(message),
             theta: state::THETA_DOT.of(message),
@@ -148,14 +150,23 @@ impl RunHistory {
         self.states = Some([first, now]);
     }
 
+    /// Looks for a gap before a sample. Samples are at the multiples of the sampling period; their sequence numbers
+    /// don't tell, because other software may number messages anew.
+    fn find_gap(&mut self, time_ns: u64) {
+        if let Some(period) = self.sample_period_ns {
+            let expected = self.last_sample_ns.map_or(0, |last| last + period);
+            self.has_gaps |= time_ns > expected;
+        }
+        self.last_sample_ns = Some(time_ns);
+    }
+
     /// The integrals of the terms of φ̈ belong to the state at the same time.
     fn terms(&mut self, message: &Message<'_>) {
         let terms = [
-            acceleration::PHI_DOT_GYROSCOPIC,
-            acceleration::PHI_DOT_CORIOLIS,
-            acceleration::PHI_DOT_FRICTIONAL,
+            acceleration::PHI_DOT_GYROSCOPIC.of(message),
+            acceleration::PHI_DOT_CORIOLIS.of(message),
+            acceleration::PHI_DOT_FRICTIONAL.of(message),
         ];
-        let terms = terms.map(|term| term.of(message));
         let time = seconds(message.time_ns);
         for state in self.states.iter_mut().flatten() {
             if state.time == time {
@@ -174,9 +185,6 @@ impl RunHistory {
         if let Some(peg) = &mut self.peg {
             peg.event(&event);
         }
-        // Events are numbered from 0.
-        let preceding = self.events.len() as u64;
-        self.missing_events = u64::from(message.sequence).saturating_sub(preceding);
         self.events.push(event);
     }
 
@@ -197,21 +205,22 @@ impl RunHistory {
 
     /// Whether messages of a topic are missing, so that their number is not that of the run.
     pub(crate) fn lacks(&self, topic: Topic) -> bool {
-        let is_missing = self.missing.iter().any(|missing| missing.is_of(topic));
-        is_missing || (topic == EVENTS && self.missing_events > 0)
+        self.missing.iter().any(|missing| missing.is_of(topic))
     }
 
     /// The cycles that follow each other, so that their averages form a curve. For a fixed peg they end where the next
     /// cycle does not start near the end of the last one, or lasts more than twice or less than half as long.
     pub(crate) fn successive_cycles(&self) -> &[Cycle] {
         const RATIO: f64 = 2.0;
-        let is_broken = |pair: &[Cycle]| {
+        // A free peg may interrupt its nutation anywhere.
+        if self.peg.is_some() {
+            return &self.cycles;
+        }
+        let broken = self.cycles.windows(2).position(|pair| {
             let ratio = pair[1].period / pair[0].period;
             let gap = pair[1].start - pair[0].end();
             !(1.0 / RATIO..=RATIO).contains(&ratio) || gap.abs() > 0.5 * pair[0].period
-        };
-        let broken = self.cycles.windows(2).position(is_broken);
-        let broken = broken.filter(|_| self.peg.is_none());
+        });
         &self.cycles[..broken.map_or(self.cycles.len(), |last| last + 1)]
     }
 
@@ -227,8 +236,8 @@ impl RunHistory {
 
     /// A number of the end record.
     fn end_number(&self, key: &str) -> Option<f64> {
-        let number = self.end_entry(key)?.parse().ok();
-        number.filter(|number: &f64| number.is_finite())
+        let number: f64 = self.end_entry(key)?.parse().ok()?;
+        number.is_finite().then_some(number)
     }
 
     /// Whether the time of inversion is that of the end record.
@@ -238,17 +247,22 @@ impl RunHistory {
 
     /// Whether the recorded samples go to the end of the run.
     pub(crate) fn is_recorded_to_end(&self) -> bool {
-        // A sample number counts from 0.
-        let count = self.end_number(SAMPLE_COUNT);
-        !self.has_gaps || count.is_none_or(|count| f64::from(self.next_sample) >= count)
+        let (Some(count), Some(period), Some(last)) = (
+            self.end_number(SAMPLE_COUNT),
+            self.sample_period_ns,
+            self.last_sample_ns,
+        ) else {
+            return !self.has_gaps;
+        };
+        // The first sample is at 0.
+        (last / period + 1) as f64 >= count
     }
 
     /// Time at which the run or its recording ended, s: from the end record, or the last message.
     pub(crate) fn stop_time(&self) -> Option<f64> {
-        let known = self
-            .end_number(STOP_TIME)
-            .filter(|_| self.is_recorded_to_end());
-        known.or_else(|| self.last_ns.map(seconds))
+        self.end_number(STOP_TIME)
+            .filter(|_| self.is_recorded_to_end())
+            .or_else(|| self.last_ns.map(seconds))
     }
 
     /// The first event of a kind.
@@ -265,21 +279,23 @@ impl RunHistory {
 
     /// The nutation phase (number of cycles) over time. Interruptions are not counted.
     pub(crate) fn phase(&self) -> Curve {
-        let successive = self.successive_cycles();
-        let cycles = successive.iter().enumerate();
-        let broken_off = cycles.filter(|(index, _)| !self.goes_on_after(*index));
-        let number = |cycle: &Cycle| cycle.of_field(nutation::CYCLE);
-        let ends = broken_off.map(|(_, cycle)| (cycle.end(), number(cycle) + 1.0));
-        let starts = successive.iter().map(|cycle| (cycle.start, number(cycle)));
-        let mut points: Vec<_> = starts.chain(ends).collect();
+        let mut points = Vec::new();
+        for (index, cycle) in self.successive_cycles().iter().enumerate() {
+            let number = cycle.field(nutation::CYCLE);
+            points.push((cycle.start, number));
+            if !self.goes_on_after(index) {
+                points.push((cycle.end(), number + 1.0));
+            }
+        }
         points.sort_by(|one, other| one.0.total_cmp(&other.0));
         Curve::new(points)
     }
 
     fn goes_on_after(&self, index: usize) -> bool {
         let cycle = &self.cycles[index];
-        let next = self.cycles.get(index + 1);
-        next.is_some_and(|next| (next.start - cycle.end()).abs() < BROKEN * cycle.period)
+        self.cycles
+            .get(index + 1)
+            .is_some_and(|next| (next.start - cycle.end()).abs() < BROKEN * cycle.period)
     }
 
     /// End of the uninterrupted nutations, s.
@@ -288,11 +304,14 @@ impl RunHistory {
         Some(self.cycles[last].end())
     }
 
-    /// A quantity of the successive cycles: a curve through their middles.
-    pub(crate) fn of_cycles(&self, quantity: impl Fn(&Cycle) -> f64) -> Curve {
-        let points = self.successive_cycles().iter();
-        let points = points.map(|cycle| (cycle.middle(), quantity(cycle)));
-        Curve::new(points.filter(|(_, value)| !value.is_nan()))
+    /// A quantity of the successive cycles: a curve through their middles. NaN is left out.
+    pub(crate) fn curve(&self, quantity: impl Fn(&Cycle) -> f64) -> Curve {
+        let mut points = Vec::new();
+        for cycle in self.successive_cycles() {
+            points.push((cycle.middle(), quantity(cycle)));
+        }
+        points.retain(|(_, value)| !value.is_nan());
+        Curve::new(points)
     }
 
     /// Whether the axis is beyond the horizontal in the last sample: a tippe top that has inverted, and stays so.
@@ -332,7 +351,7 @@ impl RunHistory {
             energy_imbalance: self.energies.map(|energies| energies.imbalance),
             slip_path: self.slip_path,
             vertical_momentum_deviation: momentum
-                .map(|m| m.deviation / m.first.abs())
+                .map(|momentum| momentum.deviation / momentum.first.abs())
                 .filter(|deviation| deviation.is_finite()),
             peg: self.peg.as_ref().map(|peg| self.peg_summary(peg)),
         }

@@ -34,7 +34,7 @@ impl<'a> From<&'a Scenario> for Subject<'a> {
 
 /// The end of a run that has been read.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Ended {
+pub struct ReadEnd {
     /// The entries of its end record.
     pub end: Option<Entries>,
     /// Parts that could not be read, in sentences.
@@ -46,7 +46,7 @@ pub struct Ended {
 impl Subject<'_> {
     /// Calls `take` with the messages of some topics in time order, and the number of bytes read since the last call,
     /// as long as `take` returns true.
-    pub fn read(self, topics: &Topics, take: &mut dyn FnMut(&Message<'_>, u64) -> bool) -> Ended {
+    pub fn read(self, topics: &Topics, take: &mut dyn FnMut(&Message<'_>, u64) -> bool) -> ReadEnd {
         match self {
             Self::Scenario(scenario) => simulate(scenario, topics, take),
             Self::Recording(recording) => read(recording, topics, take),
@@ -118,7 +118,7 @@ fn read(
     recording: &Recording,
     topics: &Topics,
     take: &mut dyn FnMut(&Message<'_>, u64) -> bool,
-) -> Ended {
+) -> ReadEnd {
     let names = |topics: &[Topic]| topics.iter().map(ToString::to_string).collect();
     let recorded = recording.topics();
     let wanted: Vec<Topic> = match topics {
@@ -167,7 +167,7 @@ fn read(
     if losses.is_empty() {
         losses.extend(missing.iter().map(|part| format!("missing {part}")));
     }
-    Ended {
+    ReadEnd {
         end: recording.end().cloned(),
         losses,
         missing,
@@ -206,13 +206,13 @@ fn simulate(
     scenario: &Scenario,
     topics: &Topics,
     take: &mut dyn FnMut(&Message<'_>, u64) -> bool,
-) -> Ended {
+) -> ReadEnd {
     let mut simulation = match Simulation::new(scenario) {
         Ok(simulation) => simulation,
         Err(error) => {
-            return Ended {
+            return ReadEnd {
                 losses: vec![format!("missing the motion: {error}")],
-                ..Ended::default()
+                ..ReadEnd::default()
             };
         }
     };
@@ -231,7 +231,7 @@ fn simulate(
             break;
         }
     }
-    Ended {
+    ReadEnd {
         end: Some(end_entries(&simulation.end())),
         losses,
         missing: Vec::new(),

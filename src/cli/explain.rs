@@ -40,10 +40,10 @@ pub(super) fn explain(arguments: &ExplainArguments) -> Result<Status, Error> {
 }
 
 fn page(explanation: &Explanation, all: bool) -> Vec<Section> {
-    let chapter = |chapter: &Chapter| {
-        Section::of_lines(chapter.heading, chapter.facts.iter().map(Fact::sentence))
-    };
-    let mut sections: Vec<Section> = explanation.chapters.iter().map(chapter).collect();
+    let mut sections = Vec::new();
+    // The causes come first, in words; the numbers follow.
+    sections.push(Section::of_lines("", explanation.story.text().into_iter()));
+    sections.extend(explanation.chapters.iter().map(chapter));
     sections.push(events(explanation));
     if all {
         sections.push(stages(&explanation.stages));
@@ -53,6 +53,10 @@ fn page(explanation: &Explanation, all: bool) -> Vec<Section> {
     sections.retain(|section| !section.parts.is_empty());
     sections.insert(0, Section::new(&explanation.title));
     sections
+}
+
+fn chapter(chapter: &Chapter) -> Section {
+    Section::of_lines(chapter.heading, chapter.facts.iter().map(Fact::sentence))
 }
 
 /// One line for each kind of event.

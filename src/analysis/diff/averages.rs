@@ -58,7 +58,7 @@ pub struct Deviation {
 
 /// Compares the averaged motions up to a time (s); `None` if they don't nutate at the same time.
 pub(super) fn compare(a: &RunHistory, b: &RunHistory, until: f64) -> Option<Averaged> {
-    let middles = [a, b].map(|history| history.of_cycles(Cycle::middle).domain());
+    let middles = [a, b].map(|history| history.curve(Cycle::middle).domain());
     let [Some(of_a), Some(of_b)] = middles else {
         return None;
     };
@@ -72,7 +72,7 @@ pub(super) fn compare(a: &RunHistory, b: &RunHistory, until: f64) -> Option<Aver
     times.sort_by(f64::total_cmp);
     let is_quantity = |field: &NumberField| ![nutation::CYCLE, nutation::START].contains(field);
     let fields = NUTATION.numbers().filter(is_quantity);
-    let amplitudes = [a, b].map(|history| history.of_cycles(Cycle::amplitude));
+    let amplitudes = [a, b].map(|history| history.curve(Cycle::amplitude));
     let [first, second] = amplitudes.each_ref().map(|curve| curve.at(to));
     Some(Averaged {
         from,
@@ -91,7 +91,7 @@ fn curve(run: &RunHistory, field: NumberField) -> Curve {
     let points = run.successive_cycles().iter().map(|cycle| {
         let is_meaningful = !is_of_azimuth(field) || is_away_from_vertical(cycle);
         let value = if is_meaningful {
-            cycle.of_field(field)
+            cycle.field(field)
         } else {
             f64::NAN
         };
@@ -117,8 +117,8 @@ fn is_of_azimuth(field: NumberField) -> bool {
 /// Whether the axis passes neither the upper nor the lower vertical in a cycle. In a passage, φ changes by about π to
 /// one side or the other, and the mean of φ̇ depends on the side and not on the precession.
 fn is_away_from_vertical(cycle: &Cycle) -> bool {
-    let least = cycle.of_field(nutation::THETA_MIN);
-    let greatest = cycle.of_field(nutation::THETA_MAX);
+    let least = cycle.field(nutation::THETA_MIN);
+    let greatest = cycle.field(nutation::THETA_MAX);
     least >= UPRIGHT && greatest <= PI - UPRIGHT
 }
 
@@ -234,15 +234,15 @@ fn deviation(field: NumberField, times: &[f64], [a, b]: &[Curve; 2]) -> Option<D
 /// B − A of the fields of `/top/nutation` at equal times: at the middle of each cycle of A, as long as B nutates.
 pub(super) fn differences(a: &RunHistory, b: &RunHistory) -> Vec<Owned> {
     let fields: Vec<NumberField> = NUTATION.numbers().collect();
-    let curve = |field: &NumberField| b.of_cycles(|cycle| cycle.of_field(*field));
+    let curve = |field: &NumberField| b.curve(|cycle| cycle.field(*field));
     let curves: Vec<Curve> = fields.iter().map(curve).collect();
     let cycles = a.successive_cycles().iter().filter_map(|cycle| {
         let time = cycle.middle();
         let numbers = fields.iter().zip(&curves);
-        let numbers = numbers.map(|(field, of_b)| Some(of_b.at(time)? - cycle.of_field(*field)));
+        let numbers = numbers.map(|(field, of_b)| Some(of_b.at(time)? - cycle.field(*field)));
         Some(Owned {
             channel: NUTATION.index(),
-            sequence: cycle.of_field(nutation::CYCLE) as u32,
+            sequence: cycle.field(nutation::CYCLE) as u32,
             time_ns: nanoseconds(time),
             numbers: numbers.collect::<Option<_>>()?,
             texts: Vec::new(),

@@ -55,7 +55,7 @@ impl MeanCrossing {
         histories: [&RunHistory; 2],
         integrators: [f64; 2],
     ) -> Option<Self> {
-        let curves = histories.map(|history| history.of_cycles(|cycle| sign * cycle.means[0]));
+        let curves = histories.map(|history| history.curve(|cycle| sign * cycle.means[0]));
         let ends = histories.map(|history| {
             let means = || {
                 history
@@ -138,11 +138,11 @@ fn interpolation_error(curve: &Curve, time: f64) -> f64 {
 /// Averaging error of the mean over a nutation, rad: if the amplitude changes by ΔA per cycle, the mean of A cos 2πs is
 /// off by up to ΔA/2π.
 fn averaging_error(history: &RunHistory, time: f64) -> f64 {
-    let amplitude = history.of_cycles(amplitude);
+    let amplitude = history.curve(amplitude);
     let Some((first, last)) = amplitude.domain() else {
         return 0.0;
     };
-    let period = history.of_cycles(|cycle| cycle.period).at(time);
+    let period = history.curve(|cycle| cycle.period).at(time);
     let period = period.unwrap_or_default().min(last - first);
     // Equal ends may differ by rounding.
     let end = time.max(first + 0.5 * period).min(last - 0.5 * period);
@@ -160,11 +160,11 @@ fn amplitude(cycle: &Cycle) -> f64 {
 ///
 /// Amplitude and drift are evaluated at the first crossing, because they can change during a large lead.
 pub(super) fn ripple(history: &RunHistory, time: f64) -> Option<[f64; 2]> {
-    let of_theta = history.of_cycles(amplitude);
-    let of_rate = history.of_cycles(Cycle::amplitude);
+    let of_theta = history.curve(amplitude);
+    let of_rate = history.curve(Cycle::amplitude);
     let (first, last) = of_rate.domain()?;
     let crossing = time.clamp(first, last);
-    let mean = history.of_cycles(|cycle| cycle.means[0]);
+    let mean = history.curve(|cycle| cycle.means[0]);
     let earlier = |time: f64| Some(of_theta.at(time)? / mean.slope(time)?.abs());
     let later = |time: f64| {
         let ratio = of_rate.at(time)? / mean.slope(time)?.abs();

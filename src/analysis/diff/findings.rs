@@ -13,7 +13,7 @@ use crate::analysis::history::{PegPhase, RunHistory};
 use crate::analysis::phrase::{moment, significant};
 use crate::run::scenario::Scenario;
 use crate::run::simulation::{EventKind, StopReason};
-use crate::telemetry::fields::{NumberField, energy, nutation};
+use crate::telemetry::fields::{EVENTS, NumberField, energy, nutation};
 
 /// Events of one kind are at one level of θ if they are at the same angle within this, rad: a level is met to the
 /// resolution of a step, some 1e-16 s, in which θ changes by far less.
@@ -66,7 +66,7 @@ pub(super) fn findings(evidence: &Evidence<'_>) -> Vec<Finding> {
 
 /// Whether nothing of a run is known to be missing.
 fn is_whole(run: &RunData) -> bool {
-    run.losses.is_empty() && run.history.missing_events == 0
+    run.losses.is_empty() && !run.history.lacks(EVENTS)
 }
 
 /// Merges times of one instant in both runs, e.g. of a rise that ends both: one row, with the larger uncertainty.

@@ -13,7 +13,7 @@ use super::tolerance::{Options, full_name};
 use super::topic::TopicTally;
 use crate::analysis::history::RunHistory;
 use crate::analysis::history::energy::Energies;
-use crate::analysis::subject::{Ended, Subject};
+use crate::analysis::subject::{ReadEnd, Subject};
 use crate::archive::memory::Owned;
 use crate::run::simulation::StopReason;
 use crate::run::time::seconds;
@@ -99,7 +99,7 @@ pub(super) fn common_level(runs: [Subject<'_>; 2]) -> Option<f64> {
 
 enum Parcel {
     Batch(Vec<Owned>, u64),
-    End(Ended),
+    End(ReadEnd),
 }
 
 /// Reads both runs and compares their messages within limits.
@@ -187,8 +187,8 @@ impl<'o> Pairing<'o> {
         };
         let paired = Paired {
             topics: Topic::all().map(tally).collect(),
-            runs: models.map(|model| RunData {
-                history: RunHistory::new(model, limits.level),
+            runs: scenarios.each_ref().map(|scenario| RunData {
+                history: RunHistory::new(scenario.as_ref(), limits.level),
                 ..RunData::default()
             }),
             common: Default::default(),
@@ -226,7 +226,7 @@ impl<'o> Pairing<'o> {
                 }
                 Ok(Parcel::End(ended)) => self.end(side, ended),
                 // Its thread has panicked.
-                Err(_) => self.end(side, Ended::default()),
+                Err(_) => self.end(side, ReadEnd::default()),
             }
             for topic in Topic::all().filter(|topic| topic.info().is_sampled) {
                 self.pair_samples(topic)?;
@@ -249,7 +249,7 @@ impl<'o> Pairing<'o> {
         }
     }
 
-    fn end(&mut self, side: Side, ended: Ended) {
+    fn end(&mut self, side: Side, ended: ReadEnd) {
         let run = &mut self.paired.runs[side.index()];
         run.is_ended = true;
         run.losses = ended.losses;

@@ -1,5 +1,6 @@
 //! Input data of an explanation.
 
+use super::observations::Observations;
 use crate::analysis::history::{Interval, RunHistory, RunSummary};
 use crate::archive::format::STEPS;
 use crate::run::scenario::Scenario;
@@ -25,6 +26,7 @@ pub(super) fn known_deviations(is_constant: bool) -> Range<f64> {
 pub(super) struct Evidence {
     pub(super) scenario: Scenario,
     pub(super) history: RunHistory,
+    pub(super) observations: Observations,
     pub(super) summary: RunSummary,
     /// Phases of a free peg, in the order of time; empty if they are not known.
     pub(super) peg_intervals: Vec<Interval>,
@@ -33,6 +35,14 @@ pub(super) struct Evidence {
 }
 
 impl Evidence {
+    /// Mean θ in the first and the last nutation, rad; `None` if there are fewer than two.
+    pub(super) fn mean_theta(&self) -> Option<[f64; 2]> {
+        let [first, .., last] = &self.history.cycles[..] else {
+            return None;
+        };
+        Some([first.means[0], last.means[0]])
+    }
+
     /// Accumulated integration error at the end of the run in a quantity of this size; an upper estimate.
     pub(super) fn floor(&self, size: f64) -> f64 {
         let steps = self

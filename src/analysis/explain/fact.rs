@@ -132,6 +132,53 @@ pub enum Fact {
         /// The mean θ̇, rad/s.
         mean: f64,
     },
+    /// The horizontal part of the angular momentum.
+    HorizontalMomentum {
+        /// At the beginning, kg m²/s.
+        first: f64,
+        /// At the end of the rise, kg m²/s.
+        last: f64,
+    },
+    /// The axis stays close to the angular momentum.
+    AngleToMomentum {
+        /// The largest angle between them during the rise, rad.
+        largest: f64,
+    },
+    /// The axis turns towards the angular momentum.
+    AngleToMomentumChange {
+        /// The angle between them at the beginning, rad.
+        first: f64,
+        /// The angle between them in the last sample, rad.
+        last: f64,
+    },
+    /// The angular momentum about the symmetry axis.
+    AxialMomentum {
+        /// At the beginning, kg m²/s.
+        first: f64,
+        /// In the last sample, kg m²/s.
+        last: f64,
+    },
+    /// The angular momentum about the axis below which the top is weak.
+    WeakBelow {
+        /// √(4 M g l I_x), kg m²/s.
+        critical: f64,
+    },
+    /// The height of the centre of mass above the table.
+    CenterHeight {
+        /// At the beginning, m.
+        first: f64,
+        /// In the last sample, m.
+        last: f64,
+    },
+    /// The inclination while the contact point does not slip, to the end.
+    HeldTheta {
+        /// The least, rad.
+        least: f64,
+        /// The greatest, rad.
+        greatest: f64,
+        /// Whether the peg rolls.
+        rolls: bool,
+    },
     /// The model omits a component of the friction torque.
     ModelPart {
         /// The value of `friction.dissipation`.
@@ -248,11 +295,11 @@ impl Fact {
                 theta,
                 nutation_end: Some(time),
             } => format!(
-                "The nutation ends at {}; in the last sample, θ = {}.",
+                "The nutation ends at {}; at the end (last sample), θ = {}.",
                 at(time),
                 angle(theta)
             ),
-            Self::End { theta, .. } => format!("In the last sample, θ = {}.", angle(theta)),
+            Self::End { theta, .. } => format!("At the end (last sample), θ = {}.", angle(theta)),
             Self::Loops { count: 1, first } => format!("The axis loops once, at {}.", at(first)),
             Self::Loops { count, first } => {
                 format!("The axis loops {count} times, first at {}.", at(first))
@@ -303,17 +350,59 @@ impl Fact {
             }
             Self::NoRoots => "At the start, the spin is too low for regular precession.".to_owned(),
             Self::FrictionOnPrecession { friction, change } => format!(
-                "Until the last sample, the friction term of φ̈ integrates to {}; φ̇ changes by {}.",
+                "The friction term of φ̈ alone would change φ̇ by {}; all terms together change it by {}.",
                 rate(friction),
                 quantity(*change, 3, "rad/s")
             ),
             Self::NoFrictionOnPrecession => {
-                "The friction term of φ̈ integrates to 0, within the integration error.".to_owned()
+                "The friction term of φ̈ does not change φ̇ by more than the integration error.".to_owned()
             }
             Self::TermsCancel { demanded, mean } => format!(
                 "The gyroscopic and Coriolis terms are proportional to θ̇. They balance the friction term at a mean θ̇ of {}; the observed mean is {}.",
                 rate(demanded),
                 rate(mean)
+            ),
+            Self::HorizontalMomentum { first, last } => format!(
+                "The horizontal part of the angular momentum decreases from {} to {}.",
+                significant(*first, 4),
+                quantity(*last, 3, "kg m²/s")
+            ),
+            Self::AngleToMomentum { largest } => format!(
+                "Meanwhile the axis is always within {} of the angular momentum.",
+                quantity(*largest, 2, "rad")
+            ),
+            Self::AngleToMomentumChange { first, last } => format!(
+                "The angle between the axis and the angular momentum decreases from {} to {}.",
+                significant(*first, 3),
+                quantity(*last, 3, "rad")
+            ),
+            Self::AxialMomentum { first, last } => format!(
+                "The angular momentum about the axis changes from {} to {}.",
+                significant(*first, 4),
+                quantity(*last, 4, "kg m²/s")
+            ),
+            Self::WeakBelow { critical } => format!(
+                "The top is weak where this is less than {}.",
+                quantity(*critical, 4, "kg m²/s")
+            ),
+            Self::CenterHeight { first, last } => format!(
+                "The centre of mass rises from a height of {} to {}.",
+                significant(*first, 4),
+                quantity(*last, 4, "m")
+            ),
+            Self::HeldTheta {
+                least,
+                greatest,
+                rolls,
+            } => format!(
+                "While the {}, θ stays between {} and {}.",
+                if *rolls {
+                    "peg rolls to the end"
+                } else {
+                    "contact point sticks"
+                },
+                significant(*least, 4),
+                angle(greatest)
             ),
             Self::ModelPart {
                 dissipation,
@@ -338,7 +427,7 @@ impl Fact {
                 let change = (last - first).abs();
                 let change = quantity(change, known_digits(change, *within), "J");
                 let until = at(time);
-                format!("Energy {verb} by {change} until the last sample, at {until}.")
+                format!("Up to {until} (last sample), energy {verb} by {change}.")
             }
             Self::EnergyConstant { energy, deviation } => format!(
                 "Energy is constant at {} in all samples (± {}).",
@@ -360,18 +449,18 @@ impl Fact {
                 quantity(*within, 2, "J")
             ),
             Self::Sliding { sliding, losses } if *losses > 0.0 => format!(
-                "Until the last sample, sliding dissipates {}; rolling resistance, drilling and air dissipate {}.",
+                "In this time, sliding dissipates {}; rolling resistance, drilling and air drag dissipate {}.",
                 joule(sliding),
                 joule(losses)
             ),
             Self::Sliding { sliding, .. } => {
                 format!(
-                    "Until the last sample, sliding dissipates {}.",
+                    "In this time, sliding dissipates {}.",
                     joule(sliding)
                 )
             }
             Self::SlipPath { length } => format!(
-                "Until the last sample, the contact point slips {}.",
+                "In this time, the contact point slips {}.",
                 quantity(*length, 3, "m")
             ),
             Self::VerticalMomentum {

@@ -167,7 +167,7 @@ pub(super) fn cancelling(evidence: &Evidence) -> Option<Fact> {
     let top = evidence.scenario.model.nutating_top();
     let cycles = &evidence.history.cycles;
     let (first, last) = (cycles.first()?, cycles.last()?);
-    let frictional = |cycle: &Cycle| cycle.of_field(nutation::PHI_DDOT_FRICTIONAL_MEAN);
+    let frictional = |cycle: &Cycle| cycle.field(nutation::PHI_DDOT_FRICTIONAL_MEAN);
     let demanded = |cycle: &Cycle| {
         let tilt = mean_motion(cycle)?;
         let gyroscopic = top.axial_moment / top.transverse_moment * tilt.axial_rate();

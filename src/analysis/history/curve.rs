@@ -71,31 +71,39 @@ impl Curve {
         let at = at.clamp(2, count - 3);
         let others = [at - 2, at - 1, at + 1, at + 2];
         let nodes = others.map(|i| self.x[i]);
-        let weights = lagrange(&nodes, self.x[at]);
-        let value: f64 = weights.zip(others).map(|(w, i)| w * self.y[i]).sum();
+        let value: f64 = lagrange(&nodes, self.x[at])
+            .zip(others)
+            .map(|(weight, i)| weight * self.y[i])
+            .sum();
         Some(value - self.y[at])
     }
 
     /// The x at which y first passes a level.
     pub(crate) fn first_reaches(&self, level: f64) -> Option<f64> {
-        let crosses = |pair: &[f64]| (pair[0] > level) != (pair[1] > level);
-        let at = self.y.windows(2).position(crosses)?;
+        let at = self
+            .y
+            .windows(2)
+            .position(|pair| (pair[0] > level) != (pair[1] > level))?;
         let (start, width) = (self.x[at], self.x[at + 1] - self.x[at]);
-        let x = |s: f64| start + s * width;
-        let above = |s: f64| self.at(x(s)).map_or(f64::NAN, |y| y - level);
-        Some(x(zero(self.y[at] - level, self.y[at + 1] - level, above)))
+        let part = zero(self.y[at] - level, self.y[at + 1] - level, |s| {
+            self.at(start + s * width)
+                .map_or(f64::NAN, |y| y - level)
+        });
+        Some(start + part * width)
     }
 }
 
 /// The weights with which the values at points enter Lagrange's interpolation at x.
 pub(crate) fn lagrange(points: &[f64], x: f64) -> impl Iterator<Item = f64> + '_ {
-    let weight = move |i: usize| {
-        let others = points.iter().enumerate().filter(move |(j, _)| *j != i);
-        others
-            .map(|(_, other)| (x - other) / (points[i] - other))
-            .product()
-    };
-    (0..points.len()).map(weight)
+    points.iter().enumerate().map(move |(i, point)| {
+        let mut weight = 1.0;
+        for (j, other) in points.iter().enumerate() {
+            if j != i {
+                weight *= (x - other) / (point - other);
+            }
+        }
+        weight
+    })
 }
 
 /// The cubic through two points `h` apart with given slopes, at the fraction `s` of the interval.
@@ -122,9 +130,10 @@ pub(crate) fn extreme([y0, d0]: [f64; 2], [y1, d1]: [f64; 2], h: f64) -> Option<
     }
     // The slope, a parabola in s, changes sign between 0 and 1.
     let rise = (y1 - y0) / h;
-    let slope =
-        |s: f64| d0 + s * (6.0 * rise - 4.0 * d0 - 2.0 * d1) + 3.0 * s * s * (d0 + d1 - 2.0 * rise);
-    Some(hermite3([y0, d0], [y1, d1], h, zero(d0, d1, slope)))
+    let at = zero(d0, d1, |s| {
+        d0 + s * (6.0 * rise - 4.0 * d0 - 2.0 * d1) + 3.0 * s * s * (d0 + d1 - 2.0 * rise)
+    });
+    Some(hermite3([y0, d0], [y1, d1], h, at))
 }
 
 #[cfg(test)]

@@ -24,7 +24,7 @@ pub(crate) struct Constancy {
 
 impl Constancy {
     /// Takes the next value; NaN is not recorded.
-    pub(super) fn take(constancy: &mut Option<Self>, value: f64) {
+    pub(crate) fn take(constancy: &mut Option<Self>, value: f64) {
         if value.is_nan() {
             return;
         }

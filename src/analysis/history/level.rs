@@ -28,13 +28,13 @@ pub(crate) struct FirstCrossing {
     between: Option<f64>,
     /// The largest time between two samples up to there, s.
     gap: f64,
-    /// The last sample: its time (s), θ, θ̇ and θ̈.
+    /// The last sample: time (s), θ, θ̇ and θ̈.
     last: Option<(f64, [f64; 3])>,
 }
 
 impl FirstCrossing {
     /// Looks for the first time at which θ falls to a level, rad.
-    pub(super) fn of(level: f64) -> Self {
+    pub(super) fn at_level(level: f64) -> Self {
         Self {
             level,
             ..Self::default()
@@ -49,9 +49,9 @@ impl FirstCrossing {
     /// Whether the first crossing is known, if there is one: by an event, or because there are samples that resolve
     /// nutations of this period (s).
     pub(crate) fn is_known(&self, shortest_nutation: Option<f64>) -> bool {
-        let is_resolved = |period: f64| SAMPLES_PER_NUTATION * self.gap <= period;
-        let has_samples = self.last.is_some();
-        self.event.is_some() || (has_samples && shortest_nutation.is_some_and(is_resolved))
+        let is_resolved =
+            shortest_nutation.is_some_and(|period| SAMPLES_PER_NUTATION * self.gap <= period);
+        self.event.is_some() || (self.last.is_some() && is_resolved)
     }
 
     /// Sets the time of the end of a run that ended when θ first fell to the level, s.
@@ -75,16 +75,21 @@ impl FirstCrossing {
     }
 
     fn state(&mut self, message: &Message<'_>) {
-        let now = [state::THETA, state::THETA_DOT, state::THETA_DDOT].map(|f| f.of(message));
+        let now = [
+            state::THETA.of(message),
+            state::THETA_DOT.of(message),
+            state::THETA_DDOT.of(message),
+        ];
         if now.iter().any(|value| !value.is_finite()) {
             return;
         }
         let time = seconds(message.time_ns);
         if let Some((before, last)) = self.last.replace((time, now)) {
-            let [from, to] = [last, now].map(|[theta, rate, acc]| [theta - self.level, rate, acc]);
+            let from = [last[0] - self.level, last[1], last[2]];
+            let to = [now[0] - self.level, now[1], now[2]];
             self.gap = self.gap.max(time - before);
-            let part = first_zero(from, to, time - before);
-            self.between = part.map(|part| before + part * (time - before));
+            self.between = first_zero(from, to, time - before)
+                .map(|part| before + part * (time - before));
         }
     }
 }

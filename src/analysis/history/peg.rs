@@ -161,11 +161,11 @@ impl PegHistory {
         } else {
             PegPhase::Sliding
         };
-        let starts = [(first, 0.0, f64::NAN)].into_iter();
-        let starts = starts.chain(self.changes.iter().copied());
-        let ends = self.changes.iter().map(|change| change.1).chain([end]);
+        let mut starts = vec![(first, 0.0, f64::NAN)];
+        starts.extend_from_slice(&self.changes);
         let mut intervals: Vec<Interval> = Vec::new();
-        for ((phase, from, theta), to) in starts.zip(ends) {
+        for (index, (phase, from, theta)) in starts.iter().copied().enumerate() {
+            let to = starts.get(index + 1).map_or(end, |(_, next, _)| *next);
             // A phase that begins and ends at the same time is not a real phase.
             if to <= from {
                 continue;
@@ -184,8 +184,6 @@ impl PegHistory {
     }
 
     pub(super) fn summary(&self, intervals: &[Interval]) -> PegSummary {
-        let of = |phase: PegPhase| intervals.iter().filter(move |i| i.phase == phase);
-        let time_in = |phase: PegPhase| of(phase).map(Interval::duration).fold(0.0, |a, b| a + b);
         let is_known = self.has_events;
         // A recording without their channel may have lost energy in impacts.
         let is_free_of_impacts = self.lost.is_some_and(|lost| lost[2..] == [0.0; 2]);
@@ -195,22 +193,23 @@ impl PegHistory {
             .changes
             .last()
             .is_some_and(|(phase, ..)| *phase != PegPhase::Rolling);
-        let last = intervals
+        let last_roll = intervals
             .last()
             .filter(|last| last.phase == PegPhase::Rolling && !ends_otherwise);
+        let flights = in_phase(intervals, PegPhase::Flying);
+        let rolls = in_phase(intervals, PegPhase::Rolling);
         PegSummary {
-            hops: is_known.then(|| of(PegPhase::Flying).count() as u64),
+            hops: is_known.then_some(flights.len() as u64),
             impacts: knows_impacts.then_some(self.impacts),
-            impact_loss: knows_impacts
-                .then_some(self.impact_loss)
-                .filter(|lost| lost.is_finite()),
-            first_flight: of(PegPhase::Flying).next().map(|i| i.from),
-            time_in_air: is_known.then(|| time_in(PegPhase::Flying)),
+            impact_loss: (knows_impacts && self.impact_loss.is_finite())
+                .then_some(self.impact_loss),
+            first_flight: flights.first().map(|flight| flight.from),
+            time_in_air: is_known.then(|| total_duration(&flights)),
             highest: Some(self.highest).filter(|height| *height > 0.0),
-            first_roll: of(PegPhase::Rolling).next().map(|i| i.from),
-            time_rolling: is_known.then(|| time_in(PegPhase::Rolling)),
-            rolls_to_end_from: last.map(|i| i.from),
-            rolls_to_end_at: last.map(|i| i.theta),
+            first_roll: rolls.first().map(|roll| roll.from),
+            time_rolling: is_known.then(|| total_duration(&rolls)),
+            rolls_to_end_from: last_roll.map(|roll| roll.from),
+            rolls_to_end_at: last_roll.map(|roll| roll.theta),
             lost: self.lost,
             jellett: self.jellett.map(|jellett| jellett.first),
             jellett_deviation: self
@@ -219,6 +218,22 @@ impl PegHistory {
             farthest: self.travelled.map(|(_, farthest)| farthest),
         }
     }
+}
+
+/// The intervals of a phase.
+pub(crate) fn in_phase(intervals: &[Interval], phase: PegPhase) -> Vec<Interval> {
+    let mut found = intervals.to_vec();
+    found.retain(|interval| interval.phase == phase);
+    found
+}
+
+/// Total duration, s.
+fn total_duration(intervals: &[Interval]) -> f64 {
+    // `sum` of nothing is −0.
+    intervals
+        .iter()
+        .map(Interval::duration)
+        .fold(0.0, |sum, duration| sum + duration)
 }
 
 /// A summary of the motion of a free peg. Values derived from events are absent in recordings without events.

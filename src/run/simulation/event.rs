@@ -231,7 +231,7 @@ impl StopReason {
         match self {
             Self::Risen => "risen",
             Self::Fallen => "fallen",
-            Self::Duration => "the run reached its duration",
+            Self::Duration => "stopped at the time limit",
             Self::SlipStopped => {
                 "the contact point stopped slipping (to continue, set stop.on_stick = \"continue\")"
             }

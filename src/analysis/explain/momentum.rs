@@ -1,0 +1,241 @@
+//! The direction of the angular momentum and of the symmetry axis over a run.
+//!
+//! The axis of a fast top stays close to its angular momentum. Why the axis rises is then a question about the angular
+//! momentum alone: what shortens its horizontal part?
+
+use crate::analysis::history::Constancy;
+use crate::physics::math::{atan2, hypot, sin_cos};
+use crate::run::time::seconds;
+use crate::telemetry::Message;
+use crate::telemetry::fields::{
+    CENTER_OF_MASS, CONTACT, MOMENTUM, POSE, STATE, TORQUE, center_of_mass, contact, momentum,
+    pose, state, torque,
+};
+use nalgebra::Vector3;
+
+/// The angular momentum and the axis at an instant. The angular momentum is about the centre of a fixed peg, or about
+/// the centre of mass of a top with a free one: there, friction is the only torque besides that of the normal force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct MomentumState {
+    /// Time, s.
+    pub(super) time: f64,
+    /// Part of the angular momentum about the vertical, kg m²/s.
+    pub(super) vertical: f64,
+    /// Magnitude of its horizontal part, kg m²/s.
+    pub(super) horizontal: f64,
+    /// Part about the symmetry axis, kg m²/s.
+    pub(super) axial: f64,
+    /// Inclination of the axis, rad.
+    pub(super) theta: f64,
+    /// Angle between the angular momentum and the axis, rad.
+    pub(super) angle_to_axis: f64,
+}
+
+impl MomentumState {
+    /// Inclination of the angular momentum, rad.
+    pub(super) fn inclination(&self) -> f64 {
+        atan2(self.horizontal, self.vertical)
+    }
+}
+
+/// The time from the first sample to another one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct MomentumSpan {
+    pub(super) from: MomentumState,
+    pub(super) to: MomentumState,
+    /// Change of the horizontal part by the torque of friction and air drag in the samples, kg m²/s.
+    pub(super) by_friction: f64,
+    /// The largest angle between the angular momentum and the axis, rad.
+    pub(super) angle_to_axis: f64,
+    /// The largest inclination of the angular momentum, rad.
+    pub(super) inclination: f64,
+}
+
+/// What the messages of one sample say; they come one after the other.
+#[derive(Clone, Copy, Debug, Default)]
+struct PendingSample {
+    time_ns: u64,
+    phi: Option<f64>,
+    theta: Option<f64>,
+    axis: Option<Vector3<f64>>,
+    peg_position: Option<Vector3<f64>>,
+    /// Torque of friction and air drag about the centre of the peg, node frame, N m.
+    torque_node: Option<Vector3<f64>>,
+    /// Force of friction, N.
+    force: Option<Vector3<f64>>,
+    axial: Option<f64>,
+    /// Angular momentum about the centre of the peg, kg m²/s.
+    peg_momentum: Option<Vector3<f64>>,
+    /// Position of the centre of mass, m.
+    center: Option<Vector3<f64>>,
+    /// Angular momentum about the centre of mass, kg m²/s.
+    central_momentum: Option<Vector3<f64>>,
+}
+
+/// The angular momentum of a run.
+#[derive(Clone, Debug, Default)]
+pub(super) struct MomentumHistory {
+    is_free: bool,
+    pending: PendingSample,
+    /// Torque along the horizontal part of the angular momentum in the previous sample, N m.
+    shortening: f64,
+    /// From the first sample to the last.
+    whole: Option<MomentumSpan>,
+    /// From the first sample to the one in which the angular momentum is least inclined.
+    lowest: Option<MomentumSpan>,
+    /// The part about the vertical.
+    vertical: Option<Constancy>,
+    /// The part about the symmetry axis.
+    axial: Option<Constancy>,
+    /// The largest magnitude, kg m²/s.
+    largest: f64,
+}
+
+impl MomentumHistory {
+    pub(super) fn new(is_free: bool) -> Self {
+        Self {
+            is_free,
+            ..Self::default()
+        }
+    }
+
+    /// From the first sample to the last.
+    pub(super) fn whole(&self) -> Option<MomentumSpan> {
+        self.whole
+    }
+
+    /// From the first sample to the one in which the angular momentum is least inclined.
+    pub(super) fn to_lowest(&self) -> Option<MomentumSpan> {
+        self.lowest
+    }
+
+    /// The part about the vertical.
+    pub(super) fn vertical(&self) -> Option<Constancy> {
+        self.vertical
+    }
+
+    /// The part about the symmetry axis.
+    pub(super) fn axial(&self) -> Option<Constancy> {
+        self.axial
+    }
+
+    /// The largest magnitude, kg m²/s.
+    pub(super) fn largest(&self) -> f64 {
+        self.largest
+    }
+
+    pub(super) fn take(&mut self, message: &Message<'_>) {
+        if message.time_ns != self.pending.time_ns {
+            self.finish_sample();
+            self.pending.time_ns = message.time_ns;
+        }
+        let sample = &mut self.pending;
+        match message.topic() {
+            STATE => {
+                sample.phi = Some(state::PHI.of(message));
+                sample.theta = Some(state::THETA.of(message));
+            }
+            POSE => {
+                sample.axis = Some(pose::AXIS.of(message));
+                sample.peg_position = Some(pose::PEG_POSITION.of(message));
+            }
+            TORQUE => sample.torque_node = Some(torque::FRICTION_NODE.of(message)),
+            CONTACT => sample.force = Some(contact::FRICTION_FORCE.of(message)),
+            MOMENTUM => {
+                sample.axial = Some(momentum::AXIAL.of(message));
+                sample.peg_momentum = Some(momentum::WORLD.of(message));
+            }
+            CENTER_OF_MASS => {
+                sample.center = Some(center_of_mass::POSITION.of(message));
+                sample.central_momentum = Some(center_of_mass::ANGULAR_MOMENTUM.of(message));
+            }
+            _ => {}
+        }
+    }
+
+    /// Takes the messages of the pending sample, if they are all there.
+    pub(super) fn finish_sample(&mut self) {
+        let sample = std::mem::take(&mut self.pending);
+        if let Some((state, shortening)) = sample.evaluate(self.is_free) {
+            self.add(state, shortening);
+        }
+    }
+
+    fn add(&mut self, state: MomentumState, shortening: f64) {
+        Constancy::take(&mut self.vertical, state.vertical);
+        Constancy::take(&mut self.axial, state.axial);
+        self.largest = self.largest.max(hypot(state.horizontal, state.vertical));
+        let span = match self.whole {
+            None => MomentumSpan {
+                from: state,
+                to: state,
+                by_friction: 0.0,
+                angle_to_axis: state.angle_to_axis,
+                inclination: state.inclination(),
+            },
+            Some(span) => MomentumSpan {
+                from: span.from,
+                to: state,
+                // The trapezoidal rule: the torque of friction hardly changes within a sampling period.
+                by_friction: span.by_friction
+                    + 0.5 * (state.time - span.to.time) * (self.shortening + shortening),
+                angle_to_axis: span.angle_to_axis.max(state.angle_to_axis),
+                inclination: span.inclination.max(state.inclination()),
+            },
+        };
+        self.shortening = shortening;
+        self.whole = Some(span);
+        let is_lowest = self
+            .lowest
+            .is_none_or(|lowest| state.inclination() < lowest.to.inclination());
+        if is_lowest {
+            self.lowest = Some(span);
+        }
+    }
+}
+
+impl PendingSample {
+    /// The angular momentum, and the torque of friction and air drag along its horizontal part, N m; `None` if messages
+    /// are missing or numbers are not finite.
+    fn evaluate(&self, is_free: bool) -> Option<(MomentumState, f64)> {
+        let (phi, theta, axis) = (self.phi?, self.theta?, self.axis?);
+        let torque_about_peg = self.world_from_node(self.torque_node?, phi, axis);
+        let (momentum, torque) = if is_free {
+            let lever = self.peg_position? - self.center?;
+            (
+                self.central_momentum?,
+                torque_about_peg + lever.cross(&self.force?),
+            )
+        } else {
+            (self.peg_momentum?, torque_about_peg)
+        };
+        let horizontal = Vector3::new(momentum.x, momentum.y, 0.0);
+        let state = MomentumState {
+            time: seconds(self.time_ns),
+            vertical: momentum.z,
+            horizontal: horizontal.norm(),
+            axial: self.axial?,
+            theta,
+            angle_to_axis: atan2(axis.cross(&momentum).norm(), axis.dot(&momentum)),
+        };
+        let shortening = if state.horizontal > 0.0 {
+            torque.dot(&horizontal) / state.horizontal
+        } else {
+            0.0
+        };
+        let is_known = state.angle_to_axis.is_finite() && shortening.is_finite();
+        is_known.then_some((state, shortening))
+    }
+
+    /// A vector of the node frame (line of nodes, n × e_N, n) in the world frame.
+    fn world_from_node(
+        &self,
+        vector: Vector3<f64>,
+        phi: f64,
+        axis: Vector3<f64>,
+    ) -> Vector3<f64> {
+        let (sin, cos) = sin_cos(phi);
+        let nodes = Vector3::new(cos, sin, 0.0);
+        vector.x * nodes + vector.y * axis.cross(&nodes) + vector.z * axis
+    }
+}

@@ -1,0 +1,104 @@
+//! Quantities of a run that only an explanation needs.
+
+use super::momentum::MomentumHistory;
+use crate::run::simulation::EventKind;
+use crate::telemetry::Message;
+use crate::telemetry::fields::{
+    CENTER_OF_MASS, ENERGY, EVENTS, STATE, center_of_mass, energy, events, state,
+};
+
+/// A quantity in the first and in the last sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Ends {
+    pub(super) first: f64,
+    pub(super) last: f64,
+}
+
+impl Ends {
+    fn take(ends: &mut Option<Self>, value: f64) {
+        if value.is_finite() {
+            let first = ends.map_or(value, |known| known.first);
+            *ends = Some(Self { first, last: value });
+        }
+    }
+}
+
+/// The samples since the contact point stopped slipping.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct GripSpan {
+    /// Time at which it stopped slipping, s.
+    pub(super) from: f64,
+    /// Inclination then, rad.
+    pub(super) theta_at_start: f64,
+    /// The least and the greatest inclination in the samples since then, rad; absent if there are none.
+    pub(super) theta_range: Option<[f64; 2]>,
+    /// Energy in these samples, J.
+    pub(super) energy: Option<Ends>,
+}
+
+/// What is observed of a run in one pass.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Observations {
+    pub(super) momentum: MomentumHistory,
+    /// Kinetic energy, J.
+    pub(super) kinetic: Option<Ends>,
+    /// Height of a free top's centre of mass above the table, m.
+    pub(super) center_height: Option<Ends>,
+    /// The samples since the contact point stopped slipping; absent if it slips or is in the air at the end.
+    pub(super) grip: Option<GripSpan>,
+}
+
+impl Observations {
+    pub(super) fn new(is_free: bool) -> Self {
+        Self {
+            momentum: MomentumHistory::new(is_free),
+            ..Self::default()
+        }
+    }
+
+    pub(super) fn take(&mut self, message: &Message<'_>) {
+        self.momentum.take(message);
+        match message.topic() {
+            STATE => {
+                let theta = state::THETA.of(message);
+                if let Some(grip) = &mut self.grip {
+                    let [least, greatest] = grip.theta_range.unwrap_or([theta; 2]);
+                    grip.theta_range = Some([least.min(theta), greatest.max(theta)]);
+                }
+            }
+            ENERGY => {
+                Ends::take(&mut self.kinetic, energy::KINETIC.of(message));
+                if let Some(grip) = &mut self.grip {
+                    Ends::take(&mut grip.energy, energy::TOTAL.of(message));
+                }
+            }
+            CENTER_OF_MASS => {
+                let height = center_of_mass::POSITION.z().of(message);
+                Ends::take(&mut self.center_height, height);
+            }
+            EVENTS => self.take_event(message),
+            _ => {}
+        }
+    }
+
+    fn take_event(&mut self, message: &Message<'_>) {
+        match EventKind::find(events::NAME.of(message)) {
+            Some(EventKind::Stick | EventKind::SlipStops | EventKind::RollBegins) => {
+                self.grip = Some(GripSpan {
+                    from: events::TIME.of(message),
+                    theta_at_start: events::THETA.of(message),
+                    ..GripSpan::default()
+                });
+            }
+            Some(EventKind::SlipResumes | EventKind::RollEnds | EventKind::LiftOff) => {
+                self.grip = None;
+            }
+            _ => {}
+        }
+    }
+
+    /// Completes what is pending after the last message.
+    pub(super) fn finish(&mut self) {
+        self.momentum.finish_sample();
+    }
+}

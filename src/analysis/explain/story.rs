@@ -1,0 +1,295 @@
+//! Why a top moves as it does, in a paragraph.
+
+use super::claim::{Claim, Stopped};
+use super::evidence::{Evidence, ROUNDED};
+use super::fact::Fact;
+use super::fixed;
+use super::observations::{Ends, GripSpan};
+use super::precession;
+use crate::analysis::history::{Constancy, PegPhase};
+use crate::run::simulation::{EventKind, StopReason};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::f64::consts::FRAC_PI_2;
+
+/// The causes of a motion, in the order in which they are told.
+///
+/// Each claim is carried by numbers of the run. If none of the known causes is shown by them, there is no claim.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+pub struct Story {
+    /// The claims, with their numbers.
+    pub claims: Vec<Claim>,
+}
+
+impl Story {
+    /// A paragraph in words, without numbers; `None` if there is no claim.
+    pub fn text(&self) -> Option<String> {
+        if self.claims.is_empty() {
+            return None;
+        }
+        let words: Vec<String> = self.claims.iter().map(Claim::words).collect();
+        Some(words.join(" "))
+    }
+}
+
+/// The causes of a motion whose samples and events are all known.
+pub(super) fn story(evidence: &Evidence) -> Story {
+    let mut claims = Vec::new();
+    claims.extend(conserves(evidence));
+    let bounces = bounces(evidence);
+    let starts_in_air = matches!(
+        bounces,
+        Some(Claim::Bounces {
+            starts_in_air: true,
+            ..
+        })
+    );
+    if starts_in_air {
+        claims.extend(bounces.clone());
+    }
+    let raises = friction_raises(evidence);
+    let rises = raises.is_some();
+    claims.extend(raises);
+    claims.extend(friction_speeds_precession(evidence));
+    claims.extend(losses_align(evidence));
+    if !starts_in_air {
+        claims.extend(bounces);
+    }
+    claims.extend(inverts(evidence));
+    claims.extend(slip_ends(evidence, rises));
+    claims.extend(weak_top_falls(evidence));
+    claims.extend(rests(evidence));
+    Story { claims }
+}
+
+fn conserves(evidence: &Evidence) -> Option<Claim> {
+    let has_impacts = evidence.summary.peg.as_ref().is_some_and(|peg| peg.impacts != Some(0));
+    if !evidence.scenario.is_frictionless() || has_impacts {
+        return None;
+    }
+    let energies = evidence.history.energies?;
+    let energy_deviation = energies.imbalance.max((energies.last - energies.first).abs());
+    let momentum = &evidence.observations.momentum;
+    let (vertical, axial) = (momentum.vertical()?, momentum.axial()?);
+    // Both may be zero: what counts is the size of the angular momentum.
+    let size = momentum.largest();
+    let is_constant = energy_deviation <= ROUNDED * energies.first.abs()
+        && is_constant(vertical, size)
+        && is_constant(axial, size);
+    let mean_theta = match fixed::mean_theta(evidence) {
+        Some(Fact::ThetaConstant { .. }) => evidence.mean_theta(),
+        _ => None,
+    };
+    is_constant.then_some(Claim::Conserves {
+        energy_deviation,
+        momentum_deviations: [vertical.deviation, axial.deviation],
+        mean_theta,
+    })
+}
+
+fn is_constant(constancy: Constancy, size: f64) -> bool {
+    constancy.deviation <= ROUNDED * size
+}
+
+fn friction_raises(evidence: &Evidence) -> Option<Claim> {
+    let friction = &evidence.scenario.model.friction;
+    // Without terms of the Euler equations there is no torque that would change the angular momentum.
+    if friction.dissipation.drops_euler_terms() || evidence.history.is_of_tippe_top() {
+        return None;
+    }
+    let span = evidence.observations.momentum.to_lowest()?;
+    let change = span.to.horizontal - span.from.horizontal;
+    let descent = span.from.inclination() - span.to.inclination();
+    // The axis is within `angle_to_axis` of the angular momentum, at the beginning as at the end.
+    let must_follow = descent > 2.0 * span.angle_to_axis;
+    let is_by_friction = change < 0.0 && span.by_friction < 0.5 * change;
+    let is_vertical_constant = !friction.turns_about_vertical()
+        && is_constant(
+            evidence.observations.momentum.vertical()?,
+            span.from.vertical.abs(),
+        );
+    (must_follow && is_by_friction).then_some(Claim::FrictionRaises {
+        horizontal: [span.from.horizontal, span.to.horizontal],
+        vertical: [span.from.vertical, span.to.vertical],
+        is_vertical_constant,
+        by_friction: span.by_friction,
+        angle_to_momentum: span.angle_to_axis,
+        theta: [span.from.theta, span.to.theta],
+        until: span.to.time,
+        has_friction: friction.acts_at_contact(),
+        has_air_drag: friction.has_air_drag(),
+    })
+}
+
+fn friction_speeds_precession(evidence: &Evidence) -> Option<Claim> {
+    // A free peg's acceleration has a part in φ̈ that is neither of these terms.
+    if evidence.scenario.model.support.is_free() {
+        return None;
+    }
+    let Some(Fact::FollowsRoot {
+        root: "slow",
+        within,
+    }) = precession::regular(evidence)
+    else {
+        return None;
+    };
+    let Some(Fact::FrictionOnPrecession { friction, .. }) = precession::friction(evidence) else {
+        return None;
+    };
+    // The rise must be what cancels friction's term.
+    precession::cancelling(evidence)?;
+    let [first, .., last] = &evidence.history.cycles[..] else {
+        return None;
+    };
+    let mean_theta = [first.means[0], last.means[0]];
+    let mean_phi_dot = [first.means[2], last.means[2]];
+    let top = &evidence.scenario.model.top;
+    // Only then is θ̈ negative between the rates of regular precession.
+    let is_negative_between = top.transverse_moment > top.axial_moment && mean_theta[0] < FRAC_PI_2;
+    let speeds_up = mean_phi_dot.iter().all(|rate| rate * friction > 0.0);
+    (is_negative_between && speeds_up && mean_theta[1] < mean_theta[0]).then_some(
+        Claim::FrictionSpeedsPrecession {
+            friction,
+            mean_phi_dot,
+            within,
+            mean_theta,
+        },
+    )
+}
+
+fn losses_align(evidence: &Evidence) -> Option<Claim> {
+    let model = &evidence.scenario.model;
+    let top = model.nutating_top();
+    let is_oblate = top.axial_moment > top.transverse_moment;
+    // Without terms of the Euler equations, energy is not lost by a torque.
+    if !is_oblate || model.friction.dissipation.drops_euler_terms() {
+        return None;
+    }
+    let span = evidence.observations.momentum.whole()?;
+    let energies = evidence.history.energies?;
+    let decrease = span.from.angle_to_axis - span.to.angle_to_axis;
+    // The inclination of the axis is within `inclination` of its angle to the angular momentum.
+    let must_rise = decrease > 2.0 * span.inclination;
+    let loses = energies.first - energies.last > energies.imbalance;
+    (must_rise && loses).then_some(Claim::LossesAlign {
+        angle_to_momentum: [span.from.angle_to_axis, span.to.angle_to_axis],
+        momentum_inclination: span.inclination,
+        energy: [energies.first, energies.last],
+        has_friction: model.friction.acts_at_contact(),
+        has_air_drag: model.friction.has_air_drag(),
+    })
+}
+
+fn weak_top_falls(evidence: &Evidence) -> Option<Claim> {
+    let history = &evidence.history;
+    let model = &evidence.scenario.model;
+    let top = model.nutating_top();
+    let fallen = history.first(EventKind::Fallen)?;
+    let span = evidence.observations.momentum.whole()?;
+    if top.gravity_moment() <= 0.0 {
+        return None;
+    }
+    let critical = (4.0 * top.gravity_moment() * top.transverse_moment).sqrt();
+    let axial = [span.from.axial, span.to.axial];
+    let is_weak = axial[1].abs() < critical;
+    let falls = fallen.theta > span.from.theta;
+    (is_weak && falls).then_some(Claim::WeakTopFalls {
+        axial,
+        critical,
+        theta: [span.from.theta, fallen.theta],
+        time: fallen.time,
+        has_friction: model.friction.acts_at_contact(),
+        has_air_drag: model.friction.has_air_drag(),
+    })
+}
+
+fn inverts(evidence: &Evidence) -> Option<Claim> {
+    let history = &evidence.history;
+    let observations = &evidence.observations;
+    if !history.is_of_tippe_top() || !history.has_exact_inversion() {
+        return None;
+    }
+    let jellett_deviation = evidence.summary.peg.as_ref()?.jellett_deviation?;
+    let span = observations.momentum.whole()?;
+    let vertical = [span.from.vertical, span.to.vertical];
+    let axial = [span.from.axial, span.to.axial];
+    let theta = [span.from.theta, span.to.theta];
+    let (center, kinetic) = (observations.center_height?, observations.kinetic?);
+    let turns_over = theta[0] < FRAC_PI_2 && theta[1] > FRAC_PI_2;
+    let reverses = vertical[0] * vertical[1] > 0.0 && axial[0] * axial[1] < 0.0;
+    let rises = center.last > center.first && kinetic.last < kinetic.first;
+    let by_contact_force = jellett_deviation <= ROUNDED && !evidence.scenario.model.friction.has_losses();
+    (turns_over && reverses && rises && by_contact_force).then_some(Claim::Inverts {
+        time: history.inverted?,
+        theta,
+        jellett_deviation,
+        vertical,
+        axial,
+        center_height: [center.first, center.last],
+        kinetic: [kinetic.first, kinetic.last],
+    })
+}
+
+fn slip_ends(evidence: &Evidence, rises: bool) -> Option<Claim> {
+    let GripSpan {
+        from,
+        theta_at_start,
+        theta_range,
+        energy,
+    } = evidence.observations.grip?;
+    let (theta_range, Ends { first, last }) = (theta_range?, energy?);
+    let friction = &evidence.scenario.model.friction;
+    let is_constant = (last - first).abs() <= ROUNDED * first.abs().max(last.abs());
+    // With losses, or where not all of the friction force acts, the energy would be constant by chance.
+    let has_other_losses = friction.has_losses() || !evidence.history.is_recorded_to_end();
+    let is_at_rest = evidence.history.stop_reason() == Some(StopReason::Rest);
+    if !is_constant || has_other_losses || is_at_rest {
+        return None;
+    }
+    let rolls = evidence.scenario.model.support.is_free();
+    let is_fixed_inclination = theta_range[1] - theta_range[0] <= evidence.floor(theta_range[1]);
+    if !rolls && !is_fixed_inclination {
+        return None;
+    }
+    let is_upright_tippe_top = evidence.history.is_of_tippe_top() && theta_range[1] < FRAC_PI_2;
+    let stops = if rises && theta_at_start < evidence.scenario.angles.theta {
+        Stopped::Rise
+    } else if is_upright_tippe_top {
+        Stopped::Inversion
+    } else {
+        Stopped::Nothing
+    };
+    Some(Claim::SlipEnds {
+        from,
+        theta: theta_at_start,
+        theta_range,
+        energy: [first, last],
+        stops,
+        rolls,
+    })
+}
+
+fn bounces(evidence: &Evidence) -> Option<Claim> {
+    let peg = evidence.summary.peg.as_ref()?;
+    let last = evidence.peg_intervals.last()?;
+    let in_air_at_end = last.phase == PegPhase::Flying;
+    let flights = evidence.peg_intervals.iter().filter(|interval| interval.phase == PegPhase::Flying);
+    let lands = flights.last()?.to;
+    Some(Claim::Bounces {
+        hops: peg.hops?,
+        impacts: peg.impacts?,
+        lost: peg.impact_loss?,
+        starts_in_air: peg.first_flight == Some(0.0),
+        lands: Some(lands).filter(|_| !in_air_at_end),
+    })
+}
+
+fn rests(evidence: &Evidence) -> Option<Claim> {
+    let rest = evidence.history.first(EventKind::Rest)?;
+    let kinetic = evidence.observations.kinetic?;
+    Some(Claim::Rests {
+        from: rest.time,
+        theta: rest.theta,
+        kinetic: [kinetic.first, kinetic.last],
+    })
+}
