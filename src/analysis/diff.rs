@@ -24,11 +24,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod averaged_findings;
 mod averages;
 mod crossing;
 mod derived;
 mod discrepancy;
 mod error;
+mod event_findings;
 mod evidence;
 mod field;
 mod finding;
@@ -48,7 +50,7 @@ pub use self::averages::{Averaged, Deviation};
 pub use self::discrepancy::{Discrepancy, Residual};
 pub use self::error::DiffError;
 pub use self::field::FieldDifference;
-pub use self::finding::{Finding, FindingKind};
+pub use self::finding::{EndCondition, Finding, Quantity};
 pub use self::floor::{Floor, IntegratorError};
 pub use self::observer::Observer;
 pub use self::others::TopicBytes;

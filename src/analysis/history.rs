@@ -11,7 +11,7 @@ mod summary;
 
 pub(crate) use self::cycle::Cycle;
 pub(crate) use self::event::{Constancy, Event};
-pub(crate) use self::peg::{Interval, PegHistory};
+pub(crate) use self::peg::{Interval, PegHistory, in_phase};
 pub use self::peg::{PegPhase, PegSummary};
 pub use self::summary::RunSummary;
 

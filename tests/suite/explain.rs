@@ -3,6 +3,7 @@
 mod energies;
 mod gaps;
 mod statements;
+mod story;
 
 use crate::random_scenarios::{Random, free_tops};
 use crate::support::{Folder, Run, archive, assert_contains, assert_near, scenario};

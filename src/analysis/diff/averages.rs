@@ -66,18 +66,20 @@ pub(super) fn compare(a: &RunHistory, b: &RunHistory, until: f64) -> Option<Aver
     if from > to {
         return None;
     }
-    let all = [a, b].into_iter().flat_map(RunHistory::successive_cycles);
-    let all = all.map(Cycle::middle);
-    let mut times: Vec<f64> = all.filter(|time| (from..=to).contains(time)).collect();
+    let mut times: Vec<f64> = [a, b]
+        .into_iter()
+        .flat_map(RunHistory::successive_cycles)
+        .map(Cycle::middle)
+        .filter(|time| (from..=to).contains(time))
+        .collect();
     times.sort_by(f64::total_cmp);
-    let is_quantity = |field: &NumberField| ![nutation::CYCLE, nutation::START].contains(field);
-    let fields = NUTATION.numbers().filter(is_quantity);
-    let amplitudes = [a, b].map(|history| history.curve(Cycle::amplitude));
-    let [first, second] = amplitudes.each_ref().map(|curve| curve.at(to));
+    let [first, second] = [a, b].map(|history| history.curve(Cycle::amplitude).at(to));
     Some(Averaged {
         from,
         to,
-        deviations: fields
+        deviations: NUTATION
+            .numbers()
+            .filter(|field| ![nutation::CYCLE, nutation::START].contains(field))
             .filter_map(|field| deviation(field, &times, &[a, b].map(|run| curve(run, field))))
             .collect(),
         phase: phase(a, b),
@@ -124,11 +126,17 @@ fn is_away_from_vertical(cycle: &Cycle) -> bool {
 
 /// Lead of B over A, where both have counted their nutations without interruption.
 fn phase(a: &RunHistory, b: &RunHistory) -> Option<Phase> {
-    let last = |run: &RunHistory| Some(run.successive_cycles().last()?.start);
-    let at = last(a)?.min(last(b)?);
-    let is_counted = |run: &RunHistory| run.unbroken_until().is_some_and(|end| at <= end);
+    let at = last_start(a)?.min(last_start(b)?);
     let ahead = b.phase().at(at)? - a.phase().at(at)?;
-    (is_counted(a) && is_counted(b)).then_some(Phase { at, ahead })
+    let are_counted = [a, b]
+        .into_iter()
+        .all(|run| run.unbroken_until().is_some_and(|end| at <= end));
+    are_counted.then_some(Phase { at, ahead })
+}
+
+/// The start of the last successive cycle, s.
+fn last_start(run: &RunHistory) -> Option<f64> {
+    Some(run.successive_cycles().last()?.start)
 }
 
 /// The largest differences between the averaged motions of several integrations of a run.
@@ -147,8 +155,7 @@ impl AverageErrors {
     /// Adds another integration, up to a time (s).
     pub(super) fn add(&mut self, own: &RunHistory, other: &RunHistory, until: f64) {
         let averaged = compare(own, other, until);
-        let deviations = averaged.iter().flat_map(|averaged| &averaged.deviations);
-        for deviation in deviations {
+        for deviation in averaged.iter().flat_map(|averaged| &averaged.deviations) {
             let largest = self.fields.entry(deviation.quantity.clone()).or_insert(0.0);
             *largest = largest.max(deviation.largest.abs());
         }
@@ -163,12 +170,13 @@ impl AverageErrors {
             .successive_cycles()
             .last()
             .map_or(0.0, |last| 0.5 * last.period);
-        let end = |at: usize| ends[at].map_or(f64::NEG_INFINITY, |end| known[at].min(end + slack));
-        self.ends = Some([end(0), end(1)]);
+        self.ends = Some([0, 1].map(|at| {
+            ends[at].map_or(f64::NEG_INFINITY, |end| known[at].min(end + slack))
+        }));
     }
 
     /// The error of a field, if all integrations have it at this time (s).
-    pub(super) fn of_field(&self, field: NumberField, time: f64) -> Option<f64> {
+    pub(super) fn field(&self, field: NumberField, time: f64) -> Option<f64> {
         let is_covered = self.ends.is_some_and(|[end, _]| time <= end);
         self.fields
             .get(field.path())
@@ -182,15 +190,15 @@ impl AverageErrors {
     }
 
     /// The error of the phase, cycles.
-    pub(super) fn of_phase(&self, time: f64) -> Option<f64> {
+    pub(super) fn phase(&self, time: f64) -> Option<f64> {
         let is_covered = self.ends.is_some_and(|[_, end]| time <= end);
         is_covered.then_some(self.phase)
     }
 
     /// The error of the amplitude of θ̇ (half its range), rad/s.
-    pub(super) fn of_amplitude(&self, time: f64) -> Option<f64> {
-        let greatest = self.of_field(nutation::THETA_DOT_MAX, time)?;
-        let least = self.of_field(nutation::THETA_DOT_MIN, time)?;
+    pub(super) fn amplitude(&self, time: f64) -> Option<f64> {
+        let greatest = self.field(nutation::THETA_DOT_MAX, time)?;
+        let least = self.field(nutation::THETA_DOT_MIN, time)?;
         Some(0.5 * (greatest + least))
     }
 }
@@ -198,8 +206,8 @@ impl AverageErrors {
 /// The largest distance of two nutation phases at the beginnings of cycles up to a time (s), cycles.
 fn phase_distance(runs: [&RunHistory; 2], until: f64) -> f64 {
     let [a, b] = runs.map(RunHistory::phase);
-    let cycles = runs.into_iter().flat_map(RunHistory::successive_cycles);
-    cycles
+    runs.into_iter()
+        .flat_map(RunHistory::successive_cycles)
         .map(|cycle| cycle.start)
         .filter(|start| *start <= until)
         .filter_map(|start| Some((b.at(start)? - a.at(start)?).abs()))
@@ -208,19 +216,24 @@ fn phase_distance(runs: [&RunHistory; 2], until: f64) -> f64 {
 
 impl Averaged {
     /// The difference of a field of `/top/nutation`.
-    pub(super) fn of(&self, field: NumberField) -> Option<&Deviation> {
-        let mut all = self.deviations.iter();
-        all.find(|deviation| deviation.quantity == field.path())
+    pub(super) fn field(&self, field: NumberField) -> Option<&Deviation> {
+        self.deviations
+            .iter()
+            .find(|deviation| deviation.quantity == field.path())
     }
 }
 
 fn deviation(field: NumberField, times: &[f64], [a, b]: &[Curve; 2]) -> Option<Deviation> {
-    let values = times
-        .iter()
-        .filter_map(|time| Some((*time, [a.at(*time)?, b.at(*time)?])));
-    let size = |[a, b]: [f64; 2]| (b - a).abs();
-    let values = values.filter(|(_, [a, b])| a.is_finite() && b.is_finite());
-    let largest = values.reduce(|x, y| if size(y.1) > size(x.1) { y } else { x });
+    let mut largest: Option<(f64, [f64; 2])> = None;
+    for time in times {
+        let (Some(of_a), Some(of_b)) = (a.at(*time), b.at(*time)) else {
+            continue;
+        };
+        let is_larger = largest.is_none_or(|(_, [a, b])| (of_b - of_a).abs() > (b - a).abs());
+        if of_a.is_finite() && of_b.is_finite() && is_larger {
+            largest = Some((*time, [of_a, of_b]));
+        }
+    }
     let (at, values) = largest?;
     Some(Deviation {
         quantity: field.path().to_owned(),
@@ -233,20 +246,28 @@ fn deviation(field: NumberField, times: &[f64], [a, b]: &[Curve; 2]) -> Option<D
 
 /// B − A of the fields of `/top/nutation` at equal times: at the middle of each cycle of A, as long as B nutates.
 pub(super) fn differences(a: &RunHistory, b: &RunHistory) -> Vec<Owned> {
-    let fields: Vec<NumberField> = NUTATION.numbers().collect();
-    let curve = |field: &NumberField| b.curve(|cycle| cycle.field(*field));
-    let curves: Vec<Curve> = fields.iter().map(curve).collect();
-    let cycles = a.successive_cycles().iter().filter_map(|cycle| {
-        let time = cycle.middle();
-        let numbers = fields.iter().zip(&curves);
-        let numbers = numbers.map(|(field, of_b)| Some(of_b.at(time)? - cycle.field(*field)));
-        Some(Owned {
-            channel: NUTATION.index(),
-            sequence: cycle.field(nutation::CYCLE) as u32,
-            time_ns: nanoseconds(time),
-            numbers: numbers.collect::<Option<_>>()?,
-            texts: Vec::new(),
-        })
-    });
-    cycles.collect()
+    let mut curves: Vec<(NumberField, Curve)> = Vec::new();
+    for field in NUTATION.numbers() {
+        curves.push((field, b.curve(|cycle| cycle.field(field))));
+    }
+    a.successive_cycles()
+        .iter()
+        .filter_map(|cycle| difference(cycle, &curves))
+        .collect()
+}
+
+/// B − A at the middle of a cycle of A; `None` if B does not nutate then.
+fn difference(cycle: &Cycle, curves_of_b: &[(NumberField, Curve)]) -> Option<Owned> {
+    let time = cycle.middle();
+    let mut numbers = Vec::new();
+    for (field, of_b) in curves_of_b {
+        numbers.push(of_b.at(time)? - cycle.field(*field));
+    }
+    Some(Owned {
+        channel: NUTATION.index(),
+        sequence: cycle.field(nutation::CYCLE) as u32,
+        time_ns: nanoseconds(time),
+        numbers,
+        texts: Vec::new(),
+    })
 }

@@ -2,11 +2,10 @@
 
 use super::averages::Averaged;
 use super::discrepancy::Discrepancy;
-use super::finding::{Finding, FindingKind};
+use super::finding::{Finding, Quantity};
 use super::floor::{IntegrationError, Integrations, combined};
 use super::pairing::Paired;
 use crate::analysis::history::RunHistory;
-use crate::analysis::phrase::moment;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::EventKind;
 
@@ -26,8 +25,9 @@ impl Evidence<'_> {
 
     /// Whether both runs have recorded their events.
     pub(super) fn has_events(&self) -> bool {
-        let has_start = |run: &RunHistory| run.first(EventKind::Start).is_some();
-        self.histories().into_iter().all(has_start)
+        self.histories()
+            .into_iter()
+            .all(|run| run.first(EventKind::Start).is_some())
     }
 
     /// The time up to which both runs go, s.
@@ -41,41 +41,35 @@ impl Evidence<'_> {
         let Some(integrations) = self.integrations else {
             return IntegrationError::Unknown;
         };
-        let numbers = self.histories().map(&number);
         let errors = [0, 1].map(|side| integrations.error_of(side, &number));
         match errors {
             [Some(a), Some(b)] => {
-                let numbers = numbers.map(Option::unwrap_or_default);
+                let numbers = self
+                    .histories()
+                    .map(|run| number(run).unwrap_or_default());
                 IntegrationError::Within(combined([a, b], numbers))
             }
-            _ => IntegrationError::Undetermined,
+            [None, _] | [_, None] => IntegrationError::Undetermined,
         }
     }
 
     /// A finding about a number that each run has for itself, if it does not depend on the integration.
     pub(super) fn compare(
         &self,
-        kind: FindingKind,
-        what: &str,
+        quantity: Quantity,
         number: impl Fn(&RunHistory) -> Option<f64>,
     ) -> Option<Finding> {
-        let error = match self.error_of(&number) {
-            IntegrationError::Unknown => None,
-            IntegrationError::Within(error) => Some(error),
-            IntegrationError::Undetermined => return None,
-        };
         let numbers = self.histories().map(&number);
-        Some(Finding::new(kind, what, numbers, error))
+        Finding::new(quantity, numbers).with_error(self.error_of(number))
     }
 
     /// A finding about the time of an event. If only one run has it, the other must go on for longer.
     pub(super) fn compare_times(
         &self,
-        kind: FindingKind,
-        what: &str,
+        quantity: Quantity,
         time: impl Fn(&RunHistory) -> Option<f64>,
     ) -> Option<Finding> {
-        let finding = self.compare(kind, what, &time)?;
+        let finding = self.compare(quantity, &time)?;
         let only = match [finding.a, finding.b] {
             [Some(_), Some(_)] => return Some(finding),
             [None, None] => return None,
@@ -97,20 +91,19 @@ impl Evidence<'_> {
         Some(margin)
     }
 
-    /// A count of events up to the common end, if it is certain.
+    /// A count of events up to the common end, if it is certain. `quantity` is that of a count up to a time (s).
     pub(super) fn compare_counts(
         &self,
-        kind: FindingKind,
-        what: &str,
+        quantity: impl Fn(f64) -> Quantity,
         count: impl Fn(&RunHistory, f64) -> Option<usize>,
     ) -> Option<Finding> {
         let end = self.common_end()?;
         let margin = self.margin(RunHistory::stop_time)?;
-        let counts = |end: f64| self.histories().map(|run| count(run, end));
-        let number = |run: &RunHistory| Some(count(run, end)? as f64);
-        let finding = self.compare(kind, &format!("{what} by {}", moment(end)), number)?;
-        let is_certain = counts(end - margin) == counts(end + margin)
-            && finding.integration_error.is_none_or(|error| error < 1.0);
+        let finding = self.compare(quantity(end), |run| Some(count(run, end)? as f64))?;
+        let [before, after] =
+            [end - margin, end + margin].map(|end| self.histories().map(|run| count(run, end)));
+        let is_certain =
+            before == after && finding.integration_error.is_none_or(|error| error < 1.0);
         let is_positive = finding.a > Some(0.0) || finding.b > Some(0.0);
         (is_certain && is_positive).then_some(Finding {
             uncertainty: None,

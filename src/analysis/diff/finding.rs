@@ -1,87 +1,233 @@
 //! A finding: a pair of corresponding numbers, and how it is displayed.
 
-use crate::analysis::phrase::{duration, signed_duration, significant};
-use schemars::JsonSchema;
+use super::floor::IntegrationError;
+use crate::analysis::phrase::{duration, moment, signed_duration, significant};
+use crate::run::simulation::{EventKind, StopReason};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Serialize;
+use std::borrow::Cow;
 
-/// The quantity of a finding.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum FindingKind {
+/// The quantity of a finding. Label, unit and digits follow from it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Quantity {
     /// Time of the end, s.
-    End,
+    End {
+        /// What ends A and B; absent if it is not recorded.
+        ends: [Option<EndCondition>; 2],
+    },
     /// Time at which the mean of θ crosses a level, s.
-    MeanCrossing,
+    MeanCrossing {
+        /// The level, rad.
+        level: f64,
+    },
     /// Time at which θ first reaches a level, s.
-    FirstReach,
+    FirstReach {
+        /// The level, rad.
+        level: f64,
+    },
     /// Time at which a tippe top inverts, s.
     Inversion,
-    /// Time of the first loop, s; of a tippe top: of the first reversal of the precession.
+    /// Time of the first loop, s.
     FirstLoop,
-    /// Number of loops; of a tippe top: of reversals of the precession.
-    Loops,
-    /// Time of the first event of another kind, s.
-    FirstEvent,
+    /// Number of loops.
+    Loops {
+        /// The time up to which they are counted, s.
+        until: f64,
+    },
+    /// Time of the first event of a kind, s.
+    FirstEvent {
+        /// The kind.
+        event: EventKind,
+    },
     /// Time at which the peg first rolls, s.
     FirstRoll,
-    /// Number of flights.
-    Flights,
+    /// Number of times in the air.
+    Hops {
+        /// The time up to which they are counted, s.
+        until: f64,
+    },
     /// θ at the start of the rolling that lasts to the end, rad.
     FinalRollTheta,
     /// Mean of θ over a nutation, rad.
-    MeanTheta,
+    MeanTheta {
+        /// Time, s.
+        at: f64,
+    },
     /// Mean of φ̇ over a nutation, rad/s.
-    MeanPrecession,
+    MeanPrecession {
+        /// Time, s.
+        at: f64,
+    },
     /// Mean of ψ̇ over a nutation, rad/s.
-    MeanSpin,
+    MeanSpin {
+        /// Time, s.
+        at: f64,
+    },
     /// Lead of B's nutation over A's, cycles.
-    PhaseLead,
+    PhaseLead {
+        /// Time, s.
+        at: f64,
+    },
     /// Amplitude of θ̇ in a nutation, rad/s.
-    Amplitude,
+    Amplitude {
+        /// Time, s.
+        at: f64,
+    },
     /// Energy lost up to a time, J.
-    EnergyLost,
-    /// The largest difference of the torques of friction, losses and air drag of both models at A's states, N m.
-    TorqueDifference,
+    EnergyLost {
+        /// The time, s.
+        until: f64,
+    },
+    /// The largest difference of the torques of friction, losses and air drag of both models, evaluated at the states of
+    /// A, N m.
+    TorqueDifference {
+        /// Whether there is air drag.
+        has_air_drag: bool,
+    },
 }
 
-impl FindingKind {
+/// What ends a run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct EndCondition {
+    /// The reason.
+    pub reason: StopReason,
+    /// The limit of the scenario that was reached: θ in rad, or the duration in s; absent for other reasons.
+    pub limit: Option<f64>,
+}
+
+impl EndCondition {
+    fn label(self) -> String {
+        let name = self.reason.name().replace('_', " ");
+        match (self.reason, self.limit) {
+            (StopReason::Risen | StopReason::Fallen, Some(level)) => {
+                format!("{name} to {} rad", significant(level, 3))
+            }
+            _ => name,
+        }
+    }
+}
+
+impl Quantity {
+    /// What is compared, without the unit.
+    pub fn label(self) -> String {
+        match self {
+            Self::End { ends: [a, b] } => match (a, b) {
+                (None, _) | (_, None) => "ends".to_owned(),
+                (Some(a), Some(b)) if a.label() == b.label() => format!("ends ({})", a.label()),
+                (Some(a), Some(b)) => format!("ends ({}, {})", a.label(), b.label()),
+            },
+            Self::MeanCrossing { level } => {
+                format!("mean θ crosses {} rad", significant(level, 3))
+            }
+            Self::FirstReach { level } => {
+                format!("θ first reaches {} rad", significant(level, 3))
+            }
+            Self::Inversion => "inverts".to_owned(),
+            Self::FirstLoop => "first loop".to_owned(),
+            Self::Loops { until } => format!("loops by {}", moment(until)),
+            Self::FirstEvent { event } => event_label(event),
+            Self::FirstRoll => "first rolls".to_owned(),
+            Self::Hops { until } => format!("hops by {}", moment(until)),
+            Self::FinalRollTheta => "θ at start of final rolling".to_owned(),
+            Self::MeanTheta { at } => format!("mean θ at {}", moment(at)),
+            Self::MeanPrecession { at } => format!("mean φ̇ at {}", moment(at)),
+            Self::MeanSpin { at } => format!("mean ψ̇ at {}", moment(at)),
+            Self::PhaseLead { at } => format!("nutation phase lead in cycles at {}", moment(at)),
+            Self::Amplitude { at } => format!("nutation amplitude of θ̇ at {}", moment(at)),
+            Self::EnergyLost { until } => format!("energy lost by {}", moment(until)),
+            Self::TorqueDifference { has_air_drag: true } => {
+                "largest difference of friction and air drag torques".to_owned()
+            }
+            Self::TorqueDifference {
+                has_air_drag: false,
+            } => "largest difference of friction torques".to_owned(),
+        }
+    }
+
     /// The unit, empty for pure numbers.
     pub fn unit(self) -> &'static str {
         match self {
-            Self::End
-            | Self::MeanCrossing
-            | Self::FirstReach
+            Self::End { .. }
+            | Self::MeanCrossing { .. }
+            | Self::FirstReach { .. }
             | Self::Inversion
             | Self::FirstLoop
-            | Self::FirstEvent
+            | Self::FirstEvent { .. }
             | Self::FirstRoll => "s",
-            Self::Loops | Self::Flights | Self::PhaseLead => "",
-            Self::FinalRollTheta | Self::MeanTheta => "rad",
-            Self::MeanPrecession | Self::MeanSpin | Self::Amplitude => "rad/s",
-            Self::EnergyLost => "J",
-            Self::TorqueDifference => "N m",
+            Self::Loops { .. } | Self::Hops { .. } | Self::PhaseLead { .. } => "",
+            Self::FinalRollTheta | Self::MeanTheta { .. } => "rad",
+            Self::MeanPrecession { .. } | Self::MeanSpin { .. } | Self::Amplitude { .. } => "rad/s",
+            Self::EnergyLost { .. } => "J",
+            Self::TorqueDifference { .. } => "N m",
         }
+    }
+
+    /// Whether it is a time, s.
+    fn is_time(self) -> bool {
+        self.unit() == "s"
     }
 
     /// Whether it is the time of an event.
     pub(super) fn is_time_of_event(self) -> bool {
-        self.unit() == "s" && self != Self::MeanCrossing
+        self.is_time() && !matches!(self, Self::MeanCrossing { .. })
     }
 
     fn is_count(self) -> bool {
-        matches!(self, Self::Loops | Self::Flights)
+        matches!(self, Self::Loops { .. } | Self::Hops { .. })
+    }
+
+    /// A number of a run, with the digits of the quantity.
+    fn format(self, number: f64) -> String {
+        if self.is_time() {
+            format!("{number:.4}")
+        } else if self.is_count() {
+            format!("{number}")
+        } else {
+            significant(number, 6)
+        }
+    }
+
+    /// A difference that is not zero, with its sign and the digits of the quantity.
+    fn format_difference(self, difference: f64) -> String {
+        if self.is_time() {
+            signed_duration(difference)
+        } else if self.is_count() {
+            format!("{difference:+}").replace('-', "−")
+        } else {
+            significant(difference, 3)
+        }
+    }
+
+    fn format_uncertainty(self, uncertainty: f64) -> String {
+        if self.is_time() {
+            duration(uncertainty)
+        } else {
+            significant(uncertainty, 2)
+        }
+    }
+}
+
+fn event_label(event: EventKind) -> String {
+    match event {
+        EventKind::Fallen => "falls".to_owned(),
+        EventKind::UprightPassage => "first passes upright".to_owned(),
+        EventKind::WeakTop => "becomes weak".to_owned(),
+        EventKind::SlipStops => "first stops slipping".to_owned(),
+        EventKind::Stick => "first sticks".to_owned(),
+        EventKind::LiftOff => "first lifts off".to_owned(),
+        EventKind::Rest => "comes to rest".to_owned(),
+        EventKind::Jam => "jams".to_owned(),
+        other => format!("first {}", other.name().replace('_', " ")),
     }
 }
 
 /// A pair of corresponding numbers.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(into = "FindingReport")]
 pub struct Finding {
-    /// The kind of quantity.
-    pub kind: FindingKind,
     /// The compared quantity.
-    pub what: String,
-    /// The unit, empty for pure numbers.
-    pub unit: String,
+    pub quantity: Quantity,
     /// A's number; absent if it has none.
     pub a: Option<f64>,
     /// B's number; absent if it has none.
@@ -94,41 +240,88 @@ pub struct Finding {
     pub integration_error: Option<f64>,
 }
 
-impl Finding {
-    /// A's and B's number with the integration error of their difference, which is also its uncertainty.
-    pub(super) fn new(
-        kind: FindingKind,
-        what: impl Into<String>,
-        [a, b]: [Option<f64>; 2],
-        error: Option<f64>,
-    ) -> Self {
-        let difference = a.zip(b).map(|(a, b)| b - a);
-        let error = error.filter(|_| difference.is_some());
+/// A pair of corresponding numbers, in reports.
+#[derive(Serialize, JsonSchema)]
+struct FindingReport {
+    #[serde(flatten)]
+    quantity: Quantity,
+    /// The compared quantity in words.
+    what: String,
+    /// The unit, empty for pure numbers.
+    unit: &'static str,
+    /// A's number; absent if it has none.
+    a: Option<f64>,
+    /// B's number; absent if it has none.
+    b: Option<f64>,
+    /// The difference B − A; absent if the numbers are unlike, e.g. times of ends of two kinds.
+    difference: Option<f64>,
+    /// Uncertainty of the difference; absent if it is not known.
+    uncertainty: Option<f64>,
+    /// Error of the difference due to the two integrations alone; absent if it is not known.
+    integration_error: Option<f64>,
+}
+
+impl From<Finding> for FindingReport {
+    fn from(finding: Finding) -> Self {
         Self {
-            kind,
-            what: what.into(),
-            unit: kind.unit().to_owned(),
+            quantity: finding.quantity,
+            what: finding.quantity.label(),
+            unit: finding.quantity.unit(),
+            a: finding.a,
+            b: finding.b,
+            difference: finding.difference,
+            uncertainty: finding.uncertainty,
+            integration_error: finding.integration_error,
+        }
+    }
+}
+
+/// As it is serialized: with the label and the unit of the quantity.
+impl JsonSchema for Finding {
+    fn schema_name() -> Cow<'static, str> {
+        "Finding".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        FindingReport::json_schema(generator)
+    }
+}
+
+impl Finding {
+    /// A's and B's number, with an unknown error.
+    pub(super) fn new(quantity: Quantity, [a, b]: [Option<f64>; 2]) -> Self {
+        Self {
+            quantity,
             a,
             b,
-            difference,
-            uncertainty: error,
-            integration_error: error,
+            difference: a.zip(b).map(|(a, b)| b - a),
+            uncertainty: None,
+            integration_error: None,
         }
     }
 
-    /// A difference without numbers of A and B.
-    pub(super) fn of_difference(
-        kind: FindingKind,
-        what: impl Into<String>,
-        difference: f64,
-        error: Option<f64>,
-    ) -> Self {
+    /// A difference without numbers of A and B, with an unknown error.
+    pub(super) fn from_difference(quantity: Quantity, difference: f64) -> Self {
         Self {
             difference: Some(difference),
-            uncertainty: error,
-            integration_error: error,
-            ..Self::new(kind, what, [None; 2], None)
+            ..Self::new(quantity, [None; 2])
         }
+    }
+
+    /// Sets the integration error of the difference, which is also its uncertainty; `None` if the numbers depend on the
+    /// integration.
+    pub(super) fn with_error(self, error: IntegrationError) -> Option<Self> {
+        let estimate = match error {
+            IntegrationError::Unknown => None,
+            IntegrationError::Within(error) => Some(error),
+            IntegrationError::Undetermined => return None,
+        };
+        let known = estimate.filter(|_| self.difference.is_some());
+        Some(Self {
+            uncertainty: known,
+            integration_error: known,
+            ..self
+        })
     }
 
     /// Whether either run has the number.
@@ -147,34 +340,38 @@ impl Finding {
 
     /// The cells of a table: what is compared with its unit, A's and B's number, B − A with its uncertainty.
     pub fn cells(&self) -> [String; 4] {
-        let is_time = self.kind.unit() == "s";
-        let value = |value: Option<f64>| match value {
-            Some(value) if is_time => format!("{value:.4}"),
-            Some(value) if self.kind.is_count() => format!("{value}"),
-            Some(value) => significant(value, 6),
-            None => "–".to_owned(),
+        let what = match self.quantity.unit() {
+            "" => self.quantity.label(),
+            unit => format!("{} [{unit}]", self.quantity.label()),
         };
-        let difference = self.difference.map(|difference| match difference {
-            0.0 => "0".to_owned(),
-            shift if is_time => signed_duration(shift),
-            count if self.kind.is_count() => format!("{count:+}").replace('-', "−"),
-            difference => significant(difference, 3),
-        });
-        // Uncertainties below the displayed digits are omitted.
-        let is_shown = |error: &f64| *error > NEGLIGIBLE * self.difference.unwrap_or(0.0).abs();
-        let uncertainty = match self.uncertainty.filter(is_shown) {
-            Some(error) if is_time => format!(" ± {}", duration(error)),
-            Some(error) => format!(" ± {}", significant(error, 2)),
-            None => String::new(),
+        [
+            what,
+            self.number_cell(self.a),
+            self.number_cell(self.b),
+            self.difference_cell(),
+        ]
+    }
+
+    fn number_cell(&self, number: Option<f64>) -> String {
+        number.map_or_else(|| "–".to_owned(), |number| self.quantity.format(number))
+    }
+
+    fn difference_cell(&self) -> String {
+        /// Uncertainties below this fraction of the difference are not shown: they are below the displayed digits.
+        const NEGLIGIBLE: f64 = 1e-3;
+        let Some(difference) = self.difference else {
+            return String::new();
         };
-        let what = match self.unit.as_str() {
-            "" => self.what.clone(),
-            unit => format!("{} [{unit}]", self.what),
+        let text = if difference == 0.0 {
+            "0".to_owned()
+        } else {
+            self.quantity.format_difference(difference)
         };
-        let difference = difference.map_or_else(String::new, |text| text + &uncertainty);
-        [what, value(self.a), value(self.b), difference]
+        match self.uncertainty {
+            Some(error) if error > NEGLIGIBLE * difference.abs() => {
+                format!("{text} ± {}", self.quantity.format_uncertainty(error))
+            }
+            _ => text,
+        }
     }
 }
-
-/// Uncertainties below this fraction of the difference are not shown.
-const NEGLIGIBLE: f64 = 1e-3;

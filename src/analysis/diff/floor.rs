@@ -65,16 +65,16 @@ pub struct IntegratorError {
 
 impl IntegratorError {
     /// The error of a field.
-    pub(super) fn of(&self, field: &str) -> Option<f64> {
-        let mut fields = self.fields.iter();
-        Some(fields.find(|(name, _)| name == field)?.1)
+    pub(super) fn field(&self, field: &str) -> Option<f64> {
+        let (_, error) = self.fields.iter().find(|(name, _)| name == field)?;
+        Some(*error)
     }
 }
 
 impl Floor {
     /// The errors of a field, A's and B's together.
-    pub(super) fn of(&self, field: &str) -> Option<f64> {
-        Some(self.a.of(field)? + self.b.of(field)?)
+    pub(super) fn field(&self, field: &str) -> Option<f64> {
+        Some(self.a.field(field)? + self.b.field(field)?)
     }
 }
 
@@ -132,6 +132,11 @@ impl Integrations {
             }
         }
         Some(error)
+    }
+
+    /// A run as it is integrated with its own tolerances, with all topics.
+    pub(super) fn own(&self, side: usize) -> &RunHistory {
+        &self.sides[side].own
     }
 
     /// The errors of A's and B's averages.
@@ -214,11 +219,8 @@ fn repeat(
     };
     let mut fields = BTreeMap::new();
     repeated.add(scenario, &first, limits, &mut fields, carry_on)?;
-    let second = in_other_formulation(&between);
     // In Euler angles a run ends where they are singular: then the formulations can't be compared.
-    let ends_singular = |run: &RunHistory| run.stop_reason() == Some(StopReason::Singular);
-    let is_singular = ends_singular(&repeated.own);
-    match second.filter(|_| !is_singular) {
+    match in_other_formulation(&between).filter(|_| !ends_singular(&repeated.own)) {
         Some(second) => {
             let known = repeated.clone();
             repeated.add(scenario, &second, limits, &mut fields, carry_on)?;
@@ -237,6 +239,10 @@ fn repeat(
     Some(repeated)
 }
 
+fn ends_singular(run: &RunHistory) -> bool {
+    run.stop_reason() == Some(StopReason::Singular)
+}
+
 /// All fields of a scenario's recordings.
 fn scenario_fields(scenario: &Scenario) -> impl Iterator<Item = NumberField> {
     Topic::all_with(scenario.model.support).flat_map(Topic::numbers)
@@ -253,14 +259,15 @@ impl Repeated {
         carry_on: &dyn Fn() -> bool,
     ) -> Option<()> {
         let runs = [scenario, variant].map(Subject::Scenario);
-        let topics = Topic::all_with(scenario.model.support);
-        let topics: Vec<_> = topics.map(|topic| topic.to_string()).collect();
-        let limits = Limits {
+        let topics: Vec<String> = Topic::all_with(scenario.model.support)
+            .map(|topic| topic.to_string())
+            .collect();
+        let all_topics = Limits {
             topics: &topics,
             ..*limits
         };
         let options = Options::default();
-        let paired = read_both(runs, &limits, &options, &mut (), carry_on).ok()?;
+        let paired = read_both(runs, &all_topics, &options, &mut (), carry_on).ok()?;
         for (name, difference) in paired.compared().flat_map(TopicTally::largest) {
             let largest = fields.entry(name).or_insert(0.0);
             *largest = difference.max(*largest);
@@ -277,14 +284,15 @@ impl Repeated {
     fn event_time(&self) -> f64 {
         let mut largest = 0.0_f64;
         for other in &self.others {
-            let first = |kind| {
-                let times = [&self.own, other].map(|run| Some(run.first(kind)?.time));
-                (times[0], times[1])
-            };
-            let ends = (self.own.stop_time(), other.stop_time());
-            let inversions = (self.own.inverted, other.inverted);
-            let pairs = EventKind::ALL.into_iter().map(first);
-            for pair in pairs.chain([ends, inversions]) {
+            let mut pairs = vec![
+                (self.own.stop_time(), other.stop_time()),
+                (self.own.inverted, other.inverted),
+            ];
+            for kind in EventKind::ALL {
+                let [own, other] = [&self.own, other].map(|run| Some(run.first(kind)?.time));
+                pairs.push((own, other));
+            }
+            for pair in pairs {
                 if let (Some(own), Some(other)) = pair {
                     largest = largest.max((own - other).abs());
                 }

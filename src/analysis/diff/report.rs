@@ -112,7 +112,7 @@ impl Report {
         let floor = integrations
             .as_ref()
             .map(|integrations| &integrations.floor);
-        let floor_of = |field: &str| floor?.of(field);
+        let floor_of = |field: &str| floor?.field(field);
         let [a, b] = [0, 1].map(|side| {
             let RunData {
                 history, losses, ..

@@ -1,0 +1,497 @@
+//! The causes that an explanation names are checked by the recorded numbers.
+
+use crate::random_scenarios::{self, Random, free_tops, ordinary_held_tops};
+use crate::support::{MemorySink, scenario};
+use nalgebra::Vector3;
+use std::error::Error;
+use std::f64::consts::FRAC_PI_2;
+use toprise::analysis::explain::{Claim, Explainer, Explanation, Stopped, explain};
+use toprise::analysis::subject::ReadEnd;
+use toprise::archive::format::end_entries;
+use toprise::archive::sink::Sink as _;
+use toprise::physics::math::sin_cos;
+use toprise::run::scenario::{PRESETS, Scenario};
+use toprise::run::simulation::{EventKind, Simulation};
+use toprise::telemetry::fields::{
+    ACCELERATION, EVENTS, IMPACTS, NUTATION, NumberField, POSE, STATE, VectorField, acceleration,
+    center_of_mass, contact, energy, events, free_peg, impacts, momentum, nutation, pose, state,
+    torque,
+};
+use toprise::telemetry::{Message, Telemetry, Topic};
+
+/// Integrator steps of a random run: what is hard takes for ever.
+const MAX_STEPS: u32 = 3000;
+
+/// The messages of a run, and its explanation from the same pass.
+struct Told {
+    scenario: Scenario,
+    messages: MemorySink,
+    explanation: Explanation,
+}
+
+impl Told {
+    /// `None` if the motion can't be computed, or has fewer than two samples.
+    fn run(scenario: &Scenario, max_steps: u32) -> Option<Self> {
+        let mut steps = 0;
+        let mut simulation = Simulation::new(scenario).ok()?.continue_while(move || {
+            steps += 1;
+            steps <= max_steps
+        });
+        let mut telemetry = Telemetry::default();
+        let mut messages = MemorySink::default();
+        let mut explainer = Explainer::new(scenario);
+        while let Some(record) = simulation.next() {
+            let sent = telemetry.messages(&record.ok()?, |message| {
+                explainer.take(message);
+                messages.write(message)?;
+                Ok::<_, Box<dyn Error>>(())
+            });
+            sent.unwrap();
+        }
+        let ended = ReadEnd {
+            end: Some(end_entries(&simulation.end())),
+            ..ReadEnd::default()
+        };
+        Some(Self {
+            scenario: scenario.clone(),
+            explanation: explainer.finish(ended).ok()?,
+            messages,
+        })
+    }
+
+    fn of_topic(&self, topic: Topic) -> impl DoubleEndedIterator<Item = Message<'_>> {
+        let index = topic.index();
+        self.messages
+            .messages
+            .iter()
+            .filter(move |message| message.channel == index)
+            .map(|message| message.as_message())
+    }
+
+    fn numbers(&self, field: NumberField) -> Vec<f64> {
+        self.of_topic(field.topic())
+            .map(|message| field.of(&message))
+            .collect()
+    }
+
+    fn vectors(&self, field: VectorField) -> Vec<Vector3<f64>> {
+        self.of_topic(field.topic())
+            .map(|message| field.of(&message))
+            .collect()
+    }
+
+    fn times(&self) -> Vec<f64> {
+        self.of_topic(STATE)
+            .map(|message| message.time_ns as f64 / 1e9)
+            .collect()
+    }
+
+    fn ends(&self, field: NumberField) -> [f64; 2] {
+        let numbers = self.numbers(field);
+        [numbers[0], numbers[numbers.len() - 1]]
+    }
+
+    /// Times of the events of a kind, s.
+    fn times_of(&self, kind: EventKind) -> Vec<f64> {
+        self.of_topic(EVENTS)
+            .filter(|message| events::NAME.of(message) == kind.name())
+            .map(|message| events::TIME.of(&message))
+            .collect()
+    }
+
+    /// Angular momentum about the centre of a fixed peg, or the centre of mass.
+    fn angular_momenta(&self) -> Vec<Vector3<f64>> {
+        if self.scenario.model.support.is_free() {
+            self.vectors(center_of_mass::ANGULAR_MOMENTUM)
+        } else {
+            self.vectors(momentum::WORLD)
+        }
+    }
+
+    /// The axis, from the Euler angles.
+    fn axes(&self) -> Vec<Vector3<f64>> {
+        let phis = self.numbers(state::PHI);
+        let thetas = self.numbers(state::THETA);
+        let mut axes = Vec::new();
+        for (phi, theta) in phis.into_iter().zip(thetas) {
+            let ((sin_phi, cos_phi), (sin, cos)) = (sin_cos(phi), sin_cos(theta));
+            axes.push(Vector3::new(sin * sin_phi, -sin * cos_phi, cos));
+        }
+        axes
+    }
+
+    /// Torque of friction and air drag about the point of the angular momenta, world frame. For a free peg that of the
+    /// force at the point of contact; losses have others.
+    fn friction_torques(&self) -> Vec<Vector3<f64>> {
+        if self.scenario.model.support.is_free() {
+            let points = self.vectors(contact::CONTACT_POINT);
+            let centers = self.vectors(center_of_mass::POSITION);
+            let forces = self.vectors(contact::FRICTION_FORCE);
+            let levers = points.into_iter().zip(centers);
+            return levers
+                .zip(forces)
+                .map(|((point, center), force)| (point - center).cross(&force))
+                .collect();
+        }
+        let body = self.vectors(torque::FRICTION_BODY);
+        let orientations: Vec<_> = self
+            .of_topic(POSE)
+            .map(|message| pose::ORIENTATION.of(&message))
+            .collect();
+        body.into_iter()
+            .zip(orientations)
+            .map(|(torque, q)| nalgebra::UnitQuaternion::from_quaternion(q) * torque)
+            .collect()
+    }
+}
+
+fn horizontal(vector: &Vector3<f64>) -> Vector3<f64> {
+    Vector3::new(vector.x, vector.y, 0.0)
+}
+
+#[track_caller]
+fn assert_same(name: &str, claimed: [f64; 2], recorded: [f64; 2]) {
+    for (claimed, recorded) in claimed.into_iter().zip(recorded) {
+        let tolerance = 1e-9 * recorded.abs().max(claimed.abs());
+        assert!(
+            (claimed - recorded).abs() <= tolerance,
+            "{name}: claimed {claimed}, recorded {recorded}"
+        );
+    }
+}
+
+/// Checks a claim by the messages.
+fn check(told: &Told, claim: &Claim) {
+    match claim {
+        Claim::Conserves { mean_theta, .. } => check_conserves(told, *mean_theta),
+        Claim::FrictionRaises {
+            horizontal: part,
+            vertical,
+            is_vertical_constant,
+            by_friction,
+            theta,
+            until,
+            ..
+        } => {
+            check_momentum(told, *part, *vertical, *until);
+            check_friction(told, *part, *by_friction, *until);
+            let at = told.times().iter().position(|time| time == until).unwrap();
+            let thetas = told.numbers(state::THETA);
+            assert_same("θ", *theta, [thetas[0], thetas[at]]);
+            assert!(thetas[at] < thetas[0], "{claim:?}");
+            if *is_vertical_constant {
+                for momentum in told.angular_momenta() {
+                    assert!((momentum.z / vertical[0] - 1.0).abs() < 1e-6, "{claim:?}");
+                }
+            }
+        }
+        Claim::FrictionSpeedsPrecession {
+            friction, within, ..
+        } => check_precession(told, *friction, *within),
+        Claim::LossesAlign {
+            energy: energies, ..
+        } => {
+            assert_same("energy", *energies, told.ends(energy::TOTAL));
+            assert!(energies[1] < energies[0]);
+            let top = told.scenario.model.nutating_top();
+            assert!(top.axial_moment > top.transverse_moment);
+            let [first, last] = told.ends(state::THETA);
+            assert!(last < first, "{claim:?}");
+        }
+        Claim::WeakTopFalls { axial, time, .. } => {
+            check_weak(told, *axial);
+            assert!(told.times_of(EventKind::Fallen).contains(time), "{claim:?}");
+        }
+        Claim::Inverts { vertical, .. } => check_inversion(told, *vertical),
+        Claim::SlipEnds {
+            from,
+            theta_range,
+            stops,
+            ..
+        } => check_grip(told, *from, *theta_range, *stops),
+        Claim::Bounces {
+            hops,
+            impacts: count,
+            lost,
+            starts_in_air,
+            lands,
+        } => {
+            let lift_offs = told.times_of(EventKind::LiftOff);
+            let in_air = u64::from(*starts_in_air);
+            assert!(*hops <= lift_offs.len() as u64 + in_air, "{claim:?}");
+            assert_eq!(*count, told.of_topic(IMPACTS).count() as u64);
+            let mut sum = 0.0;
+            for impact in told.of_topic(IMPACTS) {
+                sum += impacts::LOST_RESTITUTION.of(&impact) + impacts::LOST_FRICTION.of(&impact);
+            }
+            assert_same("impacts", [*lost; 2], [sum; 2]);
+            // After the last landing, no sample is in the air; without one, the last event is a lift-off.
+            for (time, regime) in told.times().into_iter().zip(told.numbers(contact::REGIME)) {
+                let is_down = lands.is_some_and(|lands| time > lands);
+                assert!(!(is_down && regime == 2.0), "{claim:?} at {time}");
+            }
+            if *starts_in_air {
+                assert_eq!(told.numbers(contact::REGIME)[0], 2.0);
+            }
+        }
+        Claim::Rests { from, kinetic, .. } => {
+            assert!(told.times_of(EventKind::Rest).contains(from));
+            assert_same("kinetic", *kinetic, told.ends(energy::KINETIC));
+            let rest = told.of_topic(EVENTS).next_back().unwrap();
+            assert_eq!(events::NAME.of(&rest), EventKind::Rest.name());
+            assert_eq!(events::THETA_DOT.of(&rest), 0.0);
+        }
+    }
+}
+
+fn check_conserves(told: &Told, mean_theta: Option<[f64; 2]>) {
+    let energies = told.numbers(energy::TOTAL);
+    let momenta = told.angular_momenta();
+    let axial = told.numbers(momentum::AXIAL);
+    for ((energy, momentum), axial_part) in energies.iter().zip(&momenta).zip(&axial) {
+        let size = momenta[0].norm().max(momentum.norm());
+        assert!((energy - energies[0]).abs() <= 1e-6 * energies[0].abs());
+        assert!((momentum.z - momenta[0].z).abs() <= 2e-6 * size);
+        assert!((axial_part - axial[0]).abs() <= 2e-6 * size);
+    }
+    let means = told.numbers(nutation::THETA_MEAN);
+    if mean_theta.is_some() {
+        for mean in &means {
+            assert!((mean - means[0]).abs() <= 1e-5 * means[0], "{means:?}");
+        }
+    }
+}
+
+fn check_momentum(told: &Told, part: [f64; 2], vertical: [f64; 2], until: f64) {
+    let momenta = told.angular_momenta();
+    let at = told.times().iter().position(|time| *time == until).unwrap();
+    let recorded = [momenta[0], momenta[at]];
+    assert_same("horizontal", part, recorded.map(|l| horizontal(&l).norm()));
+    assert_same("vertical", vertical, recorded.map(|l| l.z));
+    assert!(part[1] < part[0]);
+    // The axis must have followed the angular momentum.
+    let inclinations = recorded.map(|l| l.z.atan2(horizontal(&l).norm()));
+    let mut largest = 0.0_f64;
+    for (momentum, axis) in momenta[..=at].iter().zip(told.axes()) {
+        largest = largest.max(momentum.angle(&axis));
+    }
+    assert!(inclinations[1] - inclinations[0] > 2.0 * largest - 1e-9);
+}
+
+fn check_friction(told: &Told, part: [f64; 2], by_friction: f64, until: f64) {
+    // Couples of losses are not among these torques.
+    if told.scenario.model.support.is_free() && told.scenario.model.friction.has_losses() {
+        return;
+    }
+    let (times, momenta) = (told.times(), told.angular_momenta());
+    let torques = told.friction_torques();
+    let mut sum = 0.0;
+    for (at, window) in times.windows(2).enumerate() {
+        if window[1] <= until {
+            let direction = horizontal(&momenta[at]).normalize();
+            sum += (window[1] - window[0]) * torques[at].dot(&direction);
+        }
+    }
+    // The sum's rule differs from that of the claim: by at most the change of the torque in one sample.
+    assert!((sum - by_friction).abs() < 0.05 * by_friction.abs(), "{sum} {by_friction}");
+    assert!(by_friction < 0.5 * (part[1] - part[0]));
+}
+
+/// The paper's argument, from its equation of θ̈ with a fixed ψ̇.
+fn check_precession(told: &Told, friction: f64, within: f64) {
+    let last = told.of_topic(ACCELERATION).next_back().unwrap();
+    assert_eq!(friction, acceleration::PHI_DOT_FRICTIONAL.of(&last));
+    let top = &told.scenario.model.top;
+    let (transverse, axial) = (top.transverse_moment, top.axial_moment);
+    let gravity = top.mass * top.gravity * top.center_distance;
+    let mut thetas = Vec::new();
+    for cycle in told.of_topic(NUTATION) {
+        let theta = nutation::THETA_MEAN.of(&cycle);
+        let (phi_dot, psi_dot) = (
+            nutation::PHI_DOT_MEAN.of(&cycle),
+            nutation::PSI_DOT_MEAN.of(&cycle),
+        );
+        let (sin, cos) = sin_cos(theta);
+        let (a, b) = ((transverse - axial) * cos, axial * psi_dot);
+        let root = (b * b - 4.0 * a * gravity).sqrt() * b.signum();
+        let (slow, fast) = (2.0 * gravity / (b + root), (b + root) / (2.0 * a));
+        assert!((phi_dot - slow).abs() <= within * (1.0 + 1e-9));
+        assert!(phi_dot * friction > 0.0);
+        let between = 0.5 * (slow + fast);
+        let theta_ddot = (a * between * between - b * between + gravity) * sin / transverse;
+        assert!(theta_ddot < 0.0);
+        thetas.push(theta);
+    }
+    assert!(thetas.last() < thetas.first());
+}
+
+fn check_weak(told: &Told, axial: [f64; 2]) {
+    let top = told.scenario.model.nutating_top();
+    let last = told.of_topic(STATE).next_back().unwrap();
+    let (_, cos) = sin_cos(state::THETA.of(&last));
+    let spin = state::PSI_DOT.of(&last) + state::PHI_DOT.of(&last) * cos;
+    let a = top.axial_moment * spin / top.transverse_moment;
+    let gravity = top.mass * top.gravity * top.center_distance;
+    assert!(a * a < 4.0 * gravity / top.transverse_moment);
+    assert_same("axial", axial, told.ends(momentum::AXIAL));
+    let [first, _] = told.ends(state::THETA);
+    let fallen = told.of_topic(EVENTS).next_back().unwrap();
+    assert!(events::THETA.of(&fallen) > first);
+}
+
+fn check_inversion(told: &Told, vertical: [f64; 2]) {
+    let [first, last] = told.ends(state::THETA);
+    assert!(first < FRAC_PI_2 && last > FRAC_PI_2);
+    let momenta = told.angular_momenta();
+    assert_same("vertical", vertical, [momenta[0].z, momenta[momenta.len() - 1].z]);
+    assert!(vertical[0] * vertical[1] > 0.0);
+    let [first, last] = told.ends(momentum::AXIAL);
+    assert!(first * last < 0.0);
+    let [first, last] = told.ends(center_of_mass::POSITION.z());
+    assert!(last > first);
+    let [first, last] = told.ends(energy::KINETIC);
+    assert!(last < first);
+    let [first, last] = told.ends(free_peg::LOST_SLIDING);
+    assert!(last > first);
+    let top = &told.scenario.model.top;
+    let jellett = told.numbers(free_peg::JELLETT);
+    for ((constant, momentum), axial) in
+        jellett.iter().zip(&momenta).zip(told.numbers(momentum::AXIAL))
+    {
+        let sum = top.center_distance * axial + top.peg_radius * momentum.z;
+        let size = (top.center_distance * axial).abs() + (top.peg_radius * momentum.z).abs();
+        assert!((sum - jellett[0]).abs() < 1e-6 * size && (sum - constant).abs() < 1e-9 * size);
+    }
+}
+
+fn check_grip(told: &Told, from: f64, theta_range: [f64; 2], stops: Stopped) {
+    let regimes = told.numbers(contact::REGIME);
+    let thetas = told.numbers(state::THETA);
+    let work = told.numbers(contact::SLIP_WORK);
+    let mut works = Vec::new();
+    for (at, time) in told.times().into_iter().enumerate() {
+        if time > from {
+            assert_eq!(regimes[at], 0.0, "at {time}");
+            assert!((theta_range[0]..=theta_range[1]).contains(&thetas[at]));
+            works.push(work[at]);
+        }
+    }
+    for later in &works {
+        assert_eq!(*later, works[0]);
+    }
+    match stops {
+        Stopped::Rise => assert!(theta_range[1] < thetas[0]),
+        Stopped::Inversion => assert!(theta_range[1] < FRAC_PI_2),
+        Stopped::Nothing => {}
+    }
+}
+
+fn kinds(claims: &[Claim]) -> Vec<&'static str> {
+    claims
+        .iter()
+        .map(|claim| match claim {
+            Claim::Conserves { .. } => "conserves",
+            Claim::FrictionRaises { .. } => "friction raises",
+            Claim::FrictionSpeedsPrecession { .. } => "friction speeds precession",
+            Claim::LossesAlign { .. } => "losses align",
+            Claim::WeakTopFalls { .. } => "weak top falls",
+            Claim::Inverts { .. } => "inverts",
+            Claim::SlipEnds { .. } => "slip ends",
+            Claim::Bounces { .. } => "bounces",
+            Claim::Rests { .. } => "rests",
+        })
+        .collect()
+}
+
+#[test]
+fn val_presets_have_their_causes() {
+    let paper: &[&str] = &["friction raises", "friction speeds precession"];
+    for (preset, expected) in [
+        ("paper", paper),
+        ("full-coulomb", paper),
+        ("nutation-free", paper),
+        ("tilt-torque-only", paper),
+        ("viscous", paper),
+        ("stribeck", paper),
+        ("contensou", paper),
+        // Not a torque: there is no argument with the angular momentum.
+        ("paper-precession-term-only", &paper[1..]),
+        ("paper-spin-term-only", &["weak top falls"]),
+        ("spin-torque-only", &["weak top falls"]),
+        ("frictionless", &["conserves"]),
+        ("rise-by-loss-of-spin", &["losses align"]),
+        ("lifecycle", &["friction raises", "weak top falls"]),
+        ("free-paper", &["friction raises", "bounces", "slip ends"]),
+        ("free-rolls", &["friction raises", "slip ends"]),
+        ("free-viscous", &["friction raises"]),
+        ("drop", &["bounces", "friction raises", "slip ends"]),
+        ("tippe-top", &["inverts"]),
+        ("tippe-top-hangs", &["slip ends"]),
+    ] {
+        let told = Told::run(&scenario(preset, &[]), u32::MAX).unwrap();
+        let claims = &told.explanation.story.claims;
+        assert_eq!(kinds(claims), expected, "{preset}");
+        for claim in claims {
+            check(&told, claim);
+        }
+    }
+    assert_eq!(PRESETS.iter().count(), 19, "a preset without its causes");
+}
+
+/// Any claim about any motion is carried by the numbers.
+#[test]
+fn random_tops_have_true_causes() {
+    let count = random_scenarios::count().unwrap_or(40);
+    let held = ordinary_held_tops(Random(38)).take(count);
+    let free = free_tops(Random(38)).take(count);
+    let mut claims = 0;
+    for scenario in held.chain(free) {
+        let Some(told) = Told::run(&scenario, MAX_STEPS) else {
+            continue;
+        };
+        for claim in &told.explanation.story.claims {
+            check(&told, claim);
+            claims += 1;
+        }
+    }
+    assert!(claims >= count / 2, "{claims} claims");
+}
+
+#[test]
+fn story_is_a_paragraph_without_numbers() {
+    for preset in PRESETS.iter() {
+        let story = explain(&scenario(&preset.name, &[])).unwrap().story;
+        let text = story.text().unwrap();
+        assert!(text.ends_with('.') && !text.contains('\n'), "{text}");
+        assert!(!text.contains(|c: char| c.is_ascii_digit()), "{text}");
+        assert!(text.split(' ').count() <= 120, "{text}");
+    }
+}
+
+/// A top that static friction holds from the start has one sample, and is explained.
+#[test]
+fn rest_from_the_start_is_explained() {
+    let keys = [
+        ("initial.psi_dot", "0"),
+        ("initial.phi_dot", "0"),
+        ("friction.k", "20"),
+        ("formulation", "body"),
+    ];
+    let told = Told::run(&scenario("full-coulomb", &keys), u32::MAX).unwrap();
+    let claims = &told.explanation.story.claims;
+    assert_eq!(kinds(claims), ["rests"]);
+    check(&told, &claims[0]);
+    let text = told.explanation.story.text().unwrap();
+    assert!(text.starts_with("The top starts at rest"), "{text}");
+}
+
+#[test]
+fn names_a_top_that_is_weak_from_the_start() {
+    let keys = [("initial.psi_dot", "5"), ("initial.phi_dot", "0")];
+    let told = Told::run(&scenario("full-coulomb", &keys), u32::MAX).unwrap();
+    let claims = &told.explanation.story.claims;
+    assert_eq!(kinds(claims), ["weak top falls"]);
+    check(&told, &claims[0]);
+    let text = told.explanation.story.text().unwrap();
+    assert!(text.contains("weak from the start"), "{text}");
+}
