@@ -36,7 +36,7 @@ fn assert_contains_all(text: &str, parts: &[&str]) {
 fn run_records_and_summarises() {
     let folder = Folder::new();
     let parts = [
-        "the run reached its duration at t = 0.200000 s",
+        "stopped at the time limit at t = 0.200000 s",
         "recordings/paper_duration0.2.mcap",
         "201 samples",
         "sha-256",

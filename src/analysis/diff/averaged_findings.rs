@@ -66,9 +66,7 @@ pub(super) fn phase_lead(evidence: &Evidence<'_>) -> Option<Finding> {
 pub(super) fn amplitude(evidence: &Evidence<'_>) -> Option<Finding> {
     let averaged = evidence.averaged?;
     let amplitudes = averaged.amplitudes?;
-    let error = error_of_averages(evidence, amplitudes, |errors| {
-        errors.amplitude(averaged.to)
-    });
+    let error = error_of_averages(evidence, amplitudes, |errors| errors.amplitude(averaged.to));
     let quantity = Quantity::Amplitude { at: averaged.to };
     Finding::new(quantity, amplitudes.map(Some)).with_error(error)
 }

@@ -170,9 +170,9 @@ impl AverageErrors {
             .successive_cycles()
             .last()
             .map_or(0.0, |last| 0.5 * last.period);
-        self.ends = Some([0, 1].map(|at| {
-            ends[at].map_or(f64::NEG_INFINITY, |end| known[at].min(end + slack))
-        }));
+        self.ends = Some(
+            [0, 1].map(|at| ends[at].map_or(f64::NEG_INFINITY, |end| known[at].min(end + slack))),
+        );
     }
 
     /// The error of a field, if all integrations have it at this time (s).

@@ -80,9 +80,8 @@ fn peg(evidence: &Evidence<'_>) -> Vec<Finding> {
     // The rolling that lasts to the end must begin before the other run ends.
     let start = evidence.compare_times(Quantity::FirstRoll, |run| Some(final_roll(run)?.from));
     if start.is_some() {
-        found.extend(evidence.compare(Quantity::FinalRollTheta, |run| {
-            Some(final_roll(run)?.theta)
-        }));
+        found
+            .extend(evidence.compare(Quantity::FinalRollTheta, |run| Some(final_roll(run)?.theta)));
     }
     found
 }

@@ -44,9 +44,7 @@ impl Evidence<'_> {
         let errors = [0, 1].map(|side| integrations.error_of(side, &number));
         match errors {
             [Some(a), Some(b)] => {
-                let numbers = self
-                    .histories()
-                    .map(|run| number(run).unwrap_or_default());
+                let numbers = self.histories().map(|run| number(run).unwrap_or_default());
                 IntegrationError::Within(combined([a, b], numbers))
             }
             [None, _] | [_, None] => IntegrationError::Undetermined,

@@ -37,7 +37,7 @@ pub enum Claim {
         theta: [f64; 2],
         /// The end of the rise, s.
         until: f64,
-        /// Whether there is friction at the contact point, and air drag.
+        /// Whether there is friction at the contact point.
         has_friction: bool,
         /// Whether there is air drag.
         has_air_drag: bool,
@@ -70,9 +70,9 @@ pub enum Claim {
     },
     /// The spin is, or becomes, too slow to hold the axis up, and the top falls.
     WeakTopFalls {
-        /// Angular momentum about the axis, kg m²/s.
+        /// Angular momentum about the axis at the start and at the fall, kg m²/s.
         axial: [f64; 2],
-        /// The magnitude below which the top is weak, √(4 M g l I_x), kg m²/s: more than the last value.
+        /// The magnitude below which the top is weak, √(4 M g l I_x), kg m²/s: more than that at the fall.
         critical: f64,
         /// Inclination at the start and at the fall, rad; it increases.
         theta: [f64; 2],
@@ -100,6 +100,8 @@ pub enum Claim {
         center_height: [f64; 2],
         /// Kinetic energy, J; it decreases.
         kinetic: [f64; 2],
+        /// Energy dissipated by sliding, J; positive.
+        lost_sliding: f64,
     },
     /// The contact point no longer slips, to the end: friction does no work, and the inclination stays in a range.
     SlipEnds {

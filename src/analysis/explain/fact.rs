@@ -155,7 +155,7 @@ pub enum Fact {
     AxialMomentum {
         /// At the beginning, kg m²/s.
         first: f64,
-        /// In the last sample, kg m²/s.
+        /// At the fall of a top, or in the last sample, kg m²/s.
         last: f64,
     },
     /// The angular momentum about the axis below which the top is weak.
@@ -355,7 +355,8 @@ impl Fact {
                 quantity(*change, 3, "rad/s")
             ),
             Self::NoFrictionOnPrecession => {
-                "The friction term of φ̈ does not change φ̇ by more than the integration error.".to_owned()
+                "The friction term of φ̈ does not change φ̇ by more than the integration error."
+                    .to_owned()
             }
             Self::TermsCancel { demanded, mean } => format!(
                 "The gyroscopic and Coriolis terms are proportional to θ̇. They balance the friction term at a mean θ̇ of {}; the observed mean is {}.",
@@ -454,10 +455,7 @@ impl Fact {
                 joule(losses)
             ),
             Self::Sliding { sliding, .. } => {
-                format!(
-                    "In this time, sliding dissipates {}.",
-                    joule(sliding)
-                )
+                format!("In this time, sliding dissipates {}.", joule(sliding))
             }
             Self::SlipPath { length } => format!(
                 "In this time, the contact point slips {}.",

@@ -65,10 +65,12 @@ pub(super) fn end(evidence: &Evidence) -> Option<Fact> {
     });
     let mut nutation_end = None;
     if let [_, .., cycle] = &history.cycles[..] {
-        if last.time <= cycle.end() + NUTATIONS * cycle.period {
+        let is_in_nutation = last.time <= cycle.end() + NUTATIONS * cycle.period;
+        // Where a tippe top ends is what it is about.
+        if is_in_nutation && !history.is_of_tippe_top() {
             return None;
         }
-        nutation_end = Some(cycle.end());
+        nutation_end = Some(cycle.end()).filter(|_| !is_in_nutation);
     }
     (!is_at_limit || nutation_end.is_some()).then_some(Fact::End {
         theta: last.theta,

@@ -228,12 +228,7 @@ impl PendingSample {
     }
 
     /// A vector of the node frame (line of nodes, n × e_N, n) in the world frame.
-    fn world_from_node(
-        &self,
-        vector: Vector3<f64>,
-        phi: f64,
-        axis: Vector3<f64>,
-    ) -> Vector3<f64> {
+    fn world_from_node(&self, vector: Vector3<f64>, phi: f64, axis: Vector3<f64>) -> Vector3<f64> {
         let (sin, cos) = sin_cos(phi);
         let nodes = Vector3::new(cos, sin, 0.0);
         vector.x * nodes + vector.y * axis.cross(&nodes) + vector.z * axis

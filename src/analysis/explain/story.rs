@@ -63,12 +63,18 @@ pub(super) fn story(evidence: &Evidence) -> Story {
 }
 
 fn conserves(evidence: &Evidence) -> Option<Claim> {
-    let has_impacts = evidence.summary.peg.as_ref().is_some_and(|peg| peg.impacts != Some(0));
+    let has_impacts = evidence
+        .summary
+        .peg
+        .as_ref()
+        .is_some_and(|peg| peg.impacts != Some(0));
     if !evidence.scenario.is_frictionless() || has_impacts {
         return None;
     }
     let energies = evidence.history.energies?;
-    let energy_deviation = energies.imbalance.max((energies.last - energies.first).abs());
+    let energy_deviation = energies
+        .imbalance
+        .max((energies.last - energies.first).abs());
     let momentum = &evidence.observations.momentum;
     let (vertical, axial) = (momentum.vertical()?, momentum.axial()?);
     // Both may be zero: what counts is the size of the angular momentum.
@@ -190,7 +196,8 @@ fn weak_top_falls(evidence: &Evidence) -> Option<Claim> {
         return None;
     }
     let critical = (4.0 * top.gravity_moment() * top.transverse_moment).sqrt();
-    let axial = [span.from.axial, span.to.axial];
+    // The run may go on after the fall.
+    let axial = [span.from.axial, top.axial_moment * fallen.axial_rate];
     let is_weak = axial[1].abs() < critical;
     let falls = fallen.theta > span.from.theta;
     (is_weak && falls).then_some(Claim::WeakTopFalls {
@@ -218,16 +225,21 @@ fn inverts(evidence: &Evidence) -> Option<Claim> {
     let turns_over = theta[0] < FRAC_PI_2 && theta[1] > FRAC_PI_2;
     let reverses = vertical[0] * vertical[1] > 0.0 && axial[0] * axial[1] < 0.0;
     let rises = center.last > center.first && kinetic.last < kinetic.first;
-    let by_contact_force = jellett_deviation <= ROUNDED && !evidence.scenario.model.friction.has_losses();
-    (turns_over && reverses && rises && by_contact_force).then_some(Claim::Inverts {
-        time: history.inverted?,
-        theta,
-        jellett_deviation,
-        vertical,
-        axial,
-        center_height: [center.first, center.last],
-        kinetic: [kinetic.first, kinetic.last],
-    })
+    let lost_sliding = evidence.summary.peg.as_ref()?.lost?[0];
+    let by_contact_force =
+        jellett_deviation <= ROUNDED && !evidence.scenario.model.friction.has_losses();
+    (turns_over && reverses && rises && by_contact_force && lost_sliding > 0.0).then_some(
+        Claim::Inverts {
+            time: history.inverted?,
+            theta,
+            jellett_deviation,
+            vertical,
+            axial,
+            center_height: [center.first, center.last],
+            kinetic: [kinetic.first, kinetic.last],
+            lost_sliding,
+        },
+    )
 }
 
 fn slip_ends(evidence: &Evidence, rises: bool) -> Option<Claim> {
@@ -240,10 +252,9 @@ fn slip_ends(evidence: &Evidence, rises: bool) -> Option<Claim> {
     let (theta_range, Ends { first, last }) = (theta_range?, energy?);
     let friction = &evidence.scenario.model.friction;
     let is_constant = (last - first).abs() <= ROUNDED * first.abs().max(last.abs());
-    // With losses, or where not all of the friction force acts, the energy would be constant by chance.
-    let has_other_losses = friction.has_losses() || !evidence.history.is_recorded_to_end();
-    let is_at_rest = evidence.history.stop_reason() == Some(StopReason::Rest);
-    if !is_constant || has_other_losses || is_at_rest {
+    // With other losses, the energy would be constant by chance.
+    let stop = evidence.history.stop_reason()?;
+    if !is_constant || friction.has_losses() || stop == StopReason::Rest {
         return None;
     }
     let rolls = evidence.scenario.model.support.is_free();
@@ -272,8 +283,13 @@ fn slip_ends(evidence: &Evidence, rises: bool) -> Option<Claim> {
 fn bounces(evidence: &Evidence) -> Option<Claim> {
     let peg = evidence.summary.peg.as_ref()?;
     let last = evidence.peg_intervals.last()?;
+    // Otherwise the end is that of a recording, and not of the run.
+    evidence.history.stop_reason()?;
     let in_air_at_end = last.phase == PegPhase::Flying;
-    let flights = evidence.peg_intervals.iter().filter(|interval| interval.phase == PegPhase::Flying);
+    let flights = evidence
+        .peg_intervals
+        .iter()
+        .filter(|interval| interval.phase == PegPhase::Flying);
     let lands = flights.last()?.to;
     Some(Claim::Bounces {
         hops: peg.hops?,

@@ -86,8 +86,7 @@ impl Curve {
             .position(|pair| (pair[0] > level) != (pair[1] > level))?;
         let (start, width) = (self.x[at], self.x[at + 1] - self.x[at]);
         let part = zero(self.y[at] - level, self.y[at + 1] - level, |s| {
-            self.at(start + s * width)
-                .map_or(f64::NAN, |y| y - level)
+            self.at(start + s * width).map_or(f64::NAN, |y| y - level)
         });
         Some(start + part * width)
     }

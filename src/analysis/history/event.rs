@@ -5,13 +5,15 @@ use crate::run::simulation::EventKind;
 /// An event.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Event {
-    /// Its kind; `None` for a name of another version.
+    /// The kind; `None` for a name of another version.
     pub(crate) kind: Option<EventKind>,
     /// Time, s.
     pub(crate) time: f64,
     /// Inclination θ then, rad.
     pub(crate) theta: f64,
-    /// Its recorded description.
+    /// Angular velocity about the symmetry axis then, rad/s.
+    pub(crate) axial_rate: f64,
+    /// The recorded description.
     pub(crate) description: String,
 }
 

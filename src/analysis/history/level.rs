@@ -88,8 +88,8 @@ impl FirstCrossing {
             let from = [last[0] - self.level, last[1], last[2]];
             let to = [now[0] - self.level, now[1], now[2]];
             self.gap = self.gap.max(time - before);
-            self.between = first_zero(from, to, time - before)
-                .map(|part| before + part * (time - before));
+            self.between =
+                first_zero(from, to, time - before).map(|part| before + part * (time - before));
         }
     }
 }

@@ -140,7 +140,7 @@ fn findings(report: &Report, all: bool) -> Section {
     let shown = report.findings.iter().filter(|f| all || f.differs());
     let shown: Vec<_> = shown.take(most_rows(all)).map(Finding::cells).collect();
     if shown.is_empty() && report.floor.is_some() && report.is_of_other_scenarios() {
-        section.line("No finding exceeds the integration error.");
+        section.line(no_difference(report));
     }
     let columns: [Column<[String; 4]>; 4] = [
         ("", |cells| cells[0].clone()),
@@ -150,6 +150,30 @@ fn findings(report: &Report, all: bool) -> Section {
     ];
     section.table(Table::of(shown, 1, &columns));
     section
+}
+
+/// What was compared where nothing differs by more than the integration error.
+fn no_difference(report: &Report) -> String {
+    let compared = match report.findings.len() {
+        0 => "Neither run has a number to compare, such as an event or a mean over a nutation."
+            .to_owned(),
+        1 => "The one number that both runs have differs by no more than the integration error."
+            .to_owned(),
+        count => format!(
+            "None of the {count} compared numbers differs by more than the integration error."
+        ),
+    };
+    let nutations = if report.averaged.is_none() {
+        " There are no complete nutations to compare."
+    } else {
+        ""
+    };
+    let hint = if report.findings.is_empty() {
+        ""
+    } else {
+        " --all lists them."
+    };
+    format!("{compared}{nutations}{hint}")
 }
 
 /// The topics that differ, with the first difference of each.

@@ -25,7 +25,9 @@ fn val_means_cross_levels_that_both_runs_cross() {
     let crossing = finding(&report, "mean θ crosses").unwrap();
     let (shift, within) = (crossing.difference.unwrap(), crossing.uncertainty.unwrap());
     assert!(shift + within < 0.0, "{crossing:?}");
-    let level: f64 = crossing.what.split(' ').nth(3).unwrap().parse().unwrap();
+    let Quantity::MeanCrossing { level } = crossing.quantity else {
+        panic!("{crossing:?}");
+    };
     let rolling = values(&report, "θ at start of final rolling").map(Option::unwrap);
     for (at, scenario) in runs.iter().enumerate() {
         assert!(level > 1.05 * rolling[at], "{level} {rolling:?}");
@@ -74,7 +76,7 @@ fn what_only_one_run_did_is_absent_in_the_other() {
     let report = compare(&paper, &free, &quick()).unwrap();
     for what in [
         "first lifts off",
-        "flights",
+        "hops",
         "first rolls",
         "θ at start of final rolling",
     ] {
@@ -93,7 +95,7 @@ fn what_only_one_run_did_is_absent_in_the_other() {
     assert_eq!(words, ["3.2410", "–"], "{page}");
     let row = page
         .lines()
-        .find(|line| line.trim_start().starts_with("flights"));
+        .find(|line| line.trim_start().starts_with("hops"));
     assert!(row.unwrap().ends_with("  50"), "{page}");
 }
 
@@ -224,9 +226,9 @@ fn a_shorter_run_of_the_same_motion_has_the_same_findings() {
         let short = scenario("paper", &[("stop.duration", end)]);
         let report = compare(&scenario("paper", &[]), &short, &quick()).unwrap();
         let differing = report.findings.iter().filter(|found| found.differs());
-        let differing: Vec<_> = differing.map(|found| found.what.as_str()).collect();
-        let of_ends = |what: &&str| what.starts_with("ends");
-        assert!(differing.iter().all(of_ends), "{end}: {differing:?}");
+        let differing: Vec<_> = differing.map(|found| found.quantity.label()).collect();
+        let are_ends = differing.iter().all(|what| what.starts_with("ends"));
+        assert!(are_ends, "{end}: {differing:?}");
     }
 }
 
@@ -251,7 +253,9 @@ fn val_what_rounding_makes_is_no_finding() {
         let report = compare(&a, &b, &Options::default()).unwrap();
         assert_eq!(report.verdict, Verdict::Different);
         let found = report.findings.iter().filter(|found| found.differs());
-        found.map(|found| found.what.clone()).collect::<Vec<_>>()
+        found
+            .map(|found| found.quantity.label())
+            .collect::<Vec<_>>()
     };
     for name in ["drop", "nutation-free", "tippe-top"] {
         let turned = differing(name, ("initial.psi", "0.5"));
@@ -346,7 +350,7 @@ fn an_instant_has_one_row() {
         ),
     ] {
         let report = compare(&a, &b, &quick()).unwrap();
-        let times = report.findings.iter().filter(|f| f.unit == "s");
+        let times = report.findings.iter().filter(|f| f.quantity.unit() == "s");
         let times: Vec<_> = times.map(|f| [f.a, f.b]).collect();
         assert!(!times.is_empty());
         for (at, time) in times.iter().enumerate() {

@@ -4,7 +4,7 @@ use super::facts;
 use crate::support::{Folder, scenario};
 use std::ops::ControlFlow;
 use std::path::Path;
-use toprise::analysis::diff::{FindingKind, Options, Verdict, compare};
+use toprise::analysis::diff::{Options, Quantity, Verdict, compare};
 use toprise::analysis::explain::{Explanation, Fact, explain};
 use toprise::archive::pipeline::McapSink;
 use toprise::archive::publish::Existing;
@@ -172,16 +172,12 @@ fn diff_does_not_compare_counts_of_a_cut_recording() {
     let report = compare(&whole, &cut, &Options::default()).unwrap();
     assert_eq!(report.verdict, Verdict::Agreeing);
     assert!(!report.b.losses.is_empty());
-    let is_of_events = |kind| {
+    let found = report.findings.iter().find(|finding| {
         matches!(
-            kind,
-            FindingKind::Loops | FindingKind::FirstLoop | FindingKind::End
+            finding.quantity,
+            Quantity::Loops { .. } | Quantity::FirstLoop | Quantity::End { .. }
         )
-    };
-    let found = report
-        .findings
-        .iter()
-        .find(|finding| is_of_events(finding.kind));
+    });
     assert!(found.is_none(), "{found:?}");
 }
 
@@ -196,6 +192,6 @@ fn interrupted_runs_are_parts() {
     assert_eq!(explanation.losses, ["missing end of the run (interrupted)"]);
     let report = compare(&recording, &run, &Options::default()).unwrap();
     assert_eq!(report.verdict, Verdict::Agreeing, "{:?}", report.summary());
-    let is_end = |kind| matches!(kind, FindingKind::End);
-    assert!(!report.findings.iter().any(|finding| is_end(finding.kind)));
+    let mut findings = report.findings.iter();
+    assert!(!findings.any(|finding| matches!(finding.quantity, Quantity::End { .. })));
 }

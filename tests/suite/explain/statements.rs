@@ -146,8 +146,8 @@ fn change_of_energy_has_no_digits_below_its_error() {
             within,
         };
         let sentence = fact.sentence();
-        let expected = format!("Energy decreases by {text} until");
-        assert!(sentence.starts_with(&expected), "{sentence}");
+        let expected = format!("energy decreases by {text}.");
+        assert!(sentence.ends_with(&expected), "{sentence}");
     }
 }
 
