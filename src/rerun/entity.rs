@@ -16,8 +16,8 @@ pub(super) const SUMMARY: &str = "/summary";
 pub(super) const STAGE: &str = "/scene";
 /// Target of the camera in the scene.
 pub(super) const CAMERA_TARGET: &str = "/scene/focus/camera_target";
-/// The path of the symmetry axis on a sphere around the peg.
-pub(super) const TRAIL_ABOVE: &str = "scene/trail/above";
+/// The latest part of the path of the symmetry axis on a sphere around the peg, and the part before it.
+pub(super) const TRAIL_ABOVE: [&str; 2] = ["scene/trail/above", "scene/trail/above/past"];
 /// The projection of that path onto the table, below a fixed peg.
 pub(super) const TRAIL_BELOW: &str = "scene/trail/below";
 /// The path of the contact point of a free peg on the table: where it slides, where it rolls or sticks, and below the peg
@@ -28,11 +28,23 @@ pub(super) const CONTACT_PATHS: [&str; 3] = [
     "scene/contact_path/flies",
 ];
 
-/// The paths in the scene of a run; a view shows the part before the time cursor.
-pub(super) fn paths(is_free: bool) -> Vec<&'static str> {
+/// The part of a path that a view shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Shown {
+    /// All of it up to the time cursor.
+    Past,
+    /// Only the latest part, as many times as long as the path of the symmetry axis stays bright.
+    Latest(f64),
+}
+
+/// The paths in the scene of a run. The path of the symmetry axis fades, because it would hide the top.
+pub(super) fn paths(is_free: bool) -> Vec<(&'static str, Shown)> {
+    let [latest, past] = TRAIL_ABOVE;
+    let mut paths = vec![(latest, Shown::Latest(1.0)), (past, Shown::Latest(3.0))];
     if is_free {
-        [TRAIL_ABOVE].into_iter().chain(CONTACT_PATHS).collect()
+        paths.extend(CONTACT_PATHS.map(|path| (path, Shown::Past)));
     } else {
-        vec![TRAIL_ABOVE, TRAIL_BELOW]
+        paths.push((TRAIL_BELOW, Shown::Past));
     }
+    paths
 }

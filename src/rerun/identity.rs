@@ -6,7 +6,9 @@ use crate::physics::kinematics::Tilt;
 use crate::physics::top::Top;
 use crate::run::scenario::Scenario;
 use crate::telemetry::Topic;
+use crate::telemetry::proportions::Proportions;
 use rerun::StoreId;
+use std::f64::consts::TAU;
 
 /// The top, and the sizes that arrows are drawn to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,6 +21,8 @@ pub struct Geometry {
     pub spin: f64,
     /// Whether the peg is free to travel, and to leave the table.
     pub is_free: bool,
+    /// Time for which the path of the symmetry axis stays bright: about a turn of the precession, s.
+    pub trail_time: f64,
 }
 
 /// Playback of a recording in a viewer.
@@ -77,6 +81,7 @@ impl Identity {
                 scales: Scales::new(scenario),
                 spin: tilt.omega_lean.norm(),
                 is_free,
+                trail_time: trail_time(&model.top, &tilt, scenario.rates.phi),
             },
             topics,
             playback,
@@ -93,4 +98,21 @@ impl Identity {
     pub(super) fn has(&self, topic: Topic) -> bool {
         self.topics.contains(&topic)
     }
+}
+
+/// Least and greatest time for which the path of the symmetry axis stays bright, s.
+const TRAIL_TIMES: [f64; 2] = [0.4, 5.0];
+
+/// The period of the precession at the start, as far as it makes a useful length of the path of the symmetry axis, s.
+fn trail_time(top: &Top, tilt: &Tilt, phi_dot: f64) -> f64 {
+    let [shortest, longest] = TRAIL_TIMES;
+    // The axis of a tippe top goes around ever faster as it inverts, up to the rate of the spin.
+    if Proportions::new(top).is_ball {
+        return shortest;
+    }
+    let spin = top.axial_moment * tilt.omega_lean.dot(&tilt.axis()).abs();
+    let slow = top.gravity_moment().abs() / spin;
+    let rate = slow.max(phi_dot.abs());
+    // `max` and `min` also replace the NaN of a top without spin and weight.
+    (TAU / rate).max(shortest).min(longest)
 }

@@ -8,16 +8,18 @@ use crate::physics::top::Top;
 use crate::run::scenario::Scenario;
 use crate::telemetry::proportions::Proportions;
 
-/// Reference arrow lengths in heights of the top: torque M g l and free-fall speed; friction with k = 1, 0.1, …;
-/// initial angular momentum.
-const REFERENCE_LENGTH: f64 = 2.5;
-const FRICTION_LENGTH: f64 = 3.5;
-const MOMENTUM_LENGTH: f64 = 1.5;
+/// Maximum length of an arrow, in heights of the top: from every side of the top, the tip and its label are in the view.
+const MAX_LENGTH: f64 = 1.25;
+/// Maximum length at the start of an arrow whose quantity can grow later, e.g. with the normal force of a bouncing peg.
+const MAX_START_LENGTH: f64 = 1.15;
+/// Ratio between the longest and the nominal length of an arrow whose scale is rounded to the nearest of 1, 2 and 5.
+const ROUNDING: f64 = 1.582;
 
-/// Quantity per metre of arrow, rounded to 1, 2 or 5 × 10^n; 0 if not drawn.
+/// Quantity per metre of arrow, a round number: 1, 2 or 5 × 10^n; 0 if not drawn.
 ///
-/// They follow from the weight M g, the torques M g l and M g R, and √(2 g × height): friction that is 1.5 times as strong is
-/// drawn 1.5 times as long, also in another run of the same top. Only whole decades of a typical size count.
+/// The digit follows from the top alone: from the weight M g, the torques M g l and M g R, and the speed √(2g × height).
+/// Only the power of ten depends on the run. Friction that is 1.5 times as strong is therefore drawn 1.5 times as long,
+/// also in another run of the same top, unless a power of ten lies between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scales {
     /// Slip velocity, m/s.
@@ -37,18 +39,20 @@ impl Scales {
     pub(super) fn new(scenario: &Scenario) -> Self {
         let top = &scenario.model.top;
         let height = Proportions::new(top).size();
-        let reference = REFERENCE_LENGTH * height;
-        let friction = FRICTION_LENGTH * height;
-        let speed = (2.0 * top.gravity * height).sqrt();
-        let weight = top.weight();
-        let torque = weight * top.peg_radius;
+        let nominal = MAX_LENGTH / ROUNDING * height;
         let tilt = Tilt::from_rates(scenario.angles.theta, scenario.rates);
+        // A top that starts without slip may slip as fast as its peg turns.
+        let slip = match scenario.slip_speed_at_start() {
+            0.0 => top.peg_radius * tilt.omega_lean.norm(),
+            speed => speed,
+        };
+        let weight = top.weight();
         Self {
-            slip: enlarged(speed / reference, scenario.slip_speed_at_start() / speed),
-            force: enlarged(weight / friction, scenario.force_scale() / weight),
-            gravity_torque: round(top.gravity_moment().abs() / reference),
-            friction_torque: enlarged(torque / friction, scenario.torque_scale() / torque),
-            momentum: round(momentum(top, &tilt) / (MOMENTUM_LENGTH * height)),
+            slip: decade((2.0 * top.gravity * height).sqrt(), slip, height),
+            force: decade(weight, scenario.force_scale(), height),
+            gravity_torque: round(top.gravity_moment().abs() / nominal),
+            friction_torque: decade(weight * top.peg_radius, scenario.torque_scale(), height),
+            momentum: round(momentum(top, &tilt) / nominal),
         }
     }
 
@@ -72,10 +76,17 @@ fn momentum(top: &Top, tilt: &Tilt) -> f64 {
     (top.transverse_moment * across + top.axial_moment * axial * axis).norm()
 }
 
-/// A scale for a quantity that is typically `share` of the reference: smaller by whole decades, so that its arrow is at
-/// least a tenth as long as the reference's.
-fn enlarged(scale: f64, share: f64) -> f64 {
-    round_by(scale, math::log10(share).floor() + 1.0)
+/// Maximum length of any arrow, m, given the height of the top.
+pub(super) fn max_length(height: f64) -> f64 {
+    MAX_LENGTH * height
+}
+
+/// A scale whose digit follows from a `reference` of the top, and whose power of ten is the smallest that draws the
+/// quantity at the `start` of the run in the view.
+fn decade(reference: f64, start: f64, height: f64) -> f64 {
+    let longest = MAX_START_LENGTH * height;
+    let scale = round(reference / longest);
+    round_by(scale, math::log10(start / (scale * longest)).ceil())
 }
 
 /// The nearest of 1, 2 and 5 times a power of ten; 0 for what is neither positive nor finite.
@@ -138,9 +149,9 @@ mod tests {
     }
 
     #[test]
-    fn friction_is_drawn_to_one_scale_within_a_decade() {
+    fn friction_of_one_top_has_one_scale_within_a_decade() {
         let paper = scales("paper", "friction.k", "0.03");
-        assert_eq!(scales("paper", "friction.k", "0.045"), paper);
+        assert_eq!(scales("paper", "friction.k", "0.06"), paper);
         assert_eq!(scales("full-coulomb", "friction.k", "0.03"), paper);
         let tenfold = scales("paper", "friction.k", "0.3");
         assert!((tenfold.force / paper.force - 10.0).abs() < 1e-12);

@@ -70,8 +70,10 @@ impl Scene {
         }
         outlet.send_static(look.entity("scene/top/body"), &body);
         let text = "path of the symmetry axis";
-        let trail = Path::new(look, &[(TRAIL_ABOVE, PURPLE)], 1.3, outlet);
-        let trail = trail.named(look, "scene/trail/name", text, PURPLE);
+        let [latest, past] = TRAIL_ABOVE;
+        let trail = Path::new(look, &[(latest, PURPLE)], 1.3, outlet)
+            .fading(look, past, PURPLE, outlet)
+            .named(look, "scene/trail/name", text, PURPLE);
         let below = [(TRAIL_BELOW, PURPLE)];
         let below = (!is_free).then(|| Path::new(look, &below, 1.0, outlet));
         let [slides, rolls, flies] = CONTACT_PATHS;

@@ -10,7 +10,7 @@ use rerun::datatypes::{self, TimeInt, TimeRange, TimeRangeBoundary};
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
 use super::builder::{Child, Layout, Messages, row};
-use crate::rerun::entity::{CAMERA_TARGET, EVENTS, STAGE, paths};
+use crate::rerun::entity::{CAMERA_TARGET, EVENTS, STAGE, Shown, paths};
 use crate::rerun::identity::{Geometry, Playback};
 use crate::rerun::look::Look;
 use crate::rerun::message::TIMELINE;
@@ -64,18 +64,24 @@ pub(super) fn scene(layout: &mut Layout, stage: &Stage<'_>) -> Child {
     layout.property(&view, "LineGrid3D", &grid);
     layout.property(&view, "SpatialInformation", &surroundings);
     for (look, geometry) in stage.runs {
-        for trail in paths(geometry.is_free) {
-            let path = format!("ViewContents/overrides{}/visualizers", look.entity(trail));
-            let past = until(TimeRangeBoundary::CursorRelative(TimeInt(0)));
-            layout.property(&view, &path, &past);
+        for (path, shown) in paths(geometry.is_free) {
+            let property = format!("ViewContents/overrides{}/visualizers", look.entity(path));
+            let start = match shown {
+                Shown::Past => TimeRangeBoundary::Infinite,
+                Shown::Latest(times) => {
+                    let span = (times * geometry.trail_time * 1e9) as i64;
+                    TimeRangeBoundary::CursorRelative(TimeInt(-span))
+                }
+            };
+            let now = TimeRangeBoundary::CursorRelative(TimeInt(0));
+            layout.property(&view, &property, &time_range(start, now));
         }
     }
     view
 }
 
-/// The time range from the start to this time.
-fn until(end: TimeRangeBoundary) -> parts::VisibleTimeRanges {
-    let start = TimeRangeBoundary::Infinite;
+/// The time range between these times.
+fn time_range(start: TimeRangeBoundary, end: TimeRangeBoundary) -> parts::VisibleTimeRanges {
     parts::VisibleTimeRanges::new([VisibleTimeRange(datatypes::VisibleTimeRange {
         timeline: TIMELINE.into(),
         range: TimeRange { start, end },
@@ -134,7 +140,7 @@ pub(super) fn time_series(
     layout.property(
         &view,
         "VisibleTimeRanges",
-        &until(TimeRangeBoundary::Infinite),
+        &time_range(TimeRangeBoundary::Infinite, TimeRangeBoundary::Infinite),
     );
     view
 }

@@ -17,19 +17,28 @@ use crate::telemetry::proportions::Proportions;
 /// Time between two positions of a label, in ns.
 const LABEL_NS: u64 = 10_000_000;
 
-/// Name, colour and quantity of an arrow.
-type Kind = (&'static str, u32, VectorField);
+/// Name, colour and quantity of an arrow, and the distance by which its label is moved up, in heights of the top. The
+/// distances differ, so that labels don't overlap when arrows are short.
+type Kind = (&'static str, u32, VectorField, f64);
 
 /// All kinds of arrows.
 const KINDS: [Kind; 5] = [
-    ("slip velocity", palette::SKY, contact::SLIP_WORLD),
-    ("friction force", palette::ORANGE, contact::FRICTION_FORCE),
-    ("gravity torque", palette::GREEN, torque::GRAVITY_BODY),
-    ("friction torque", palette::VERMILION, FRICTION_TORQUE),
-    ("angular momentum", palette::YELLOW, momentum::WORLD),
+    ("slip velocity", palette::SKY, contact::SLIP_WORLD, 0.0),
+    (
+        "friction force",
+        palette::ORANGE,
+        contact::FRICTION_FORCE,
+        -0.13,
+    ),
+    ("gravity torque", palette::GREEN, torque::GRAVITY_BODY, 0.13),
+    (
+        "friction torque",
+        palette::VERMILION,
+        torque::FRICTION_BODY,
+        0.26,
+    ),
+    ("angular momentum", palette::YELLOW, momentum::WORLD, 0.13),
 ];
-
-const FRICTION_TORQUE: VectorField = torque::FRICTION_BODY;
 
 /// The only arrow drawn in a comparison: all arrows of both runs would hide the tops.
 const COMPARED: VectorField = contact::FRICTION_FORCE;
@@ -46,7 +55,7 @@ fn drawn(identity: &Identity, look: &Look) -> impl Iterator<Item = (Kind, f64, S
         scales.momentum,
     ];
     let kinds = KINDS.into_iter().zip(scales);
-    let drawn = kinds.filter(|((_, _, vector), scale)| {
+    let drawn = kinds.filter(|((_, _, vector, _), scale)| {
         let is_shown = look.is_alone() || *vector == COMPARED;
         identity.has(vector.topic()) && *scale > 0.0 && is_shown
     });
@@ -62,18 +71,24 @@ pub(super) fn explanation(identity: &Identity, look: &Look) -> String {
     text
 }
 
-/// An arrow at the origin of a quantity, with a label beyond its tip. Short arrows have no label, because labels would
-/// overlap.
+/// Distance of a label from the tip of its arrow, in heights of the top.
+const LABEL_GAP: f64 = 0.12;
+/// Length of the shortest arrow with a label, in heights of the top. Labels of shorter ones would overlap.
+const MIN_LABELED: f64 = 0.1;
+
+/// An arrow at the origin of a quantity, with a label beyond its tip.
 pub(super) struct Arrow {
     vector: VectorField,
     /// Quantity per metre.
     scale: f64,
-    /// Length of the shortest arrow with a label, m.
-    shortest: f64,
-    /// Distance by which the name is moved up from the tip, m.
+    /// Height of the top, m.
+    height: f64,
+    /// Distance by which the label is moved up from the tip, m.
     lift: f64,
     arrows: Track<[[f32; 3]; 2]>,
     labels: Track<Option<[f32; 3]>>,
+    /// The labels of the arrow where it is cut off, because it would leave the view.
+    cut_labels: Track<Option<[f32; 3]>>,
     next_label_ns: u64,
 }
 
@@ -82,31 +97,29 @@ impl Arrow {
     pub(super) fn all(identity: &Identity, look: &Look, outlet: &mut Outlet) -> Vec<Self> {
         let size = Proportions::new(&identity.geometry.top).size();
         let mut arrows = Vec::new();
-        for ((name, color, vector), scale, legend) in drawn(identity, look) {
+        for ((name, color, vector, lift), scale, legend) in drawn(identity, look) {
             let entity = look.entity(&format!("scene/{}", name.replace(' ', "_")));
-            let label = format!("{entity}/label");
             let color = Color::from_u32(look.color(color, 0));
             let radius = 0.017 * size * look.thickness();
             let arrow = Arrows3D::update_fields()
                 .with_colors([color])
                 .with_radii([Radius::new_scene_units(radius as f32)]);
-            let text = format!("{} ({legend})", look.short_name(name));
-            let named = Points3D::update_fields()
-                .with_colors([color])
-                .with_radii([Radius::new_ui_points(0.0)])
-                .with_labels([text])
-                .with_show_labels(true);
             outlet.send_static(entity.as_str(), &arrow);
-            outlet.send_static(label.as_str(), &named);
-            // Labels at the peg and on the table don't overlap.
-            let lift = if is_at_contact(vector) { 0.0 } else { 0.13 };
+            let name = look.short_name(name);
+            let label = format!("{entity}/label");
+            let cut_label = format!("{entity}/cut_label");
+            let text = format!("{name} ({legend})");
+            let cut_text = format!("{name} (longer than drawn; {legend})");
+            send_label(&label, text, color, outlet);
+            send_label(&cut_label, cut_text, color, outlet);
             arrows.push(Self {
                 vector,
                 scale,
-                shortest: 0.15 * size,
+                height: size,
                 lift: (lift + look.lift()) * size,
                 arrows: Track::new(entity, arrow_columns, outlet),
                 labels: Track::new(label, label_columns, outlet),
+                cut_labels: Track::new(cut_label, label_columns, outlet),
                 next_label_ns: 0,
             });
         }
@@ -135,19 +148,48 @@ impl Arrow {
             // Without a pose the directions of the body axes are unknown.
             None => return,
         };
-        let vector = self.scale.recip() * vector;
-        let arrow = [origin, vector].map(|part| part.cast::<f32>().into());
-        self.arrows.push(outlet, time_ns, [arrow]);
-        if time_ns < self.next_label_ns {
-            return;
+        let (arrow, is_cut) = fit(vector / self.scale, self.height);
+        let row = [origin, arrow].map(|part| part.cast::<f32>().into());
+        self.arrows.push(outlet, time_ns, [row]);
+        if time_ns >= self.next_label_ns {
+            self.next_label_ns = time_ns.saturating_add(LABEL_NS);
+            let place = self.label_offset(arrow);
+            let place = place.map(|offset| (origin + offset).cast::<f32>().into());
+            let (label, cut_label) = if is_cut { (None, place) } else { (place, None) };
+            self.labels.push(outlet, time_ns, [label]);
+            self.cut_labels.push(outlet, time_ns, [cut_label]);
         }
-        self.next_label_ns = time_ns.saturating_add(LABEL_NS);
-        let length = vector.norm();
-        let beyond = 1.0 + self.shortest / length.max(self.shortest);
-        let place = origin + beyond * vector + self.lift * Vector3::z();
-        let label = (length >= self.shortest).then(|| place.cast::<f32>().into());
-        self.labels.push(outlet, time_ns, [label]);
     }
+
+    /// Position of the label of an arrow relative to the arrow's origin, m; none for a short arrow.
+    fn label_offset(&self, arrow: Vector3<f64>) -> Option<Vector3<f64>> {
+        let direction = arrow.try_normalize(MIN_LABELED * self.height)?;
+        Some(arrow + LABEL_GAP * self.height * direction + self.lift * Vector3::z())
+    }
+}
+
+/// Cuts an arrow off if it is too long for the view. Also returns whether it was.
+///
+/// The scale comes from the start of the run, and some quantities grow by more than an order of magnitude: the angular
+/// momentum does where a law of friction has only some of the torque's components.
+fn fit(arrow: Vector3<f64>, height: f64) -> (Vector3<f64>, bool) {
+    let longest = scale::max_length(height);
+    let length = arrow.norm();
+    if length > longest {
+        (longest / length * arrow, true)
+    } else {
+        (arrow, false)
+    }
+}
+
+/// Sends the text and the style of a label, which gets its places later.
+fn send_label(entity: &str, text: String, color: Color, outlet: &mut Outlet) {
+    let label = Points3D::update_fields()
+        .with_colors([color])
+        .with_radii([Radius::new_ui_points(0.0)])
+        .with_labels([text])
+        .with_show_labels(true);
+    outlet.send_static(entity, &label);
 }
 
 /// Whether an arrow begins at the point of contact, or the lowest point of a peg in the air; others begin at the centre of
@@ -167,4 +209,76 @@ fn label_columns(rows: &[Option<[f32; 3]>]) -> Columns {
     let points = Points3D::update_fields().with_positions(rows.iter().copied().flatten());
     let lengths = rows.iter().map(|row| usize::from(row.is_some()));
     Ok(points.columns(lengths)?.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rerun::identity::Playback;
+    use crate::run::scenario::{PRESETS, Scenario};
+    use crate::run::simulation::Simulation;
+    use crate::telemetry::{Telemetry, Topic, Topics};
+
+    /// The longest of each arrow in a run, in heights of the top and before it is cut, in the order of [`drawn`].
+    fn longest(identity: &Identity, scenario: &Scenario) -> Vec<(&'static str, f64)> {
+        let height = Proportions::new(&identity.geometry.top).size();
+        let mut lengths: Vec<_> = drawn(identity, &Look::Alone)
+            .map(|((name, _, vector, _), scale, _)| (name, vector, scale, 0.0_f64))
+            .collect();
+        let mut telemetry = Telemetry::with_topics(&Topics::All);
+        for record in Simulation::new(scenario).unwrap() {
+            let all = telemetry.messages(&record.unwrap(), |message| {
+                for (_, vector, scale, longest) in &mut lengths {
+                    if vector.topic() == message.topic() {
+                        *longest = longest.max(vector.of(message).norm() / *scale / height);
+                    }
+                }
+                Ok::<_, crate::telemetry::TelemetryError>(())
+            });
+            all.unwrap();
+        }
+        lengths
+            .iter()
+            .map(|(name, .., longest)| (*name, *longest))
+            .collect()
+    }
+
+    /// Arrows that outgrow the view in a preset: friction without the precession's term drives the precession.
+    const CUT: [(&str, &str); 2] = [
+        ("paper-precession-term-only", "friction torque"),
+        ("paper-precession-term-only", "angular momentum"),
+    ];
+
+    #[test]
+    fn arrows_of_every_preset_fit_into_the_view_and_have_labels() {
+        for preset in PRESETS.iter() {
+            let mut values = preset.values().unwrap();
+            values.set("sampling.period", "0.005").unwrap();
+            let scenario = Scenario::new(values).unwrap();
+            let topics = Topic::all_with(scenario.model.support).collect();
+            let identity = Identity::of("test", &scenario, topics, Playback::FromStart);
+            for (arrow, longest) in longest(&identity, &scenario) {
+                let name = preset.name;
+                assert!(
+                    longest >= MIN_LABELED,
+                    "{name}: {arrow} has {longest} at most"
+                );
+                let is_cut = longest > scale::max_length(1.0);
+                assert_eq!(
+                    is_cut,
+                    CUT.contains(&(name.as_str(), arrow)),
+                    "{name}: {arrow} has {longest}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn long_arrows_are_cut() {
+        let long = Vector3::new(3.0, 0.0, 4.0);
+        let (cut, is_cut) = fit(long, 1.0);
+        assert!(is_cut && (cut.norm() - scale::max_length(1.0)).abs() < 1e-15);
+        assert!(cut.cross(&long).norm() < 1e-15, "the direction stays");
+        assert_eq!(fit(0.1 * long, 1.0), (0.1 * long, false));
+    }
 }

@@ -13,6 +13,9 @@ const PIECE_NS: u64 = 10_000_000;
 /// Time between two points of a piece, in ns.
 const POINT_NS: u64 = 1_000_000;
 
+/// Width of the faded part of a path, points.
+const FADED_WIDTH: f32 = 0.7;
+
 /// A path in one or several colours.
 ///
 /// Each row is one short piece, and the layout shows all pieces up to the time cursor. The size of a recording grows
@@ -20,6 +23,8 @@ const POINT_NS: u64 = 1_000_000;
 pub(super) struct Path {
     /// One for each colour.
     tracks: Vec<Track<Vec<[f32; 3]>>>,
+    /// The same path again, for the part of it that has faded.
+    faded: Option<Track<Vec<[f32; 3]>>>,
     piece: Vec<[f32; 3]>,
     /// The track that the piece belongs to.
     kind: usize,
@@ -39,21 +44,31 @@ impl Path {
     ) -> Self {
         let mut tracks = Vec::new();
         for (place, (entity, color)) in colors.iter().enumerate() {
-            let entity = look.entity(entity);
-            let style = LineStrips3D::update_fields()
-                .with_colors([Color::from_u32(look.color(*color, place))])
-                .with_radii([Radius::new_ui_points(width)]);
-            outlet.send_static(entity.as_str(), &style);
-            tracks.push(Track::new(entity, columns, outlet));
+            let color = look.color(*color, place);
+            tracks.push(track(look.entity(entity), color, width, outlet));
         }
         Self {
             tracks,
+            faded: None,
             piece: Vec::new(),
             kind: 0,
             next_point_ns: 0,
             next_piece_ns: PIECE_NS,
             name: None,
         }
+    }
+
+    /// The same path, drawn a second time in a darker colour, for the part that has faded.
+    pub(super) fn fading(
+        mut self,
+        look: &Look,
+        entity: &str,
+        color: u32,
+        outlet: &mut Outlet,
+    ) -> Self {
+        let color = darkened(look.color(color, 0));
+        self.faded = Some(track(look.entity(entity), color, FADED_WIDTH, outlet));
+        self
     }
 
     /// The same path with a name in this colour, if it is the only one in its scene.
@@ -95,10 +110,28 @@ impl Path {
             self.next_piece_ns = time_ns.saturating_add(PIECE_NS);
             // Each piece begins where the one before it ended.
             let piece = std::mem::replace(&mut self.piece, vec![point]);
+            if let Some(faded) = &self.faded {
+                faded.push(outlet, time_ns, [piece.clone()]);
+            }
             self.tracks[self.kind].push(outlet, time_ns, [piece]);
         }
         self.kind = kind;
     }
+}
+
+/// An empty track, whose color and width in points are sent.
+fn track(entity: String, color: u32, width: f32, outlet: &mut Outlet) -> Track<Vec<[f32; 3]>> {
+    let style = LineStrips3D::update_fields()
+        .with_colors([Color::from_u32(color)])
+        .with_radii([Radius::new_ui_points(width)]);
+    outlet.send_static(entity.as_str(), &style);
+    Track::new(entity, columns, outlet)
+}
+
+/// A third of a colour's brightness: lines can't be translucent.
+fn darkened(color: u32) -> u32 {
+    let [red, green, blue, alpha] = color.to_be_bytes();
+    u32::from_be_bytes([red / 3, green / 3, blue / 3, alpha])
 }
 
 fn columns(rows: &[Vec<[f32; 3]>]) -> Columns {
