@@ -7,6 +7,7 @@
 //!
 //! Sinks receive only [`Message`]s: rows of numbers and texts in the order of [`channels`].
 
+pub(crate) mod axis;
 mod channel;
 mod decoding;
 pub mod digest;

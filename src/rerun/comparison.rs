@@ -2,7 +2,6 @@
 //! logarithm of its magnitude below `/diff_log10`.
 
 use crate::run::time::seconds;
-use nalgebra::Vector3;
 use rerun::TextDocument;
 
 use super::blueprint;
@@ -13,12 +12,10 @@ use super::look::Look;
 use super::outlet::{Destinations, Outlet, To};
 use super::pair::PairIdentity;
 use super::plots::Plots;
-use super::scene::focus::Focus;
 use super::scene::furnish;
 use super::sink::{Content, Stream};
 use crate::physics::math;
 use crate::telemetry::Message;
-use crate::telemetry::fields::POSE;
 use crate::telemetry::side::Side;
 
 /// A sink that makes one Rerun recording of two runs and their differences.
@@ -30,8 +27,6 @@ pub struct Comparison {
     runs: [Entities; 2],
     difference: Plots,
     magnitude: Plots,
-    /// Camera target between the tops, if a peg is free.
-    focus: Option<Focus>,
     identity: PairIdentity,
 }
 
@@ -49,13 +44,6 @@ impl Stream<Comparison> {
         self.end_ns = self.end_ns.max(message.time_ns);
         let (content, outlet) = (&mut self.content, &mut self.outlet);
         content.runs[side.index()].write(message, outlet);
-        if let Some(focus) = &mut content.focus
-            && message.topic() == POSE
-        {
-            let pegs: Vec<_> = content.runs.iter().filter_map(Entities::peg).collect();
-            let middle = pegs.iter().sum::<Vector3<f64>>() / pegs.len() as f64;
-            focus.write(message.time_ns, middle, outlet);
-        }
     }
 
     /// Adds the differences B − A of the numbers of a message, at the time of A; texts are ignored.
@@ -78,12 +66,9 @@ impl Stream<Comparison> {
 impl Comparison {
     /// Sends static data: shared entities and those of each run.
     fn new(identity: &PairIdentity, outlet: &mut Outlet) -> Self {
-        let stage = identity.stage();
-        if let Some(geometry) = &stage {
-            furnish(geometry, outlet);
+        if let Some(geometry) = identity.stage() {
+            furnish(&geometry, outlet);
         }
-        let travels = stage.filter(|geometry| geometry.is_free);
-        let focus = travels.map(|geometry| Focus::new(&geometry, outlet));
         let runs = [Side::A, Side::B].map(|side| {
             let run = identity.with_common_scales(side);
             Entities::new(&run, &identity.look(side), outlet)
@@ -94,7 +79,6 @@ impl Comparison {
             runs,
             difference: Plots::new(difference, &Look::Difference, outlet),
             magnitude: Plots::new(magnitude, &Look::Magnitude, outlet),
-            focus,
             identity: identity.clone(),
         };
         // Until the comparison ends, the summary contains only the colour key.

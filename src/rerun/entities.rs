@@ -1,7 +1,6 @@
 //! The recording of one run: its description, its plots, its events and its scene.
 
 use crate::run::time::seconds;
-use nalgebra::Vector3;
 use rerun::TextDocument;
 
 use super::blueprint;
@@ -27,6 +26,7 @@ pub struct Entities {
     plots: Plots,
     events: Option<Events>,
     scene: Option<Scene>,
+    identity: Identity,
 }
 
 impl Stream<Entities> {
@@ -75,12 +75,8 @@ impl Entities {
             plots: Plots::new(|plot| identity.has(plot.topic()), look, outlet),
             events: identity.has(EVENTS).then(|| Events::new(top, look, outlet)),
             scene: has_scene.then(|| Scene::new(identity, look, outlet)),
+            identity: identity.clone(),
         }
-    }
-
-    /// Centre of the peg as it is drawn, in the world frame, m; none without a scene.
-    pub(super) fn peg(&self) -> Option<Vector3<f64>> {
-        self.scene.as_ref().map(Scene::peg)
     }
 
     /// Adds the content of a message of the run.
@@ -106,9 +102,13 @@ impl Content for Entities {
     fn finish(&mut self, end_ns: u64, outlet: &mut Outlet) {
         self.summarize_events(outlet);
         outlet.complete();
-        // Only in the file; a live viewer already plays the run.
-        let layout = blueprint::run::messages_at_end(&outlet.store, seconds(end_ns));
-        outlet.send_layout(To::File, layout);
+        let layout = blueprint::run::messages_at_end(&self.identity, seconds(end_ns), &self.plots);
+        // A viewer that follows a paced run has shown it already.
+        let to = match self.identity.playback {
+            Playback::FromStart => To::Both,
+            Playback::Following => To::File,
+        };
+        outlet.send_layout(to, layout);
     }
 }
 

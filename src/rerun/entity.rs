@@ -14,8 +14,8 @@ pub(super) const SUMMARY: &str = "/summary";
 
 /// The scene; in a comparison, the part shared by both runs.
 pub(super) const STAGE: &str = "/scene";
-/// Target of the camera in the scene.
-pub(super) const CAMERA_TARGET: &str = "/scene/focus/camera_target";
+/// Target of the camera that follows a free peg.
+pub(super) const CAMERA_TARGET: &str = "scene/focus/camera_target";
 /// The latest part of the path of the symmetry axis on a sphere around the peg, and the part before it.
 pub(super) const TRAIL_ABOVE: [&str; 2] = ["scene/trail/above", "scene/trail/above/past"];
 /// The projection of that path onto the table, below a fixed peg.

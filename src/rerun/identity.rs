@@ -1,5 +1,6 @@
 //! Metadata of a run, needed before its messages.
 
+use super::magnitude::Magnitudes;
 use super::message::store;
 use super::scale::Scales;
 use crate::physics::kinematics::Tilt;
@@ -47,6 +48,8 @@ pub struct Identity {
     pub description: String,
     /// The top, and the sizes that arrows are drawn to.
     pub geometry: Geometry,
+    /// Typical magnitudes of the run's quantities.
+    pub magnitudes: Magnitudes,
     /// Topics that will be written; the layout leaves out the plots of others.
     pub topics: Vec<Topic>,
     /// Its playback in a viewer.
@@ -83,6 +86,7 @@ impl Identity {
                 is_free,
                 trail_time: trail_time(&model.top, &tilt, scenario.rates.phi),
             },
+            magnitudes: Magnitudes::new(scenario),
             topics,
             playback,
             is_alone: true,

@@ -9,6 +9,9 @@ use super::track::Track;
 use crate::telemetry::fields::{NumberField, Plot};
 use crate::telemetry::{Message, Topic};
 
+/// The range before the first value.
+const NO_VALUES: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+
 /// The plots of each channel, in table order.
 pub(super) struct Plots(Vec<Vec<PlotTrack>>);
 
@@ -17,8 +20,8 @@ struct PlotTrack {
     plot: Plot,
     numbers: Vec<NumberField>,
     track: Track<f64>,
-    /// The least and the greatest number.
-    range: [f64; 2],
+    /// The least and the greatest value of each number; reversed infinite bounds before the first.
+    ranges: Vec<[f64; 2]>,
     /// Time of the last row, ns.
     end_ns: u64,
 }
@@ -35,7 +38,7 @@ impl Plots {
                 plot,
                 numbers,
                 track: Track::new(entity, move |rows| columns(rows, width), outlet),
-                range: [f64::INFINITY, f64::NEG_INFINITY],
+                ranges: vec![NO_VALUES; width],
                 end_ns: 0,
             }
         };
@@ -46,11 +49,19 @@ impl Plots {
         Self(plots.collect())
     }
 
-    /// The least and the greatest number of a plot; reversed infinite bounds if there is none.
-    pub(super) fn range(&self, plot: Plot) -> [f64; 2] {
-        let mut tracks = self.0[plot.topic().index()].iter();
-        let track = tracks.find(|track| track.plot == plot);
-        track.map_or([f64::INFINITY, f64::NEG_INFINITY], |track| track.range)
+    /// The numbers of a plot that have values, each with its least and its greatest value.
+    pub(super) fn ranges(&self, plot: Plot) -> impl Iterator<Item = (NumberField, [f64; 2])> {
+        self.0[plot.topic().index()]
+            .iter()
+            .filter(move |track| track.plot == plot)
+            .flat_map(|track| {
+                track
+                    .numbers
+                    .iter()
+                    .copied()
+                    .zip(track.ranges.iter().copied())
+            })
+            .filter(|(_, range)| *range != NO_VALUES)
     }
 
     /// Adds a row without values to plots that end before this time, so that time axes extend to it.
@@ -74,11 +85,13 @@ impl Plots {
             if row().any(|number| number.is_none()) {
                 continue;
             }
-            let [least, greatest] = &mut plot.range;
-            let row = row().flatten().inspect(|number| {
-                *least = least.min(*number);
-                *greatest = greatest.max(*number);
-            });
+            let row = row()
+                .flatten()
+                .zip(&mut plot.ranges)
+                .map(|(number, range)| {
+                    *range = [range[0].min(number), range[1].max(number)];
+                    number
+                });
             plot.track.push(outlet, message.time_ns, row);
             plot.end_ns = message.time_ns;
         }

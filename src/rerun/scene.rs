@@ -3,7 +3,7 @@
 //! World frame: z up, the table at z = 0, metres.
 
 mod arrow;
-pub(super) mod focus;
+mod focus;
 mod path;
 mod shape;
 
@@ -41,7 +41,7 @@ pub(super) struct Scene {
     /// flies.
     contact_path: Option<Path>,
     arrows: Vec<Arrow>,
-    /// Target of the camera, of the only run with a free peg.
+    /// Target of the camera, if the peg is free.
     focus: Option<Focus>,
     /// Orientation (world from body) of the last pose.
     orientation: Option<UnitQuaternion<f64>>,
@@ -59,10 +59,7 @@ impl Scene {
         if is_alone {
             furnish(&geometry, outlet);
         }
-        let focus = (is_free && is_alone).then(|| {
-            focus::send_vertical(&geometry, outlet);
-            Focus::new(&geometry, outlet)
-        });
+        let focus = is_free.then(|| Focus::new(&geometry, look, outlet));
         let proportions = Proportions::new(&geometry.top);
         let mut body = shape::top(&proportions.scaled(look.size()));
         if let Some(albedo) = look.albedo() {
@@ -135,11 +132,6 @@ impl Scene {
             focus.write(time_ns, self.peg, outlet);
         }
     }
-
-    /// Centre of the peg as it is drawn, in the world frame, m.
-    pub(super) fn peg(&self) -> Vector3<f64> {
-        self.peg
-    }
 }
 
 fn columns(rows: &[Pose]) -> Columns {
@@ -163,7 +155,7 @@ pub(super) fn furnish(geometry: &Geometry, outlet: &mut Outlet) {
     outlet.send_static("scene/table", &shape::table(table));
     outlet.send_static("scene/table/marks", &shape::table_marks(table, rings));
     if !geometry.is_free {
-        focus::send_vertical(geometry, outlet);
+        focus::send_vertical(geometry, "scene/focus/vertical".to_owned(), outlet);
     }
 }
 

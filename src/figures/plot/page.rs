@@ -7,6 +7,7 @@ use super::range::{self, extremes, union};
 use super::shape::{Bounds, Point, Stroke};
 use super::style::{LINE_HEIGHT, MARGIN, TWO_COLUMNS};
 use super::ticks::Scale;
+use crate::telemetry::axis::range_of_values;
 
 /// The height of a panel relative to its width.
 const PROPORTION: f64 = 0.46;
@@ -132,6 +133,7 @@ impl Panel {
     /// The scale of the vertical axis: the range of the curves with padding.
     fn scale(&self, normal_height: f64) -> Scale {
         let (low, high) = self.range();
+        let [low, high] = range_of_values([low, high], self.rounding);
         let padding = PADDING * (high - low);
         let max_labels = frame::max_labels_up(self.height * normal_height);
         Scale::new(low - padding, high + padding, max_labels)

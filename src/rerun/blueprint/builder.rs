@@ -21,6 +21,9 @@ pub(super) struct Child {
     path: String,
 }
 
+/// Number from which the parts of a replacement are numbered.
+const REPLACEMENT: u64 = 1 << 16;
+
 /// A blueprint under construction.
 pub(super) struct Layout {
     store: StoreId,
@@ -50,6 +53,14 @@ impl Layout {
             ids: Ids::BLUEPRINT_AT_END,
             children: 0,
             messages: Vec::new(),
+        }
+    }
+
+    /// A layout that replaces one that has been sent before. Its parts are new, so none inherits properties of an old one.
+    pub(super) fn replacement(recording: &StoreId) -> Self {
+        Self {
+            children: REPLACEMENT,
+            ..Self::changes(recording)
         }
     }
 

@@ -80,8 +80,8 @@ const ROUTH: &[Plot] = &[free_peg::ROUTH.plot()];
 const PERIOD: &[Plot] = &[nutation::PERIOD.plot()];
 
 const MOMENTUM_NAME: &str = "Angular momentum, vertical and axial";
-const GAP_NAME: &str = "Height of the peg above the table";
-const REGIME_NAME: &str = "Regime: 1 slides, 0 rolls or sticks, 2 flies";
+pub(super) const GAP_NAME: &str = "Height of the peg above the table";
+pub(super) const REGIME_NAME: &str = "Regime: 1 slides, 0 rolls or sticks, 2 flies";
 const PHI_DOT_NAME: &str = "dφ/dt and the slow root of regular precession";
 const TORQUE_NAME: &str = "Friction torque, node frame";
 

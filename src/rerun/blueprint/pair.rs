@@ -10,7 +10,9 @@ use super::charts::{
     Chart, FRICTION_CONTRASTS, MORE_CONTRASTS, MOTION_CONTRASTS, RATE_CONTRASTS, TABLE_CONTRASTS,
     TRAVEL_CONTRASTS,
 };
-use super::views::{Stage, bound, events, scene, speed, time_panel, time_series, titled, window};
+use super::views::{
+    Stage, bound, events, scene, speed, target, time_panel, time_series, titled, window,
+};
 use crate::physics::math;
 use crate::rerun::entity::{self, ABOUT, STAGE, SUMMARY};
 use crate::rerun::identity::{Geometry, Playback};
@@ -22,8 +24,9 @@ use crate::telemetry::Topic;
 use crate::telemetry::fields::{EVENTS, POSE, Plot};
 use crate::telemetry::side::Side;
 
-/// Camera distance for two tops with a free peg, relative to the default.
-const FAR: f64 = 1.2;
+/// Distance of the camera in each of two views next to each other, relative to that in a single view: the arrows must
+/// fit into the narrower views.
+const NARROW: f64 = 1.5;
 
 /// The extent of a comparison that has ended.
 pub(crate) struct Extent<'a> {
@@ -56,23 +59,8 @@ pub(crate) fn messages(identity: &PairIdentity, extent: Option<&Extent<'_>>) -> 
 fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Child {
     let mut rows = Vec::new();
     let mut shares = Vec::new();
-    if let Some(geometry) = identity.stage() {
-        let name = format!(
-            "A: {} (blue, solid) · B: {} (orange, translucent)",
-            identity.name_of(Side::A),
-            identity.name_of(Side::B),
-        );
-        let runs = looks(identity, POSE);
-        let contents = runs.iter().map(|(look, _)| look.entity("scene/**"));
-        let contents: Vec<_> = contents.chain([format!("{STAGE}/**")]).collect();
-        let stage = Stage {
-            name: &name,
-            contents: &contents,
-            runs: &runs,
-            geometry: &geometry,
-            distance: if geometry.is_free { FAR } else { 1.0 },
-        };
-        rows.push(scene(layout, &stage));
+    if let Some(scene) = scenes(layout, identity) {
+        rows.push(scene);
         shares.push(53.0);
     }
     rows.push(words(layout, identity));
@@ -88,6 +76,65 @@ fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Child {
         shares.push(22.0);
     }
     layout.contain(column(&shares), &rows)
+}
+
+/// Both tops in one view, if their pegs are fixed; otherwise in two, each with a camera that follows its top.
+fn scenes(layout: &mut Layout, identity: &PairIdentity) -> Option<Child> {
+    let geometry = identity.stage()?;
+    let runs = looks(identity, POSE);
+    if !geometry.is_free {
+        let names = [Side::A, Side::B].map(|side| titled_run(identity, side));
+        return Some(stage(
+            layout,
+            &names.join(" · "),
+            &runs,
+            &geometry,
+            None,
+            1.0,
+        ));
+    }
+    let mut views = Vec::new();
+    for run in runs {
+        let (look, own) = &run;
+        let Look::Compared(side, _) = look else {
+            continue;
+        };
+        let name = titled_run(identity, *side);
+        let target = target(look, own);
+        views.push(stage(layout, &name, &[run], &geometry, target, NARROW));
+    }
+    layout.contain_any(row(&[]), &views)
+}
+
+/// The title of a run's scene.
+fn titled_run(identity: &PairIdentity, side: Side) -> String {
+    let name = identity.name_of(side);
+    match side {
+        Side::A => format!("A: {name} (blue, solid)"),
+        Side::B => format!("B: {name} (orange, translucent)"),
+    }
+}
+
+/// A view of the scene of some runs on the common table.
+fn stage(
+    layout: &mut Layout,
+    name: &str,
+    runs: &[(Look, &Geometry)],
+    geometry: &Geometry,
+    target: Option<String>,
+    distance: f64,
+) -> Child {
+    let mut contents = vec![format!("{STAGE}/**")];
+    contents.extend(runs.iter().map(|(look, _)| look.entity("scene/**")));
+    let stage = Stage {
+        name,
+        contents: &contents,
+        runs,
+        geometry,
+        target,
+        distance,
+    };
+    scene(layout, &stage)
 }
 
 /// The looks and geometries of the runs that have a topic.
@@ -173,9 +220,11 @@ impl Charts<'_> {
         let name = titled(&name, contrast.plots[0].unit());
         let view = self.curves(&name, &contents, None)?;
         if let Some(extent) = self.extent {
-            let ranges = plots.iter().map(|plot| extent.differences.range(*plot));
-            let whole =
-                ranges.reduce(|[low, high], [least, most]| [low.min(least), high.max(most)]);
+            let whole = plots
+                .iter()
+                .flat_map(|plot| extent.differences.ranges(*plot))
+                .map(|(_, range)| range)
+                .reduce(|[low, high], [least, most]| [low.min(least), high.max(most)]);
             if let Some(range) = whole.and_then(with_ticks) {
                 bound(self.layout, &view, range);
             }

@@ -1,6 +1,5 @@
 //! The layout for one run: the scene at the left with the events below, the main charts at the right.
 
-use rerun::StoreId;
 use rerun::blueprint::components::{ContainerKind, LinkAxis};
 use rerun::blueprint::datatypes::TextLogColumnKind;
 use rerun::components::Name;
@@ -8,34 +7,48 @@ use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
 use super::builder::{Child, Layout, Messages, column, tabs};
 use super::charts::{Chart, MORE, RATES, RISE, TABLE, TRAVEL};
-use super::views::{Stage, bound, events, scene, speed, time_panel, time_series, titled, window};
+use super::views::{
+    Stage, bound, events, scene, speed, target, time_panel, time_series, titled, window,
+};
 use crate::rerun::entity::{self, ABOUT, EACH_EVENT};
-use crate::rerun::identity::{Identity, Playback};
+use crate::rerun::identity::{Geometry, Identity, Playback};
 use crate::rerun::look::Look;
+use crate::rerun::magnitude::Magnitudes;
+use crate::rerun::plots::Plots;
+use crate::telemetry::axis::range_of_values;
 use crate::telemetry::fields::{EVENTS, POSE, Plot};
 use crate::telemetry::proportions::Proportions;
 
 /// The messages of the layout.
 pub(crate) fn messages(identity: &Identity, playback: Playback) -> Messages {
-    let mut layout = Layout::new(&identity.store());
+    let layout = Layout::new(&identity.store());
+    complete(layout, identity, None, &time_panel(playback, 1.0))
+}
+
+/// The messages of the layout that replaces the first one when the run has ended (`duration` in s). It plays the run from
+/// the start, and its charts fit the values.
+pub(crate) fn messages_at_end(identity: &Identity, duration: f64, plots: &Plots) -> Messages {
+    let layout = Layout::replacement(&identity.store());
+    let panel = time_panel(Playback::FromStart, speed(duration));
+    complete(layout, identity, Some(plots), &panel)
+}
+
+/// The layout, given the values of the plots if they are known.
+fn complete(
+    mut layout: Layout,
+    identity: &Identity,
+    plots: Option<&Plots>,
+    panel: &parts::TimePanelBlueprint,
+) -> Messages {
     let left = left_side(&mut layout, identity);
-    let right = right_side(&mut layout, identity);
+    let right = right_side(&mut layout, identity, plots);
     // Without a scene the left side has only text.
     let shares = if identity.has(POSE) {
         [42.0, 58.0]
     } else {
         [25.0, 75.0]
     };
-    let panel = time_panel(playback, 1.0);
-    window(layout, left, right, shares, identity.is_alone, &panel)
-}
-
-/// The messages that change the layout of a recording, to play the run from the start (`duration` in s).
-pub(crate) fn messages_at_end(recording: &StoreId, duration: f64) -> Messages {
-    let mut layout = Layout::changes(recording);
-    let panel = time_panel(Playback::FromStart, speed(duration));
-    layout.log("time_panel", &panel);
-    layout.finish()
+    window(layout, left, right, shares, identity.is_alone, panel)
 }
 
 /// The scene, if there is one, and below it the events and the description.
@@ -61,51 +74,211 @@ fn left_side(layout: &mut Layout, identity: &Identity) -> Child {
         contents: &whole,
         runs: &[(Look::Alone, &identity.geometry)],
         geometry: &identity.geometry,
+        target: target(&Look::Alone, &identity.geometry),
         distance,
     };
     let scene = scene(layout, &stage);
     layout.contain(column(&[76.0, 24.0]), &[scene, words])
 }
 
-/// Pages of charts. Those without data are left out.
-fn right_side(layout: &mut Layout, identity: &Identity) -> Option<Child> {
-    let is_tippe_top = Proportions::new(&identity.geometry.top).is_ball;
-    let mut pages: Vec<(&str, &[Chart])> = vec![match (identity.geometry.is_free, is_tippe_top) {
-        (false, _) => ("Rise", &RISE),
-        (true, false) => ("How it travels", &TRAVEL),
-        (true, true) => ("How it inverts", &TRAVEL),
+/// A page of charts.
+struct Page {
+    name: &'static str,
+    charts: Vec<&'static Chart>,
+}
+
+/// The pages of charts of a run. The charts of the first page that are constant give their places to charts of other
+/// pages that are not, and move to the last page.
+fn pages(identity: &Identity, plots: Option<&Plots>) -> Vec<Page> {
+    let is_ball = Proportions::new(&identity.geometry.top).is_ball;
+    let is_free = identity.geometry.is_free;
+    let mut pages = vec![match (is_free, is_ball) {
+        (false, _) => page("Rise", &RISE, identity),
+        (true, false) => page("How it travels", &TRAVEL, identity),
+        (true, true) => page("How it inverts", &TRAVEL, identity),
     }];
-    if identity.geometry.is_free {
-        pages.extend([("On the table", &TABLE[..]), ("Rates", &RATES)]);
+    if is_free {
+        pages.push(page("On the table", &TABLE, identity));
+        pages.push(page("Rates", &RATES, identity));
     }
-    pages.push(("More", &MORE));
+    pages.push(page("More", &MORE, identity));
+    if let Some(plots) = plots {
+        give_places(&mut pages, |chart| {
+            is_constant(chart, plots, &identity.magnitudes)
+        });
+    }
+    pages
+}
+
+/// The page of these charts, without those that have no data.
+fn page(name: &'static str, charts: &'static [Chart], identity: &Identity) -> Page {
+    let has_data = |chart: &&Chart| chart.plots.iter().any(|plot| identity.has(plot.topic()));
+    let charts = charts.iter().filter(has_data).collect();
+    Page { name, charts }
+}
+
+/// Exchanges the constant charts of the first page for others, as long as there are any.
+fn give_places(pages: &mut [Page], is_constant: impl Fn(&Chart) -> bool) {
+    let Some((first, others)) = pages.split_first_mut() else {
+        return;
+    };
+    let mut moved = Vec::new();
+    for place in &mut first.charts {
+        if !is_constant(place) {
+            continue;
+        }
+        for page in &mut *others {
+            if let Some(at) = page.charts.iter().position(|chart| !is_constant(chart)) {
+                moved.push(std::mem::replace(place, page.charts.remove(at)));
+                break;
+            }
+        }
+    }
+    if let Some(last) = others.last_mut() {
+        last.charts.extend(moved);
+    }
+}
+
+/// Variations of a quantity below this fraction of its magnitude are rounding errors.
+const ROUNDING: f64 = 1e-9;
+
+/// Whether all numbers of a chart are constant.
+fn is_constant(chart: &Chart, plots: &Plots, magnitudes: &Magnitudes) -> bool {
+    let mut numbers = chart.plots.iter().flat_map(|plot| plots.ranges(*plot));
+    numbers.all(|(number, [low, high])| {
+        let typical = magnitudes.typical(number.leaf().quantity);
+        high - low <= ROUNDING * typical.max(low.abs()).max(high.abs())
+    })
+}
+
+/// Shortest value axis, relative to the typical magnitude of the quantity.
+const MIN_SPAN: f64 = 1e-6;
+
+/// The range of a chart's value axis; none if the viewer's choice, the range of the values, magnifies no rounding errors.
+fn axis_range(chart: &Chart, plots: &Plots, magnitudes: &Magnitudes) -> Option<[f64; 2]> {
+    let numbers: Vec<_> = chart
+        .plots
+        .iter()
+        .flat_map(|plot| plots.ranges(*plot))
+        .collect();
+    let values = numbers
+        .iter()
+        .map(|(_, range)| *range)
+        .reduce(|[low, high], [least, most]| [low.min(least), high.max(most)])?;
+    let typical = numbers
+        .iter()
+        .map(|(number, _)| magnitudes.typical(number.leaf().quantity))
+        .fold(0.0, f64::max);
+    let range = range_of_values(values, MIN_SPAN * typical);
+    (range != values).then_some(range)
+}
+
+/// The range of a chart that shows a quantity with this unit of a tippe top: it passes through upright, where its Euler
+/// rates are infinite. The bounds are the largest magnitudes outside the peaks caused by this singularity.
+fn bounds_of_tippe_top(unit: &str, geometry: &Geometry) -> Option<[f64; 2]> {
+    if !Proportions::new(&geometry.top).is_ball {
+        return None;
+    }
+    let greatest = match unit {
+        "rad/s" => 2.0 * geometry.spin,
+        "rad/s²" => geometry.spin * geometry.spin,
+        _ => return None,
+    };
+    Some([-greatest, greatest])
+}
+
+/// Pages of charts, with axes that fit the values if they are known.
+fn right_side(layout: &mut Layout, identity: &Identity, plots: Option<&Plots>) -> Option<Child> {
     let mut grids = Vec::new();
-    for (name, charts) in pages {
-        let is_there = |chart: &&Chart| chart.plots.iter().any(|plot| identity.has(plot.topic()));
+    for page in pages(identity, plots) {
         let mut views = Vec::new();
-        for chart in charts.iter().filter(is_there) {
+        for chart in page.charts {
             let unit = chart.plots[0].unit();
             let contents: Vec<_> = chart.plots.iter().map(Plot::to_string).collect();
             let name = titled(chart.name, unit);
             let link = LinkAxis::Independent;
             let view = time_series(layout, &name, &contents, chart.legend, link);
-            // A tippe top passes through upright, where its Euler rates are infinite: the largest magnitude outside the
-            // peaks caused by this singularity.
-            let spin = identity.geometry.spin;
-            let greatest = match unit {
-                "rad/s" if is_tippe_top => Some(2.0 * spin),
-                "rad/s²" if is_tippe_top => Some(spin * spin),
-                _ => None,
-            };
-            if let Some(greatest) = greatest {
-                bound(layout, &view, [-greatest, greatest]);
+            let range = bounds_of_tippe_top(unit, &identity.geometry)
+                .or_else(|| axis_range(chart, plots?, &identity.magnitudes));
+            if let Some(range) = range {
+                bound(layout, &view, range);
             }
             views.push(view);
         }
         let grid = parts::ContainerBlueprint::new(ContainerKind::Grid)
             .with_grid_columns(2)
-            .with_display_name(Name(name.into()));
+            .with_display_name(Name(page.name.into()));
         grids.extend(layout.contain_any(grid, &views));
     }
     layout.contain_any(tabs(), &grids)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::charts::{GAP_NAME, REGIME_NAME};
+    use super::*;
+    use crate::rerun::outlet::{Destinations, Outlet};
+    use crate::run::scenario::{Preset, Scenario};
+    use crate::run::simulation::Simulation;
+    use crate::telemetry::fields::energy;
+    use crate::telemetry::{Telemetry, TelemetryError, Topic, Topics};
+
+    /// The identity and the plots of the first second of a preset.
+    fn plots(preset: &str) -> (Identity, Plots) {
+        let mut values = Preset::find(preset).unwrap().values().unwrap();
+        values.set("stop.duration", "1").unwrap();
+        let scenario = Scenario::new(values).unwrap();
+        let topics: Vec<_> = Topic::all_with(scenario.model.support).collect();
+        let identity = Identity::of("test", &scenario, topics, Playback::FromStart);
+        let mut outlet = Outlet::open(identity.store(), Destinations::default());
+        let mut plots = Plots::new(|plot| identity.has(plot.topic()), &Look::Alone, &mut outlet);
+        let mut telemetry = Telemetry::with_topics(&Topics::All);
+        for record in Simulation::new(&scenario).unwrap() {
+            let written = telemetry.messages(&record.unwrap(), |message| {
+                plots.write(message, Some, &mut outlet);
+                Ok::<_, TelemetryError>(())
+            });
+            written.unwrap();
+        }
+        (identity, plots)
+    }
+
+    fn names(page: &Page) -> Vec<&str> {
+        page.charts.iter().map(|chart| chart.name).collect()
+    }
+
+    #[test]
+    fn constant_charts_give_their_places_to_others() {
+        let (identity, plots) = plots("free-viscous");
+        let before = pages(&identity, None);
+        let after = pages(&identity, Some(&plots));
+        for name in [GAP_NAME, REGIME_NAME] {
+            assert!(names(&before[0]).contains(&name));
+            assert!(!names(&after[0]).contains(&name), "the peg never hops");
+            assert!(names(after.last().unwrap()).contains(&name));
+        }
+        assert_eq!(before[0].charts.len(), after[0].charts.len());
+        let count = |pages: &[Page]| pages.iter().map(|page| page.charts.len()).sum::<usize>();
+        assert_eq!(count(&before), count(&after), "no chart is lost");
+    }
+
+    #[test]
+    fn charts_that_move_keep_their_places() {
+        let (identity, plots) = plots("paper");
+        let before = pages(&identity, None);
+        let after = pages(&identity, Some(&plots));
+        assert_eq!(names(&before[0]), names(&after[0]));
+    }
+
+    #[test]
+    fn axes_do_not_magnify_rounding_errors() {
+        let (identity, plots) = plots("frictionless");
+        let (_, [low, high]) = plots.ranges(energy::TOTAL.plot()).last().unwrap();
+        assert!(high - low < 1e-12, "energy is conserved");
+        let torque = &RISE[4];
+        assert!(is_constant(torque, &plots, &identity.magnitudes));
+        let [low, high] = axis_range(torque, &plots, &identity.magnitudes).unwrap();
+        assert!(high - low > 0.0);
+        assert_eq!(axis_range(&RISE[0], &plots, &identity.magnitudes), None);
+    }
 }

@@ -28,10 +28,17 @@ pub(super) struct Stage<'a> {
     pub(super) contents: &'a [String],
     /// Runs whose paths are shown up to the time cursor.
     pub(super) runs: &'a [(Look, &'a Geometry)],
-    /// The top whose height is the unit of the camera position. The camera goes along with a free one.
+    /// The top whose height is the unit of the camera position.
     pub(super) geometry: &'a Geometry,
+    /// The entity that the camera follows.
+    pub(super) target: Option<String>,
     /// Distance of the camera, relative to the usual distance.
     pub(super) distance: f64,
+}
+
+/// The entity that the camera follows: the place below a free peg.
+pub(super) fn target(look: &Look, geometry: &Geometry) -> Option<String> {
+    geometry.is_free.then(|| look.entity(CAMERA_TARGET))
 }
 
 /// A view of the scene.
@@ -48,10 +55,9 @@ pub(super) fn scene(layout: &mut Layout, stage: &Stage<'_>) -> Child {
         .with_look_target(target.map(in_heights))
         .with_spin_speed(0.0)
         .with_eye_up([0.0, 0.0, 1.0]);
-    let camera = if stage.geometry.is_free {
-        camera.with_tracking_entity(CAMERA_TARGET)
-    } else {
-        camera
+    let camera = match &stage.target {
+        Some(target) => camera.with_tracking_entity(target.as_str()),
+        None => camera,
     };
     let background =
         parts::Background::new(BackgroundKind::SolidColor).with_color(Color::from_u32(0x1215_1BFF));
@@ -88,7 +94,8 @@ fn time_range(start: TimeRangeBoundary, end: TimeRangeBoundary) -> parts::Visibl
     })])
 }
 
-/// A list of the events of these entities, with these columns in addition to the time.
+/// A list of the events of these entities, with these columns. Each text begins with the time of its event, more precisely
+/// than the viewer's column of times, which is left out.
 pub(super) fn events(
     layout: &mut Layout,
     name: &str,
@@ -96,18 +103,18 @@ pub(super) fn events(
     kinds: &[blueprint_data::TextLogColumnKind],
 ) -> Child {
     let view = layout.view("TextLog", name, EVENTS, contents);
-    let column = |kind: &blueprint_data::TextLogColumnKind| {
-        TextLogColumn(blueprint_data::TextLogColumn {
-            visible: true.into(),
-            kind: *kind,
-        })
-    };
+    let times = TimelineColumn(blueprint_data::TimelineColumn {
+        visible: false.into(),
+        timeline: TIMELINE.into(),
+    });
     let columns = parts::TextLogColumns::new()
-        .with_timeline_columns([TimelineColumn(blueprint_data::TimelineColumn {
-            visible: true.into(),
-            timeline: TIMELINE.into(),
-        })])
-        .with_text_log_columns(kinds.iter().map(column));
+        .with_timeline_columns([times])
+        .with_text_log_columns(kinds.iter().map(|kind| {
+            TextLogColumn(blueprint_data::TextLogColumn {
+                visible: true.into(),
+                kind: *kind,
+            })
+        }));
     layout.property(&view, "TextLogColumns", &columns);
     view
 }

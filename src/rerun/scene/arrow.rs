@@ -258,7 +258,7 @@ mod tests {
             let topics = Topic::all_with(scenario.model.support).collect();
             let identity = Identity::of("test", &scenario, topics, Playback::FromStart);
             for (arrow, longest) in longest(&identity, &scenario) {
-                let name = preset.name;
+                let name = preset.name.as_str();
                 assert!(
                     longest >= MIN_LABELED,
                     "{name}: {arrow} has {longest} at most"
@@ -266,7 +266,7 @@ mod tests {
                 let is_cut = longest > scale::max_length(1.0);
                 assert_eq!(
                     is_cut,
-                    CUT.contains(&(name.as_str(), arrow)),
+                    CUT.contains(&(name, arrow)),
                     "{name}: {arrow} has {longest}"
                 );
             }

@@ -6,6 +6,7 @@ use rerun::{Color, LineStrips3D, Points3D, Radius};
 
 use crate::rerun::entity::CAMERA_TARGET;
 use crate::rerun::identity::Geometry;
+use crate::rerun::look::Look;
 use crate::rerun::outlet::{Columns, Outlet};
 use crate::rerun::track::Track;
 use crate::telemetry::proportions::Proportions;
@@ -17,13 +18,14 @@ const CAMERA_DISTANCE: f64 = 4.0;
 /// Time between two positions, in ns.
 const STEP_NS: u64 = 10_000_000;
 
-/// Sends the vertical line through the centre of the table, up to half a height above the top.
-pub(super) fn send_vertical(geometry: &Geometry, outlet: &mut Outlet) {
+/// Sends the vertical line through the centre of the table, or through the peg that the camera follows, up to half a
+/// height above the top.
+pub(super) fn send_vertical(geometry: &Geometry, entity: String, outlet: &mut Outlet) {
     let height = geometry.top.peg_radius + 1.5 * Proportions::new(&geometry.top).size();
     let line = LineStrips3D::new([[[0.0, 0.0, 0.0], [0.0, 0.0, height as f32]]])
         .with_colors([Color::from_u32(0x8A93_A3FF)])
         .with_radii([Radius::new_ui_points(0.7)]);
-    outlet.send_static("scene/focus/vertical", &line);
+    outlet.send_static(entity, &line);
 }
 
 /// Two invisible points tracked by the camera. The viewer looks at their midpoint from 1.5 times their extent.
@@ -34,24 +36,25 @@ fn camera_target(geometry: &Geometry) -> Points3D {
     Points3D::new(points).with_radii([Radius::new_ui_points(0.0)])
 }
 
-/// The place on the table that the camera follows: below a free peg, or between two.
-pub(crate) struct Focus {
+/// The place on the table below a free peg, which the camera follows.
+pub(super) struct Focus {
     track: Track<[f32; 3]>,
     next_ns: u64,
 }
 
 impl Focus {
-    /// Sends the target of the camera.
-    pub(crate) fn new(geometry: &Geometry, outlet: &mut Outlet) -> Self {
-        outlet.send_static(CAMERA_TARGET, &camera_target(geometry));
+    /// Sends the target of the camera, and the vertical through the peg.
+    pub(super) fn new(geometry: &Geometry, look: &Look, outlet: &mut Outlet) -> Self {
+        send_vertical(geometry, look.entity("scene/focus/vertical"), outlet);
+        outlet.send_static(look.entity(CAMERA_TARGET), &camera_target(geometry));
         Self {
-            track: Track::new("scene/focus", columns, outlet),
+            track: Track::new(look.entity("scene/focus"), columns, outlet),
             next_ns: 0,
         }
     }
 
     /// Moves it to a place at a time in ns.
-    pub(crate) fn write(&mut self, time_ns: u64, place: Vector3<f64>, outlet: &mut Outlet) {
+    pub(super) fn write(&mut self, time_ns: u64, place: Vector3<f64>, outlet: &mut Outlet) {
         if time_ns < self.next_ns {
             return;
         }
