@@ -9,6 +9,7 @@ use crate::run::scenario::Scenario;
 use crate::telemetry::Topic;
 use crate::telemetry::proportions::Proportions;
 use rerun::StoreId;
+use rerun::external::re_log_types::{ApplicationId, StoreKind};
 use std::f64::consts::TAU;
 
 /// The top, and the sizes that arrows are drawn to.
@@ -35,9 +36,20 @@ pub enum Playback {
     Following,
 }
 
+/// The names of the store that a viewer keeps a recording in, where the viewer has chosen them.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct StoreNames {
+    /// The application, which has one layout.
+    pub application: Option<String>,
+    /// The recording.
+    pub recording: Option<String>,
+}
+
 /// Names, geometry and topics of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Identity {
+    /// Names that replace those that follow from the name and the scenario.
+    pub names: StoreNames,
     /// Identifier: a viewer merges recordings that have the same.
     pub recording_id: String,
     /// The name that a viewer shows.
@@ -70,6 +82,7 @@ impl Identity {
         let law = scenario.word("friction.law");
         let tilt = Tilt::from_rates(scenario.angles.theta, scenario.rates);
         Self {
+            names: StoreNames::default(),
             recording_id: format!("{name}-{:.16}", scenario.digest()),
             name: name.to_owned(),
             title: format!("{} · {peg} peg · friction: {law}", scenario.title()),
@@ -95,7 +108,18 @@ impl Identity {
 
     /// The store that a viewer keeps the recording in.
     pub(super) fn store(&self) -> StoreId {
-        store(&self.name, &self.recording_id)
+        let StoreNames {
+            application,
+            recording,
+        } = &self.names;
+        let recording = recording.as_ref().unwrap_or(&self.recording_id);
+        match application {
+            Some(application) => {
+                let application = ApplicationId::new_or_unknown(application.as_str());
+                StoreId::new(StoreKind::Recording, application, recording.as_str())
+            }
+            None => store(&self.name, recording),
+        }
     }
 
     /// Whether messages of this topic will be written.

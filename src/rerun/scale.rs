@@ -10,8 +10,9 @@ use crate::telemetry::proportions::Proportions;
 
 /// Maximum length of an arrow, in heights of the top: from every side of the top, the tip and its label are in the view.
 const MAX_LENGTH: f64 = 1.25;
-/// Maximum length at the start of an arrow whose quantity can grow later, e.g. with the normal force of a bouncing peg.
-const MAX_START_LENGTH: f64 = 1.15;
+/// Maximum length at the start of arrows of a fixed peg and of a free one, whose normal force can double as it nutates.
+const MAX_START_FIXED: f64 = 1.15;
+const MAX_START_FREE: f64 = 0.5 * MAX_START_FIXED;
 /// Ratio between the longest and the nominal length of an arrow whose scale is rounded to the nearest of 1, 2 and 5.
 const ROUNDING: f64 = 1.582;
 
@@ -47,11 +48,19 @@ impl Scales {
             speed => speed,
         };
         let weight = top.weight();
+        let longest = if scenario.model.support.is_free() {
+            MAX_START_FREE * height
+        } else {
+            MAX_START_FIXED * height
+        };
+        let reference = MAX_START_FIXED * height;
+        let speed = (2.0 * top.gravity * height).sqrt();
+        let torque = weight * top.peg_radius;
         Self {
-            slip: decade((2.0 * top.gravity * height).sqrt(), slip, height),
-            force: decade(weight, scenario.force_scale(), height),
+            slip: decade(speed / reference, slip, longest),
+            force: decade(weight / reference, scenario.force_scale(), longest),
             gravity_torque: round(top.gravity_moment().abs() / nominal),
-            friction_torque: decade(weight * top.peg_radius, scenario.torque_scale(), height),
+            friction_torque: decade(torque / reference, scenario.torque_scale(), longest),
             momentum: round(momentum(top, &tilt) / nominal),
         }
     }
@@ -81,11 +90,10 @@ pub(super) fn max_length(height: f64) -> f64 {
     MAX_LENGTH * height
 }
 
-/// A scale whose digit follows from a `reference` of the top, and whose power of ten is the smallest that draws the
-/// quantity at the `start` of the run in the view.
-fn decade(reference: f64, start: f64, height: f64) -> f64 {
-    let longest = MAX_START_LENGTH * height;
-    let scale = round(reference / longest);
+/// A scale whose digit is that of a `reference` scale, and whose power of ten is the smallest that draws the quantity at
+/// the `start` of the run no longer than `longest`, m.
+fn decade(reference: f64, start: f64, longest: f64) -> f64 {
+    let scale = round(reference);
     round_by(scale, math::log10(start / (scale * longest)).ceil())
 }
 
