@@ -21,10 +21,10 @@
 //!
 //! Nine modules: [`physics`] (mechanics), [`run`] (scenarios, simulation), [`telemetry`] (channels, encodings),
 //! [`archive`] (recordings), [`analysis`] (verify, diff, explain), `sweep` (tables of runs; feature `sweep`), `rerun`
-//! (Rerun viewer; feature `rerun`), [`figures`] (drawings for print), [`cli`] (the program). Each uses only those before
-//! it; `analysis`, `sweep` and `rerun` don't use each other.
+//! (Rerun viewer; feature `rerun`), [`figures`] (drawings for print), `cli` (the program; feature `cli`). Each uses only
+//! those before it; `analysis`, `sweep` and `rerun` don't use each other.
 //!
-//! On WebAssembly there is no [`cli`] and no file access: [`archive::writer`] writes to memory.
+//! On WebAssembly there is no file access: [`archive::writer`] writes to memory.
 
 #![forbid(unsafe_code)]
 
@@ -37,12 +37,12 @@ compile_error!(
 #[cfg(all(feature = "sweep", target_endian = "big"))]
 compile_error!(
     "the parquet crate writes unreadable files on big-endian machines: build without the feature `sweep` \
-     (--no-default-features)"
+     (--no-default-features --features cli)"
 );
 
 pub mod analysis;
 pub mod archive;
-#[cfg(not(target_family = "wasm"))]
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod figures;
 pub mod physics;
