@@ -1,4 +1,4 @@
-//! Analysis of runs: verify, diff, explain.
+//! Analysis of runs: diff and explain.
 
 pub mod diff;
 pub mod explain;
@@ -6,4 +6,3 @@ pub mod history;
 pub(crate) mod missing;
 pub(crate) mod phrase;
 pub mod subject;
-pub mod verify;

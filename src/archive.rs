@@ -1,4 +1,4 @@
-//! Recordings as files: writing, publishing, reading and replaying MCAP files.
+//! Recordings as files: writing, publishing, reading, replaying and verifying MCAP files.
 
 pub(crate) mod container;
 pub(crate) mod error;
@@ -10,4 +10,5 @@ pub mod publish;
 pub mod recording;
 pub mod replay;
 pub mod sink;
+pub mod verify;
 pub mod writer;

@@ -20,7 +20,7 @@
 //! ```
 //!
 //! Nine modules: [`physics`] (mechanics), [`run`] (scenarios, simulation), [`telemetry`] (channels, encodings),
-//! [`archive`] (recordings), [`analysis`] (verify, diff, explain), `sweep` (tables of runs; feature `sweep`), `rerun`
+//! [`archive`] (recordings, verify), [`analysis`] (diff, explain), `sweep` (tables of runs; feature `sweep`), `rerun`
 //! (Rerun viewer; feature `rerun`), [`figures`] (drawings for print), `cli` (the program; feature `cli`). Each uses only
 //! those before it; `analysis`, `sweep` and `rerun` don't use each other.
 //!

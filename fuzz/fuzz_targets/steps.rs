@@ -5,9 +5,9 @@ use std::fs;
 use std::path::Path;
 use toprise::analysis::diff::{self, Report, Verdict};
 use toprise::analysis::explain::explain;
-use toprise::analysis::verify::verify;
 use toprise::archive::input;
 use toprise::archive::recording::{Overview, Recording, Selection};
+use toprise::archive::verify::verify;
 use toprise::figures::{FIGURES, Figure, RunData};
 use toprise::run::scenario::{Scenario, Values};
 

@@ -12,9 +12,9 @@ use std::sync::Arc;
 use toprise::analysis::diff::{Observer, Options, Tolerance, Tolerances, compare_observed};
 use toprise::analysis::explain::{Fact, explain_while};
 use toprise::analysis::subject::Subject;
-use toprise::analysis::verify as checks;
 use toprise::archive::input::is_recording;
 use toprise::archive::recording::Recording;
+use toprise::archive::verify as checks;
 use toprise::run::scenario::{PRESETS, Scenario as Checked};
 
 /// A run argument: a `Run`, or anything that identifies one.

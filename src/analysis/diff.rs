@@ -62,8 +62,8 @@ pub use crate::analysis::history::{PegSummary, RunSummary};
 pub use crate::analysis::subject::Subject;
 
 use self::pairing::{Limits, Paired, common_level, read_both};
-use crate::analysis::verify::{Verdict as VerifyVerdict, verify};
 use crate::archive::recording::{FileChannel, Recording};
+use crate::archive::verify::{Verdict as VerifyVerdict, verify};
 use crate::run::scenario::Scenario;
 use crate::run::time::seconds;
 use std::collections::BTreeSet;

@@ -6,8 +6,8 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::Duration;
-use toprise::analysis::verify::Verdict;
 use toprise::archive::recording::{Condition, Overview, Recording, Selection};
+use toprise::archive::verify::Verdict;
 use toprise::telemetry::Topics;
 
 /// Runs that are killed.

@@ -6,8 +6,8 @@
 use crate::support::verified;
 use std::fs;
 use std::path::Path;
-use toprise::analysis::verify::Verdict;
 use toprise::archive::recording::Recording;
+use toprise::archive::verify::Verdict;
 use toprise::run::scenario::{PRESETS, Preset};
 use toprise::run::simulation::{RunEnd, Simulation};
 use toprise::telemetry::digest::ContentDigest;

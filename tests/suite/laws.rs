@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
-use toprise::analysis::verify::Verdict;
+use toprise::archive::verify::Verdict;
 use toprise::archive::writer::Form;
 use toprise::physics::dynamics::{BodyRotation, EulerAngles, Formulation, Guard, Model, Phase};
 use toprise::physics::friction::{

@@ -8,9 +8,9 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use toprise::analysis::diff::{Options as DiffOptions, compare};
 use toprise::analysis::explain::explain;
-use toprise::analysis::verify::{Verdict, verify};
 use toprise::archive::input;
 use toprise::archive::recording::{Overview, Recording};
+use toprise::archive::verify::{Verdict, verify};
 use toprise::archive::writer::Form;
 use toprise::run::scenario::Scenario;
 

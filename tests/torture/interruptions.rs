@@ -9,8 +9,8 @@ use std::process::{Child, Command};
 use std::thread;
 use std::time::Duration;
 use tempfile::tempdir;
-use toprise::analysis::verify::verify;
 use toprise::archive::recording::Recording;
+use toprise::archive::verify::verify;
 
 /// Longer than anything here should take on a busy machine.
 const LONG: Duration = Duration::from_mins(2);

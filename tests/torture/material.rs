@@ -2,10 +2,10 @@
 
 use std::ops::ControlFlow;
 use std::path::Path;
-use toprise::analysis::verify::Report;
 use toprise::archive::pipeline::McapSink;
 use toprise::archive::publish::Existing;
 use toprise::archive::sink::{Sink, record};
+use toprise::archive::verify::Report;
 use toprise::archive::writer::Form;
 use toprise::run::scenario::{Preset, Scenario};
 use toprise::run::simulation::Simulation;
