@@ -5,13 +5,12 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use ivp::prelude::*;
 use std::hint::black_box;
-use std::ops::ControlFlow;
 use std::path::Path;
 use toprise::analysis::diff;
 use toprise::archive::pipeline::McapSink;
 use toprise::archive::publish::Existing;
 use toprise::archive::recording::{Recording, Selection};
-use toprise::archive::sink::{Sink, record};
+use toprise::archive::sink::record_all;
 use toprise::archive::verify::verify;
 use toprise::archive::writer::Form;
 use toprise::figures::{FIGURES, RunData};
@@ -21,7 +20,7 @@ use toprise::run::outcome;
 use toprise::run::scenario::{Preset, Scenario};
 use toprise::run::simulation::Simulation;
 use toprise::telemetry::encoding::Encoding;
-use toprise::telemetry::{Telemetry, Topics};
+use toprise::telemetry::{RunMessages, Topics};
 
 const START: [f64; 6] = [0.0, 0.5, 0.0, 1.75, 0.0, 170.0];
 const SECONDS: u32 = 20;
@@ -107,31 +106,22 @@ fn integrator(criterion: &mut Criterion) {
     group.finish();
 }
 
-#[allow(clippy::unnecessary_wraps, reason = "the type of a callback")]
-fn carry_on(
-    _: &toprise::run::simulation::Record,
-    _: &mut [&mut dyn Sink],
-) -> Result<ControlFlow<()>, toprise::archive::sink::SinkError> {
-    Ok(ControlFlow::Continue(()))
-}
-
 fn archive(scenario: &Scenario, topics: &[String], encoding: Encoding, directory: &Path) {
-    let mut telemetry = if topics.is_empty() {
-        Telemetry::default()
+    let topics = if topics.is_empty() {
+        Topics::All
     } else {
-        Telemetry::with_topics(&Topics::named(topics).expect("the topics exist"))
+        Topics::named(topics).expect("the topics exist")
     };
+    let mut run = RunMessages::new(scenario, &topics).expect("the preset is regular");
     let path = directory.join("bench.mcap");
     let form = Form {
         encoding,
         ..Form::default()
     };
-    let mut sink = McapSink::create(&path, Existing::Replace, scenario, &telemetry, form)
+    let mut sink = McapSink::create(&path, Existing::Replace, scenario, run.telemetry(), form)
         .expect("the directory is writable");
-    let mut simulation = Simulation::new(scenario).expect("the preset is regular");
-    let sinks: &mut [&mut dyn Sink] = &mut [&mut sink];
-    let end = record(&mut simulation, &mut telemetry, sinks, carry_on).expect("the run succeeds");
-    sink.finish(&end).expect("the disk has room");
+    let recorded = record_all(&mut run, &mut [&mut sink]).expect("the run succeeds");
+    sink.finish(&recorded.end).expect("the disk has room");
 }
 
 fn runs(criterion: &mut Criterion) {

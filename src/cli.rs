@@ -6,6 +6,7 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod arguments;
+mod completions;
 mod diff;
 mod explain;
 mod figures;
@@ -23,21 +24,29 @@ mod report;
 mod run;
 mod schema;
 mod status;
-#[cfg(feature = "sweep")]
-mod sweep;
 mod table;
 mod text;
 mod verify;
+mod version;
+
 #[cfg(feature = "rerun")]
-mod view;
-#[cfg(feature = "rerun")]
-mod viewer;
+mod rerun;
+#[cfg(not(feature = "rerun"))]
+#[path = "cli/without_rerun.rs"]
+mod rerun;
+#[cfg(feature = "sweep")]
+mod sweep;
+#[cfg(not(feature = "sweep"))]
+#[path = "cli/without_sweep.rs"]
+mod sweep;
 
 use crate::analysis;
+use crate::archive::publish::Drafts;
 use anyhow::Error;
 use arguments::{Format, OUTPUT};
 use clap::{ColorChoice, CommandFactory as _, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
+use interrupt::SignalGuard;
 use schemars::{JsonSchema, schema_for};
 use status::Status;
 use std::ffi::OsString;
@@ -52,7 +61,7 @@ use std::process::ExitCode;
 /// A run can be a preset (see `toprise presets`), a scenario file (TOML; create one with `toprise presets paper >
 /// mine.toml`) or a recording (MCAP). Units are SI and radians.
 #[derive(Debug, Parser)]
-#[command(name = "toprise", version, after_help = EXAMPLES, after_long_help = MORE)]
+#[command(name = "toprise", version, long_version = version::long(), after_help = EXAMPLES, after_long_help = MORE)]
 #[command(next_help_heading = OUTPUT, next_display_order = 899)]
 struct Arguments {
     #[command(subcommand)]
@@ -142,7 +151,7 @@ enum Command {
     #[command(
         after_help = "Exit codes: 0 shown, 2 unreadable or no viewer, 3 shown in part (interrupted, or the file is partly unreadable)."
     )]
-    View(view::ViewArguments),
+    View(rerun::ViewArguments),
     /// Explain why the top rises or falls in a run.
     ///
     /// The report lists the events, the causes of the motion of the axis, and the energy balance.
@@ -191,10 +200,10 @@ enum Command {
         after_help = "Exit codes: 0 verified, 1 different, 2 unreadable, 3 the common part is equal (incomplete run, or recorded by another version of toprise)."
     )]
     Verify(verify::VerifyArguments),
-    /// List the presets, or print one as a scenario file.
+    /// List the presets, or print one, or the scenario of a recording, as a scenario file.
     Presets(presets::PresetsArguments),
-    /// List the laws of friction: formulas, parameters, typical values and sources.
-    Laws,
+    /// List the laws of friction, or describe one: formulas, parameters, typical values and sources.
+    Laws(laws::LawsArguments),
     /// List the channels of a recording, print the schema of one, or write all schemas.
     Schema(schema::SchemaArguments),
     /// Print a completion script for a shell.
@@ -209,18 +218,20 @@ pub fn main() -> ExitCode {
     let words: Vec<OsString> = std::env::args_os().collect();
     let arguments = match parse(&words) {
         Ok(arguments) => arguments,
-        Err(answer) => {
+        Err(usage) => {
             output::set_up(
                 false,
                 option_or_default(&words, "--color"),
                 option_or_default(&words, "--format"),
             );
-            return print_usage(&answer);
+            return print_usage(&usage);
         }
     };
     output::set_up(arguments.quiet, arguments.color, arguments.format);
-    match dispatch(arguments.command) {
-        Ok(done) => done.into(),
+    sweep::set_panic_hook();
+    let signals = SignalGuard::install();
+    match dispatch(arguments.command, signals.drafts()) {
+        Ok(status) => status.into(),
         Err(error) => {
             let error = output::with_causes(&error);
             output::error(&error);
@@ -232,34 +243,44 @@ pub fn main() -> ExitCode {
 
 /// Parses the arguments. Errors respect --color and contain no control characters.
 fn parse(words: &[OsString]) -> Result<Arguments, clap::Error> {
-    Arguments::try_parse_from(words).map_err(|answer| {
-        let sanitized = words.iter().map(|word| word.to_string_lossy());
-        let sanitized = sanitized.map(|word| text::sanitized(&word).into_owned());
-        let command = Arguments::command().color(option_or_default(words, "--color"));
-        let shown = command.try_get_matches_from(sanitized);
-        shown.err().unwrap_or(answer)
+    Arguments::try_parse_from(words).map_err(|error| {
+        // Parsed again, as clap quotes what was given.
+        let sanitized = words
+            .iter()
+            .map(|word| text::sanitized(&word.to_string_lossy()).into_owned());
+        Arguments::command()
+            .color(option_or_default(words, "--color"))
+            .try_get_matches_from(sanitized)
+            .err()
+            .unwrap_or(error)
     })
 }
 
 /// The value of an option in unparsed arguments, or its default if it is missing or invalid.
 fn option_or_default<V: ValueEnum + Default>(words: &[OsString], option: &str) -> V {
     let mut words = words.iter().filter_map(|word| word.to_str());
-    let value = words.find_map(|word| word.strip_prefix(option));
-    let value = value.and_then(|value| value.strip_prefix('=').or_else(|| words.next()));
-    let value = value.and_then(|value| V::from_str(value, false).ok());
-    value.unwrap_or_default()
+    while let Some(word) = words.next() {
+        let Some(rest) = word.strip_prefix(option) else {
+            continue;
+        };
+        let value = rest.strip_prefix('=').or_else(|| words.next());
+        return value
+            .and_then(|value| V::from_str(value, false).ok())
+            .unwrap_or_default();
+    }
+    V::default()
 }
 
 /// Prints the help, the version or a usage error.
-fn print_usage(answer: &clap::Error) -> ExitCode {
-    if answer.use_stderr() {
+fn print_usage(usage: &clap::Error) -> ExitCode {
+    if usage.use_stderr() {
         // If standard error can't be written to, the message is lost.
-        let _ = answer.print();
-        let text = answer.render().to_string();
+        let _ = usage.print();
+        let text = usage.render().to_string();
         report::print_error(text.trim_start_matches("error: ").trim_end());
         return Status::Failed.into();
     }
-    match output::print_styled(&answer.render().ansi().to_string()) {
+    match output::print_styled(&usage.render().ansi().to_string()) {
         Ok(()) => Status::Success.into(),
         Err(error) => {
             output::error(&error.to_string());
@@ -268,26 +289,23 @@ fn print_usage(answer: &clap::Error) -> ExitCode {
     }
 }
 
-fn dispatch(command: Command) -> Result<Status, Error> {
-    interrupt::handle();
+fn dispatch(command: Command, drafts: &Drafts) -> Result<Status, Error> {
     match command {
-        Command::Run(arguments) => run::run(&arguments),
+        Command::Run(arguments) => run::run(&arguments, drafts),
         #[cfg(feature = "rerun")]
-        Command::View(arguments) => view::view(&arguments),
+        Command::View(arguments) => rerun::view(&arguments, drafts),
         Command::Explain(arguments) => explain::explain(&arguments),
-        Command::Diff(arguments) => diff::diff(&arguments),
-        Command::Figures(arguments) => figures::figures(&arguments),
+        Command::Diff(arguments) => diff::diff(&arguments, drafts),
+        Command::Figures(arguments) => figures::figures(&arguments, drafts),
         #[cfg(feature = "sweep")]
-        Command::Sweep(arguments) => sweep::sweep(&arguments),
+        Command::Sweep(arguments) => sweep::sweep(&arguments, drafts),
         Command::Info(arguments) => info::info(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),
         Command::Presets(arguments) => presets::presets(&arguments),
-        Command::Laws => laws::laws(),
-        Command::Schema(arguments) => schema::schema(&arguments, schemas()),
+        Command::Laws(arguments) => laws::laws(&arguments),
+        Command::Schema(arguments) => schema::schema(&arguments, schemas(), drafts),
         Command::Completions { shell } => {
-            let mut script = Vec::new();
-            clap_complete::generate(shell, &mut Arguments::command(), "toprise", &mut script);
-            output::print(&String::from_utf8_lossy(&script))?;
+            output::print(&completions::script(shell, Arguments::command()))?;
             Ok(Status::Success)
         }
     }
@@ -298,7 +316,7 @@ pub fn schemas() -> Vec<(String, String)> {
     vec![
         schema::<run::RunReport>("RunReport"),
         #[cfg(feature = "rerun")]
-        schema::<view::ViewReport>("ViewReport"),
+        schema::<rerun::ViewReport>("ViewReport"),
         schema::<analysis::explain::Explanation>("ExplainReport"),
         schema::<analysis::diff::Report>("DiffReport"),
         schema::<crate::figures::FiguresReport>("FiguresReport"),
@@ -325,22 +343,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_arguments_are_consistent() {
+    fn arguments_are_consistent() {
         Arguments::command().debug_assert();
     }
 
     /// Options of one name must have one type in all commands: only parsing shows that.
-    #[cfg(feature = "sweep")]
     #[test]
-    fn figures_of_a_sweep_are_asked_for() {
+    fn parses_figures_of_a_sweep() {
         let line = "toprise figures --sweep a.parquet --x friction_k --show loops --color never";
-        let arguments = Arguments::try_parse_from(line.split(' ')).unwrap();
-        assert!(matches!(arguments.command, Command::Figures(_)));
+        let parsed = Arguments::try_parse_from(line.split(' '));
+        assert_eq!(parsed.is_ok(), cfg!(feature = "sweep"));
         assert!(Arguments::try_parse_from(["toprise", "figures", "--x", "a"]).is_err());
     }
 
     #[test]
-    fn what_holds_for_all_commands_stands_before_or_after_them() {
+    fn global_options_stand_before_or_after_the_command() {
         for line in [
             "toprise -q --color never laws",
             "toprise laws --quiet --color=never",
@@ -352,16 +369,13 @@ mod tests {
     }
 
     #[test]
-    fn wrong_arguments_neither_steer_the_terminal_nor_change_its_colours() {
-        let shown = |line: &str| {
-            let words: Vec<OsString> = line.split(' ').map(OsString::from).collect();
-            parse(&words).unwrap_err().render()
-        };
-        let shown_plainly =
-            shown("toprise --no-\x1b[2Jsuch\u{202e}-option\nerror: forged").to_string();
+    fn usage_errors_are_sanitized_and_keep_their_colours() {
+        let line = "toprise --no-\x1b[2Jsuch\u{202e}-option\nerror: forged";
+        let words: Vec<OsString> = line.split(' ').map(OsString::from).collect();
+        let message = parse(&words).unwrap_err().render().to_string();
         assert!(
-            shown_plainly.contains("--no-�[2Jsuch�-option�error:"),
-            "{shown_plainly}"
+            message.contains("--no-�[2Jsuch�-option�error:"),
+            "{message}"
         );
         for (line, color) in [
             ("toprise --color=never --help", ColorChoice::Never),

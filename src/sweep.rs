@@ -30,6 +30,7 @@ mod work;
 
 pub use axis::{Axis, column_name, find_key};
 pub use base::Base;
+pub use caught::is_catching;
 pub use cells::{Cells, cells};
 pub use counts::{Counts, RowError};
 pub use design::Design;

@@ -5,7 +5,7 @@
 //! the content digest ([`digest`]), MCAP channels and Rerun entities are derived from it. [`fields`] has typed handles
 //! of its topics and fields for code that reads messages.
 //!
-//! Sinks receive only [`Message`]s: rows of numbers and texts in the order of [`channels`].
+//! [`RunMessages`] simulates a run and yields its messages. Sinks receive only [`Message`]s: rows of numbers and texts in the order of [`channels`].
 
 pub(crate) mod axis;
 mod channel;
@@ -22,6 +22,7 @@ pub mod protobuf;
 mod quantity;
 pub mod schema;
 pub mod side;
+mod stream;
 pub mod table;
 mod template;
 mod topic;
@@ -32,5 +33,6 @@ pub use self::channel::{ChannelInfo, Content, Leaf, Member};
 pub use self::logging::{Telemetry, TelemetryError};
 pub use self::message::{Message, Numbers};
 pub use self::quantity::Quantity;
+pub use self::stream::{RunError, RunMessages};
 pub use self::table::channels;
 pub use self::topic::{Topic, Topics, UnknownTopic};

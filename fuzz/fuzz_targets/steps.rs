@@ -21,28 +21,30 @@ pub fn recording(data: &[u8], scratch: &Path) {
     let recording = match Recording::open(&path) {
         Ok(recording) => recording,
         Err(error) => {
-            told(&error.to_string());
+            consume(&error.to_string());
             return;
         }
     };
     let overview = Overview::of(&recording);
     for loss in &overview.losses {
-        told(&loss.to_string());
+        consume(&loss.to_string());
     }
-    told(&format!("{overview:?}"));
+    consume(&format!("{overview:?}"));
     let mut reader = recording.reader(Selection::default());
     while let Some(message) = reader.next() {
         if let Err(error) = message {
-            told(&error.to_string());
+            consume(&error.to_string());
         }
         reader.progress();
     }
     match verify(&recording, &|_| {}) {
-        Ok(report) => told(&format!("{report:?}")),
-        Err(error) => told(&error.to_string()),
+        Ok(report) => consume(&format!("{report:?}")),
+        Err(error) => consume(&error.to_string()),
     }
-    let values = input::values(&path).map_err(|error| told(&error.to_string()));
-    told(&format!("{:?} {:?}", values.is_ok(), input::form(&path)));
+    match input::read(&path) {
+        Ok(input) => consume(&format!("{:?}", input.form)),
+        Err(error) => consume(&error.to_string()),
+    }
 }
 
 /// Asks everything of `recording` that can be asked of runs.
@@ -51,14 +53,14 @@ pub fn recording(data: &[u8], scratch: &Path) {
 /// If the recording differs from itself, or anything else is wrong.
 pub fn analyses(recording: &Recording) {
     match explain(recording) {
-        Ok(story) => told(&format!("{story:?}")),
-        Err(error) => told(&error.to_string()),
+        Ok(story) => consume(&format!("{story:?}")),
+        Err(error) => consume(&error.to_string()),
     }
     let all: Vec<&Figure> = FIGURES.iter().collect();
     let run = RunData::read(recording, "a", &all, &|_| {});
     for figure in all.iter().filter(|figure| figure.missing(&run).is_none()) {
         let runs = vec![&run; figure.min_runs];
-        told(&figure.draw(&runs, 85.0).svg());
+        consume(&figure.draw(&runs, 85.0).svg());
     }
     if let Some(report) = difference(recording, recording) {
         assert_ne!(report.verdict, Verdict::Different, "{report:?}");
@@ -72,7 +74,7 @@ fn difference(a: &Recording, b: &Recording) -> Option<Report> {
         ..diff::Options::default()
     };
     let report = diff::compare(a, b, &options);
-    report.map_err(|error| told(&error.to_string())).ok()
+    report.map_err(|error| consume(&error.to_string())).ok()
 }
 
 /// Reads `data` as a scenario, whole and in pieces.
@@ -85,7 +87,7 @@ pub fn scenario(data: &[u8]) {
     };
     match Scenario::from_toml(text) {
         Ok(scenario) => check_scenario(&scenario),
-        Err(error) => told(&error.to_string()),
+        Err(error) => consume(&error.to_string()),
     }
     let mut values = Values::from_toml(text).unwrap_or_default();
     let mut section = String::new();
@@ -98,18 +100,18 @@ pub fn scenario(data: &[u8]) {
         let path = format!("{section}{}", name.trim());
         for path in [path.as_str(), name.trim()] {
             if let Err(error) = values.set(path, value.trim()) {
-                told(&error.to_string());
+                consume(&error.to_string());
             }
         }
     }
     for path in ["name", "description", "gravity"] {
         if let Err(error) = values.set(path, text) {
-            told(&error.to_string());
+            consume(&error.to_string());
         }
     }
     match Scenario::new(values) {
         Ok(scenario) => check_scenario(&scenario),
-        Err(error) => told(&error.to_string()),
+        Err(error) => consume(&error.to_string()),
     }
 }
 
@@ -123,6 +125,6 @@ fn check_scenario(scenario: &Scenario) {
 }
 
 /// Errors and findings are for people: their texts are made, too.
-fn told(text: &str) {
+fn consume(text: &str) {
     std::hint::black_box(text);
 }

@@ -9,8 +9,8 @@ use toprise::archive::writer::{Form, McapWriter};
 use toprise::run::outcome::Outcome;
 use toprise::run::scenario::Scenario;
 use toprise::run::simulation::{Record, Sample, Simulation, SimulationError, StopReason, Tally};
-use toprise::telemetry::Telemetry;
 use toprise::telemetry::encoding::Encoding;
+use toprise::telemetry::{RunMessages, Topics};
 
 /// Maximum numbers of steps and samples of a run in the page.
 const MOST_STEPS: u64 = 2_000_000;
@@ -170,17 +170,14 @@ pub fn recording(
     scenario: &Scenario,
     encoding: Encoding,
 ) -> Result<(Vec<u8>, String), Box<dyn Error>> {
-    let mut telemetry = Telemetry::default();
+    let mut run = RunMessages::new(scenario, &Topics::All)?;
     let form = Form {
         encoding,
         ..Form::default()
     };
-    let mut writer = McapWriter::new(Vec::new(), scenario, &telemetry, form)?;
-    let mut simulation = Simulation::new(scenario)?;
-    for record in simulation.by_ref() {
-        telemetry.messages(&record?, |message| {
-            Ok::<_, Box<dyn Error>>(writer.write(message)?)
-        })?;
+    let mut writer = McapWriter::new(Vec::new(), scenario, run.telemetry(), form)?;
+    while let Some(record) = run.next(|message| Ok::<_, Box<dyn Error>>(writer.write(message)?)) {
+        record?;
     }
-    Ok(writer.finish(end_entries(&simulation.end()))?)
+    Ok(writer.finish(end_entries(&run.end()))?)
 }

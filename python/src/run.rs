@@ -17,15 +17,15 @@ use toprise::archive::format::CONTENT_DIGEST;
 use toprise::archive::pipeline::McapSink;
 use toprise::archive::publish::Existing;
 use toprise::archive::recording::Recording;
-use toprise::archive::sink::{RecordError, Sink, SinkError, record};
+use toprise::archive::sink::{Sink, SinkError, record, record_all};
 use toprise::archive::writer::Form;
 use toprise::figures::{Figure, RunData};
 use toprise::run::outcome::Outcome;
 use toprise::run::scenario::Scenario as Checked;
-use toprise::run::simulation::{Record, RunEnd, Simulation, StopReason, Tally};
+use toprise::run::simulation::{Record, Tally};
 use toprise::telemetry::digest::ContentDigest;
 use toprise::telemetry::fields::{EVENTS, NUTATION};
-use toprise::telemetry::{Message, Telemetry, Topic, Topics};
+use toprise::telemetry::{Message, RunMessages, Topic, Topics};
 
 /// The width of the curves in a notebook, mm.
 const CURVES_WIDTH: f64 = 130.0;
@@ -176,47 +176,37 @@ fn simulate(
     topics: &Topics,
     interrupt: Interrupt,
 ) -> Result<(Tables, Outcome, Vec<String>), String> {
-    let reported = |error: &dyn std::error::Error| error.to_string();
-    let simulation = Simulation::new(scenario).map_err(|error| reported(&error))?;
-    let mut simulation = simulation.continue_while(move || !interrupt.is_asked());
-    let mut telemetry = Telemetry::with_topics(topics);
+    let mut run = RunMessages::new(scenario, topics)
+        .map_err(|error| error.to_string())?
+        .continue_while(move || !interrupt.is_asked());
     let mut tables = Tables::default();
     let mut tally = Tally::default();
-    let ended = record(
-        &mut simulation,
-        &mut telemetry,
-        &mut [&mut tables],
-        |record, _| {
-            if let Record::Event(event) = record {
-                tally.count(event.kind, event.time);
-            }
-            Ok(ControlFlow::Continue(()))
-        },
-    );
-    let (end, losses) = match ended {
-        Ok(end) => (end, Vec::new()),
-        Err(error @ (RecordError::Simulation(_) | RecordError::Telemetry(_))) => {
-            let stop = StopReason::Failed;
-            let end = simulation.end();
-            (RunEnd { stop, ..end }, vec![reported(&error)])
+    let recorded = record(&mut run, &mut [&mut tables], |record, _| {
+        if let Record::Event(event) = record {
+            tally.count(event.kind, event.time);
         }
-        Err(RecordError::Sink(error)) => return Err(reported(&error)),
-    };
-    Ok((tables, Outcome::new(scenario, end, tally), losses))
+        Ok(ControlFlow::Continue(()))
+    })
+    .map_err(|error| error.to_string())?;
+    let losses = recorded.error.iter().map(ToString::to_string).collect();
+    let outcome = Outcome::new(scenario, recorded.end, tally);
+    Ok((tables, outcome, losses))
 }
 
 /// Simulates a run and records it in a new file.
 fn save(scenario: &Checked, path: &Path, interrupt: Interrupt) -> Result<(), String> {
     let reported = |error: &dyn std::error::Error| format!("{}: {error}", path.display());
-    let simulation = Simulation::new(scenario).map_err(|error| reported(&error))?;
-    let mut telemetry = Telemetry::with_topics(&Topics::All);
-    let mut sink = McapSink::create(path, Existing::Keep, scenario, &telemetry, Form::default())
+    let mut run = RunMessages::new(scenario, &Topics::All)
+        .map_err(|error| reported(&error))?
+        .continue_while(move || !interrupt.is_asked());
+    let form = Form::default();
+    let mut sink = McapSink::create(path, Existing::Keep, scenario, run.telemetry(), form)
         .map_err(|error| reported(&error))?;
-    let mut simulation = simulation.continue_while(move || !interrupt.is_asked());
-    let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
-    let end = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on)
-        .map_err(|error| reported(&error))?;
-    sink.finish(&end)
+    let recorded = record_all(&mut run, &mut [&mut sink]).map_err(|error| reported(&error))?;
+    if let Some(error) = recorded.error {
+        return Err(reported(&error));
+    }
+    sink.finish(&recorded.end)
         .map(drop)
         .map_err(|error| reported(&error))
 }

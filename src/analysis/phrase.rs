@@ -26,15 +26,6 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
     }
 }
 
-/// A number rounded to `digits` significant digits, without trailing zeros.
-pub(crate) fn short(value: f64, digits: usize) -> String {
-    let rounded = format!("{value:.*e}", digits.saturating_sub(1));
-    // Written as a number again, it has as few digits as it needs.
-    rounded
-        .parse()
-        .map_or(rounded, |value: f64| value.to_string())
-}
-
 /// A number with its unit.
 pub(crate) fn quantity(value: f64, digits: usize, unit: &str) -> String {
     let number = significant(value, digits);
@@ -118,9 +109,5 @@ mod tests {
         assert_eq!(duration(0.0), "0 s");
         assert_eq!(duration(9.9999e-4), "1.00 ms");
         assert_eq!(significant(-0.0, 3), "0");
-        // The rate for a period of 10 µs.
-        assert_eq!(short(1.0 / 1e-5, 6), "100000");
-        assert_eq!(short(1.0 / 3e-3, 6), "333.333");
-        assert_eq!(short(0.25, 6), "0.25");
     }
 }

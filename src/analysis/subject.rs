@@ -3,10 +3,9 @@
 use crate::analysis::missing::{MessageCounts, Missing};
 use crate::archive::format::{STOP_REASON, end_entries};
 use crate::archive::recording::{Condition, Entries, Losses, Reader, Recording, Selection};
-use crate::archive::sink::RecordError;
 use crate::run::scenario::Scenario;
-use crate::run::simulation::{Simulation, StopReason};
-use crate::telemetry::{Message, Telemetry, Topic, Topics};
+use crate::run::simulation::StopReason;
+use crate::telemetry::{Message, RunError, RunMessages, Topic, Topics};
 
 /// Maximum number of losses that are described. `info` and `verify` list more.
 const MAX_SENTENCES: usize = 10;
@@ -207,8 +206,8 @@ fn simulate(
     topics: &Topics,
     take: &mut dyn FnMut(&Message<'_>, u64) -> bool,
 ) -> ReadEnd {
-    let mut simulation = match Simulation::new(scenario) {
-        Ok(simulation) => simulation,
+    let mut run = match RunMessages::new(scenario, topics) {
+        Ok(run) => run,
         Err(error) => {
             return ReadEnd {
                 losses: vec![format!("missing the motion: {error}")],
@@ -216,23 +215,20 @@ fn simulate(
             };
         }
     };
-    let mut telemetry = Telemetry::with_topics(topics);
     let mut losses = Vec::new();
     let mut goes_on = true;
-    while goes_on && let Some(record) = simulation.next() {
-        let sent = record.map_err(RecordError::from).and_then(|record| {
-            telemetry.messages(&record, |message| {
-                goes_on = goes_on && take(message, 0);
-                Ok::<_, RecordError>(())
-            })
-        });
-        if let Err(error) = sent {
+    while goes_on
+        && let Some(record) = run.next(|message| {
+            goes_on = goes_on && take(message, 0);
+            Ok::<_, RunError>(())
+        })
+    {
+        if let Err(error) = record {
             losses.push(format!("missing the rest of the motion: {error}"));
-            break;
         }
     }
     ReadEnd {
-        end: Some(end_entries(&simulation.end())),
+        end: Some(end_entries(&run.end())),
         losses,
         missing: Vec::new(),
     }

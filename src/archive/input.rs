@@ -52,11 +52,20 @@ pub fn is_recording(word: &Path) -> bool {
     !is_scenario && (word.exists() || is_like_a_file(word))
 }
 
-/// Reads the scenario of a preset, a scenario file or a recording; `-` is a scenario file on standard input.
+/// What a command-line argument says of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunInput {
+    /// The keys and values of the scenario.
+    pub values: Values,
+    /// Form and topics of a recording; `None` for other arguments.
+    pub form: Option<(Form, Topics)>,
+}
+
+/// Reads a preset, a scenario file or a recording; `-` is a scenario file on standard input.
 ///
 /// # Errors
-/// [`InputError`] if there is none, or a key of it is wrong; whether it is complete is not checked.
-pub fn values(word: &Path) -> Result<Values, InputError> {
+/// [`InputError`] if there is none, or a key of it is wrong; whether the scenario is complete is not checked.
+pub fn read(word: &Path) -> Result<RunInput, InputError> {
     let is_file = has_extension(word, "toml")
         || is_like_a_file(word)
         || is_standard_input(word)
@@ -64,35 +73,51 @@ pub fn values(word: &Path) -> Result<Values, InputError> {
     if is_preset(word) || !is_file {
         let preset = Preset::find(&word.to_string_lossy());
         let values = preset.and_then(Preset::values);
-        return values.map_err(InputError::UnknownPreset);
-    }
-    Values::from_toml(&text(word)?).map_err(|reason| InputError::Scenario {
-        path: word.to_owned(),
-        reason,
-    })
-}
-
-/// The text of a scenario file, or of the scenario that a recording was made from.
-fn text(word: &Path) -> Result<String, InputError> {
-    let path = word.to_owned();
-    if is_standard_input(word) {
-        let text = scenario_from(io::stdin().lock());
-        return text.map_err(|reason| InputError::Io { path, reason });
+        return Ok(RunInput {
+            values: values.map_err(InputError::UnknownPreset)?,
+            form: None,
+        });
     }
     let is_named_so = has_extension(word, "mcap") || has_extension(word, "partial");
-    if !is_named_so && !is_mcap(word) {
-        return read_file(word).map_err(|reason| InputError::Io { path, reason });
-    }
-    let text = Recording::open(word).and_then(|recording| recording.scenario_text());
-    text.map_err(|reason| InputError::Recording { path, reason })
+    let (text, form) = if !is_standard_input(word) && (is_named_so || is_mcap(word)) {
+        read_recording(word).map_err(|reason| InputError::Recording {
+            path: word.to_owned(),
+            reason,
+        })?
+    } else {
+        let text = read_text(word).map_err(|reason| InputError::Io {
+            path: word.to_owned(),
+            reason,
+        })?;
+        (text, None)
+    };
+    let values = Values::from_toml(&text).map_err(|reason| InputError::Scenario {
+        path: word.to_owned(),
+        reason,
+    })?;
+    Ok(RunInput { values, form })
 }
 
-/// Form and topics of a recording; `None` for other arguments.
-pub fn form(word: &Path) -> Option<(Form, Topics)> {
-    if is_preset(word) || !is_mcap(word) {
-        return None;
+/// The values of [`read()`].
+///
+/// # Errors
+/// As [`read()`].
+pub fn values(word: &Path) -> Result<Values, InputError> {
+    Ok(read(word)?.values)
+}
+
+/// The scenario of a recording, and its form and topics.
+fn read_recording(path: &Path) -> Result<(String, Option<(Form, Topics)>), RecordingError> {
+    let recording = Recording::open(path)?;
+    Ok((recording.scenario_text()?, recording.form()))
+}
+
+/// The text of a scenario file, or from standard input.
+fn read_text(word: &Path) -> io::Result<String> {
+    if is_standard_input(word) {
+        return scenario_from(io::stdin().lock());
     }
-    Recording::open(word).ok()?.form()
+    read_file(word)
 }
 
 /// Whether a file starts with the MCAP magic bytes.
@@ -158,6 +183,18 @@ fn is_preset(word: &Path) -> bool {
     PRESETS
         .iter()
         .any(|preset| word.as_os_str() == &*preset.name)
+}
+
+/// The name of a scenario file, recording or sweep table without its extensions; `None` for presets and standard input.
+pub(crate) fn file_stem(word: &Path) -> Option<String> {
+    if is_preset(word) || is_standard_input(word) {
+        return None;
+    }
+    let mut stem = word.file_name()?.to_str()?;
+    for extension in [".partial", ".mcap", ".parquet", ".toml"] {
+        stem = stem.trim_end_matches(extension);
+    }
+    (!stem.is_empty()).then(|| stem.to_owned())
 }
 
 /// Whether a file name has an extension.

@@ -4,11 +4,12 @@
 use crate::archive::format::end_entries;
 use crate::archive::publish::{Draft, Existing};
 use crate::archive::sink::{Sink, SinkError};
-use crate::archive::writer::{Batch, Form, Opening, Packer, RunEncoder};
+use crate::archive::writer::{Batch, ChunkWriter, Form, Header, RunEncoder};
 use crate::run::scenario::Scenario;
 use crate::run::simulation::RunEnd;
 use crate::telemetry::{Message, Telemetry};
 use ::mcap::{McapError, McapResult};
+use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -27,23 +28,20 @@ pub struct Pipeline<W: Write> {
     encoder: RunEncoder,
     /// The channel to the writer thread.
     batches: Option<SyncSender<Batch>>,
-    thread: Option<JoinHandle<McapResult<Packer<W>>>>,
+    thread: Option<JoinHandle<McapResult<ChunkWriter<W>>>>,
 }
-
-/// Writes a recording to a draft file, which is renamed when complete.
-pub type McapSink = Pipeline<BufWriter<Draft>>;
 
 impl<W: Write + Send + 'static> Pipeline<W> {
     /// Starts a recording in `target`; `name` is used in errors.
-    pub(crate) fn start(target: W, name: PathBuf, opening: Opening) -> Result<Self, SinkError> {
-        let opened = Packer::open(target, &opening);
-        let (packer, ids) = opened.map_err(|reason| mcap_error(&name, reason))?;
+    pub(crate) fn start(target: W, name: PathBuf, header: &Header) -> Result<Self, SinkError> {
+        let (chunks, ids) =
+            ChunkWriter::open(target, header).map_err(|reason| mcap_error(&name, reason))?;
         let (batches, received) = sync_channel(BATCHES);
         Ok(Self {
             name,
-            encoder: RunEncoder::new(opening, &ids),
+            encoder: RunEncoder::new(header, &ids),
             batches: Some(batches),
-            thread: Some(thread::spawn(move || work(packer, &received))),
+            thread: Some(thread::spawn(move || work(chunks, &received))),
         })
     }
 
@@ -68,11 +66,11 @@ impl<W: Write + Send + 'static> Pipeline<W> {
 
 impl<W: Write> Pipeline<W> {
     /// Waits until the thread has written everything.
-    fn join(&mut self) -> Result<Packer<W>, SinkError> {
+    fn join(&mut self) -> Result<ChunkWriter<W>, SinkError> {
         self.batches = None;
         let thread = self.thread.take().ok_or_else(|| self.died())?;
-        let packer = thread.join().map_err(|_| self.died())?;
-        packer.map_err(|reason| mcap_error(&self.name, reason))
+        let chunks = thread.join().map_err(|_| self.died())?;
+        chunks.map_err(|reason| mcap_error(&self.name, reason))
     }
 
     fn died(&self) -> SinkError {
@@ -85,18 +83,21 @@ impl<W: Write> Pipeline<W> {
 impl<W: Write> Drop for Pipeline<W> {
     /// Keeps the partial file of an unfinished recording.
     fn drop(&mut self) {
-        if let Ok(mut packer) = self.join() {
-            let _ = packer.flush();
+        if let Ok(mut chunks) = self.join() {
+            let _ = chunks.flush();
         }
     }
 }
 
 /// The writer thread.
-fn work<W: Write>(mut packer: Packer<W>, batches: &Receiver<Batch>) -> McapResult<Packer<W>> {
+fn work<W: Write>(
+    mut chunks: ChunkWriter<W>,
+    batches: &Receiver<Batch>,
+) -> McapResult<ChunkWriter<W>> {
     for batch in batches {
-        packer.write(&batch)?;
+        chunks.write(&batch)?;
     }
-    Ok(packer)
+    Ok(chunks)
 }
 
 fn mcap_error(path: &Path, reason: McapError) -> SinkError {
@@ -132,6 +133,14 @@ pub struct Archived {
     pub digest: String,
 }
 
+/// Writes a recording to a draft file, which is renamed when complete.
+#[derive(Debug)]
+pub struct McapSink {
+    pipeline: Pipeline<BufWriter<File>>,
+    /// Dropped after the pipeline, which still writes what it has.
+    draft: Draft,
+}
+
 impl McapSink {
     /// Starts the recording of `scenario` with the channels enabled in `telemetry`.
     ///
@@ -144,40 +153,33 @@ impl McapSink {
         telemetry: &Telemetry,
         form: Form,
     ) -> Result<Self, SinkError> {
-        let preface = Self::preface(scenario, telemetry, form)?;
-        let draft = Draft::of_run(path, existing, &preface)?;
-        Self::create_in(draft, scenario, telemetry, form)
+        let header = Header::new(scenario, telemetry, form);
+        let mut sink = Self::open(Draft::new(path, existing)?, &header)?;
+        sink.keep();
+        Ok(sink)
     }
 
-    /// Initial content of a draft: everything before the messages, with channels outside chunks, so that a killed run
-    /// can be repeated.
+    /// Starts a recording in a draft. The file gets its partial name when the header is written, so whatever has that
+    /// name can be repeated.
     ///
     /// # Errors
-    /// [`SinkError`] if there are more channels than a file allows.
-    pub fn preface(
-        scenario: &Scenario,
-        telemetry: &Telemetry,
-        form: Form,
-    ) -> Result<Vec<u8>, SinkError> {
-        let bytes = Opening::new(scenario, telemetry, form).bytes();
-        bytes.map_err(|reason| mcap_error(Path::new(""), reason))
+    /// [`SinkError`] if the file can't be written, or its name is taken.
+    pub fn open(draft: Draft, header: &Header) -> Result<Self, SinkError> {
+        let file = BufWriter::with_capacity(64 * 1024, draft.file()?);
+        let mut pipeline = Pipeline::start(file, draft.path().to_owned(), header)?;
+        let draft = draft.make_partial()?;
+        draft.working_name().clone_into(&mut pipeline.name);
+        Ok(Self { pipeline, draft })
     }
 
-    /// Starts the recording of `scenario` in a draft, with the channels enabled in `telemetry`.
-    ///
-    /// # Errors
-    /// [`SinkError`] if the file can't be written.
-    pub fn create_in(
-        mut draft: Draft,
-        scenario: &Scenario,
-        telemetry: &Telemetry,
-        form: Form,
-    ) -> Result<Self, SinkError> {
-        draft.keep();
-        let name = draft.working_name().to_owned();
-        let opening = Opening::new(scenario, telemetry, form);
-        let file = BufWriter::with_capacity(64 * 1024, draft);
-        Self::start(file, name, opening)
+    /// The name that the file will have.
+    pub fn path(&self) -> &Path {
+        self.draft.path()
+    }
+
+    /// Keeps the partial file from now on, even if the recording is not finished.
+    pub fn keep(&mut self) {
+        self.draft.keep();
     }
 
     /// Finishes the recording without publishing it. Returns the draft and the content digest.
@@ -185,11 +187,11 @@ impl McapSink {
     /// # Errors
     /// [`SinkError`] if anything could not be written; the partial file is kept.
     pub fn complete(self, end: &RunEnd) -> Result<(Draft, String), SinkError> {
-        let name = self.name.clone();
-        let (file, digest) = self.end(end)?;
-        let draft = file.into_inner().map_err(|error| SinkError::Io {
+        let Self { pipeline, draft } = self;
+        let (file, digest) = pipeline.end(end)?;
+        file.into_inner().map_err(|error| SinkError::Io {
             action: "write",
-            path: name,
+            path: draft.working_name().to_owned(),
             reason: error.into_error(),
         })?;
         Ok((draft, digest))
@@ -208,5 +210,15 @@ impl McapSink {
             bytes,
             digest,
         })
+    }
+}
+
+impl Sink for McapSink {
+    fn write(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
+        self.pipeline.write(message)
+    }
+
+    fn flush(&mut self) -> Result<(), SinkError> {
+        self.pipeline.flush()
     }
 }

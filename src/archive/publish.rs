@@ -3,16 +3,21 @@
 //! A [`Draft`] is written under a temporary name in the target directory and renamed when it is complete and synced.
 //! Temporary names are always new, so no existing file is opened for writing.
 //!
-//! The draft of a run is called `NAME.partial` and stays if the run doesn't reach its end. Other drafts are hidden
-//! files. They are deleted if not published, together with the directories created for them.
+//! Drafts are hidden files, which are deleted if not published, together with the directories created for them. The
+//! draft of a run gets the name `NAME.partial` once it holds the scenario, and stays if the run doesn't reach its end.
+
+mod drafts;
+mod place;
+
+pub use drafts::Drafts;
+pub use place::{is_same_file, refuse_inputs};
 
 use crate::archive::sink::SinkError;
-use std::collections::BTreeSet;
+use drafts::{Listed, MadeDirectories};
 use std::ffi::OsString;
-use std::fs::{self, File};
-use std::io::{self, Seek as _, Write};
-use std::path::{self, Component, Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 use tempfile::{Builder, NamedTempFile, PersistError, TempPath};
 
 /// Treatment of an existing file.
@@ -31,88 +36,18 @@ impl Existing {
     }
 }
 
-/// Hidden drafts, for removal on exit.
-static HIDDEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
-
-/// Directories created for drafts.
-static MADE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
-
-/// Removes all hidden drafts and the directories created for them, and blocks new ones; called before the process
-/// exits.
-pub fn abandon_drafts() {
-    let drafts = HIDDEN.lock().unwrap_or_else(PoisonError::into_inner);
-    for draft in drafts.iter() {
-        let _ = fs::remove_file(draft);
-    }
-    let directories = MADE.lock().unwrap_or_else(PoisonError::into_inner);
-    remove_empty(&directories);
-    std::mem::forget((drafts, directories));
-}
-
-/// Guard of an entry in the list of hidden drafts.
-#[derive(Debug)]
-struct Hidden(PathBuf);
-
-impl Drop for Hidden {
-    fn drop(&mut self) {
-        let mut drafts = HIDDEN.lock().unwrap_or_else(PoisonError::into_inner);
-        drafts.remove(&self.0);
-    }
-}
-
 /// A file being written, to be renamed when complete.
 #[derive(Debug)]
 pub struct Draft {
     file: NamedTempFile,
-    /// `None` for the draft of a run (`NAME.partial`).
-    hidden: Option<Hidden>,
+    /// The entry in the list of hidden drafts; `None` once the draft has a visible name.
+    listed: Option<Listed>,
     path: PathBuf,
     existing: Existing,
-    /// The name kept if it is not published; `None` if it is deleted.
+    /// The visible name, under which it is kept if it is not published.
     partial: Option<PathBuf>,
-    /// Length of the current preface.
-    preface: usize,
-    /// Replacement of the preface, in one write.
-    first: Vec<u8>,
     /// Directories created for it; dropped after the file.
     directories: MadeDirectories,
-}
-
-/// Directories created for a file, outermost first. Empty ones are removed on drop.
-#[derive(Debug)]
-struct MadeDirectories(Vec<PathBuf>);
-
-impl MadeDirectories {
-    /// Creates a directory and missing parents.
-    fn make(directory: &Path) -> io::Result<Self> {
-        let missing = directory.ancestors();
-        let missing = missing.take_while(|path| !path.as_os_str().is_empty() && !path.exists());
-        let mut missing: Vec<PathBuf> = missing.map(Path::to_owned).collect();
-        missing.reverse();
-        // Registered before creation, so that they can be removed on a signal.
-        let mut all = MADE.lock().unwrap_or_else(PoisonError::into_inner);
-        all.extend(missing.iter().cloned());
-        let made = Self(missing);
-        fs::create_dir_all(directory).map(|()| made)
-    }
-
-    /// Keeps them.
-    fn keep(mut self) {
-        self.0.clear();
-    }
-}
-
-impl Drop for MadeDirectories {
-    fn drop(&mut self) {
-        remove_empty(&self.0);
-    }
-}
-
-/// Removes empty directories, the innermost first.
-fn remove_empty(directories: &[PathBuf]) {
-    for directory in directories.iter().rev() {
-        let _ = fs::remove_dir(directory);
-    }
 }
 
 impl Draft {
@@ -121,7 +56,15 @@ impl Draft {
     /// # Errors
     /// [`SinkError::Exists`] if the name is taken, [`SinkError::Io`] if the file can't be created.
     pub fn new(path: &Path, existing: Existing) -> Result<Self, SinkError> {
-        Self::within(directory_of(path), path, existing)
+        Self::new_in(&Drafts::default(), path, existing)
+    }
+
+    /// Like [`Draft::new`], and listed among the drafts of a program.
+    ///
+    /// # Errors
+    /// As [`Draft::new`].
+    pub fn new_in(drafts: &Drafts, path: &Path, existing: Existing) -> Result<Self, SinkError> {
+        Self::create(drafts, directory_of(path), path, existing)
     }
 
     /// Like [`Draft::new`], but places the draft in another directory, so that removing that directory removes
@@ -130,48 +73,69 @@ impl Draft {
     /// # Errors
     /// As [`Draft::new`]; [`Draft::publish`] fails if the directory is on another file system.
     pub fn within(directory: &Path, path: &Path, existing: Existing) -> Result<Self, SinkError> {
-        let directories = prepare(path, existing)?;
-        let (file, hidden) = hidden(directory, path)?;
+        Self::create(&Drafts::default(), directory, path, existing)
+    }
+
+    fn create(
+        drafts: &Drafts,
+        directory: &Path,
+        path: &Path,
+        existing: Existing,
+    ) -> Result<Self, SinkError> {
+        check_target(path, existing)?;
+        let parent = directory_of(path);
+        let directories = drafts
+            .make_directory(parent)
+            .map_err(|error| io_error("create directory", parent, error))?;
+        let (file, listed) = drafts
+            .create(|| create_hidden(directory, path), NamedTempFile::path)
+            .map_err(|error| io_error("create", path, error))?;
         Ok(Self {
             file,
-            hidden: Some(hidden),
+            listed: Some(listed),
             path: path.to_owned(),
             existing,
             partial: None,
-            preface: 0,
-            first: Vec::new(),
             directories,
         })
     }
 
-    /// Creates the draft of a run, `NAME.partial`. It is kept on failure after [`Draft::keep`]. It starts with
-    /// `preface`, which is replaced by the first write.
+    /// Gives the draft of a run its visible name, `NAME.partial`, under which a killed process leaves it.
     ///
-    /// An existing `NAME.partial` is not touched: with [`Existing::Replace`] the next free name of
-    /// `NAME.2.partial`, `NAME.3.partial`, … is used; otherwise creation fails.
+    /// An existing `NAME.partial` is not touched: with [`Existing::Replace`] the name is `NAME.RANDOM.partial`, with the
+    /// random letters of the hidden draft; otherwise this is an error.
     ///
     /// # Errors
-    /// [`SinkError::Exists`] if the name is taken, [`SinkError::Name`] if it is that of a draft, [`SinkError::Io`] if the
-    /// file can't be created.
-    pub fn of_run(path: &Path, existing: Existing, preface: &[u8]) -> Result<Self, SinkError> {
-        if path.extension().is_some_and(|kind| kind == "partial") {
+    /// [`SinkError::Exists`] if the name is taken, [`SinkError::Name`] if `NAME` is that of such a draft,
+    /// [`SinkError::Io`] if the file can't be renamed.
+    pub fn make_partial(mut self) -> Result<Self, SinkError> {
+        if self.path.extension().is_some_and(|kind| kind == "partial") {
             let reason = "has the extension .partial, which is reserved for incomplete runs";
-            return Err(name_error(path, reason));
+            return Err(name_error(&self.path, reason));
         }
-        let mut draft = Self::new(path, existing)?;
-        let written = draft.file.write_all(preface);
-        written.map_err(|error| io_error("write", path, error))?;
-        let (file, partial) = name_partial(draft.file, path, existing)?;
-        let draft = Self {
-            file,
-            hidden: None,
-            partial: Some(partial),
-            preface: preface.len(),
-            ..draft
-        };
+        let mut partial = partial_name(&self.path);
+        let random = random_part(self.file.path());
+        let mut named = name_anew(self.file, &partial);
+        if let Err(refused) = named {
+            if refused.error.kind() == io::ErrorKind::AlreadyExists {
+                if self.existing == Existing::Keep {
+                    return Err(exists(&partial, advice_on_partial(&partial)));
+                }
+                partial = with_suffix(&self.path, &format!(".{random}.partial"));
+                named = name_anew(refused.file, &partial);
+            } else {
+                named = Err(refused);
+            }
+        }
+        let file = named.map_err(|refused| io_error("create", &partial, refused.error))?;
+        let name = TempPath::try_from_path(&partial)
+            .map_err(|error| io_error("create", &partial, error))?;
+        self.file = NamedTempFile::from_parts(file, name);
         // Another run may have published its file meanwhile.
-        refuse_existing(path, existing)?;
-        Ok(draft)
+        refuse_existing(&self.path, self.existing)?;
+        self.listed = None;
+        self.partial = Some(partial);
+        Ok(self)
     }
 
     /// The name that the file will have.
@@ -208,77 +172,40 @@ impl Draft {
     /// # Errors
     /// [`SinkError::Exists`] if the name was taken meanwhile, [`SinkError::Io`] otherwise. The file of a run
     /// then keeps its partial name.
-    pub fn publish(mut self) -> Result<u64, SinkError> {
-        let flushed = self.flush();
-        flushed.map_err(|error| io_error("write", self.working_name(), error))?;
-        let Self {
-            file,
-            hidden,
-            path,
-            existing,
-            partial,
-            directories,
-            ..
-        } = self;
-        let working_name = partial.as_deref().unwrap_or(&path);
-        let length = || {
-            file.as_file().sync_all()?;
-            Ok(file.as_file().metadata()?.len())
+    pub fn publish(self) -> Result<u64, SinkError> {
+        let bytes = sync(self.file.as_file())
+            .map_err(|error| io_error("write", self.working_name(), error))?;
+        let named = match self.existing {
+            Existing::Replace => self.file.persist(&self.path),
+            Existing::Keep => name_anew(self.file, &self.path),
         };
-        let bytes = length().map_err(|error| io_error("write", working_name, error))?;
-        let named = match existing {
-            Existing::Replace => file.persist(&path),
-            Existing::Keep => name_anew(file, &path),
-        };
-        drop(hidden);
+        drop(self.listed);
         if let Err(refused) = named {
-            return Err(match (refused.error.kind(), &partial) {
-                (io::ErrorKind::AlreadyExists, Some(partial)) => exists(
-                    &path,
-                    format!(
-                        "the file was created during the run; the new recording is complete and saved as {}",
-                        partial.display()
-                    ),
+            if refused.error.kind() != io::ErrorKind::AlreadyExists {
+                return Err(io_error("name", &self.path, refused.error));
+            }
+            let advice = match &self.partial {
+                Some(partial) => format!(
+                    "the file was created during the run; the new recording is complete and saved as {}",
+                    partial.display()
                 ),
-                (io::ErrorKind::AlreadyExists, None) => {
-                    exists(&path, "it was just created by another process")
-                }
-                _ => io_error("name", &path, refused.error),
-            });
+                None => "it was just created by another process".to_owned(),
+            };
+            return Err(exists(&self.path, advice));
         }
-        directories.keep();
-        sync_directory(&path);
+        self.directories.keep();
+        sync_directory(&self.path);
         Ok(bytes)
-    }
-
-    fn replace_preface(&mut self) -> io::Result<()> {
-        let file = self.file.as_file_mut();
-        file.rewind()?;
-        file.write_all(&self.first)?;
-        file.set_len(self.first.len() as u64)?;
-        self.preface = 0;
-        self.first = Vec::new();
-        Ok(())
     }
 }
 
 impl Write for Draft {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if self.preface == 0 {
-            // Errors of the temporary file itself would show its hidden name.
-            return self.file.as_file_mut().write(bytes);
-        }
-        self.first.extend_from_slice(bytes);
-        if self.first.len() > self.preface {
-            self.replace_preface()?;
-        }
-        Ok(bytes.len())
+        // Errors of the temporary file itself would show its hidden name.
+        self.file.as_file_mut().write(bytes)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        if !self.first.is_empty() {
-            self.replace_preface()?;
-        }
         self.file.as_file_mut().flush()
     }
 }
@@ -288,7 +215,20 @@ impl Write for Draft {
 /// # Errors
 /// [`SinkError::Exists`] if the name is taken, [`SinkError::Io`] if the file can't be written.
 pub fn write(path: &Path, existing: Existing, contents: &[u8]) -> Result<(), SinkError> {
-    let mut draft = Draft::new(path, existing)?;
+    write_in(&Drafts::default(), path, existing, contents)
+}
+
+/// Like [`write()`], with a draft that is listed among those of a program.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_in(
+    drafts: &Drafts,
+    path: &Path,
+    existing: Existing,
+    contents: &[u8],
+) -> Result<(), SinkError> {
+    let mut draft = Draft::new_in(drafts, path, existing)?;
     let written = draft.write_all(contents);
     written.map_err(|error| io_error("write", path, error))?;
     draft.publish().map(|_| ())
@@ -311,17 +251,14 @@ pub fn check_name(path: &Path) -> Result<(), SinkError> {
     Err(name_error(path, "is not a file name"))
 }
 
-/// Checks that the target can be written, and creates its directory.
-fn prepare(path: &Path, existing: Existing) -> Result<MadeDirectories, SinkError> {
+/// Checks that the target can be written.
+fn check_target(path: &Path, existing: Existing) -> Result<(), SinkError> {
     check_name(path)?;
     // Don't replace a directory, device or pipe.
     if path.metadata().is_ok_and(|metadata| !metadata.is_file()) {
         return Err(exists(path, "it is not a regular file"));
     }
-    refuse_existing(path, existing)?;
-    let directory = directory_of(path);
-    let made = MadeDirectories::make(directory);
-    made.map_err(|error| io_error("create directory", directory, error))
+    refuse_existing(path, existing)
 }
 
 fn refuse_existing(path: &Path, existing: Existing) -> Result<(), SinkError> {
@@ -332,6 +269,23 @@ fn refuse_existing(path: &Path, existing: Existing) -> Result<(), SinkError> {
     Ok(())
 }
 
+/// What to do about a `NAME.partial` that is in the way.
+fn advice_on_partial(partial: &Path) -> String {
+    let stem = partial.file_stem().map(Path::new);
+    if stem
+        .and_then(Path::extension)
+        .is_some_and(|kind| kind == "mcap")
+    {
+        format!(
+            "it belongs to a running or interrupted run; to repeat an interrupted run: `toprise run {} -o OUT`; \
+             move it away, or choose another name",
+            partial.display()
+        )
+    } else {
+        "it belongs to a running or interrupted run; move it or choose another name".to_owned()
+    }
+}
+
 /// Number of random letters and digits in the name of a hidden draft.
 const RANDOM: usize = 6;
 /// Suffix of a hidden draft's name.
@@ -340,73 +294,35 @@ const SUFFIX: &str = ".tmp";
 /// Prefix of a hidden draft's name: that of its file, as far as the file system has room for both.
 fn prefix(path: &Path) -> String {
     /// Most file systems allow 255 bytes; the rest of a draft's name takes 12.
-    const LONGEST: usize = 240;
+    const MAX_LENGTH: usize = 240;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    format!(".{}.", &name[..name.floor_char_boundary(LONGEST)])
+    format!(".{}.", &name[..name.floor_char_boundary(MAX_LENGTH)])
+}
+
+/// The random letters in the name of a hidden draft.
+fn random_part(hidden: &Path) -> String {
+    let name = hidden.file_stem().unwrap_or_default().to_string_lossy();
+    name.rsplit('.').next().unwrap_or_default().to_owned()
 }
 
 /// Whether a file name is that of a hidden draft of `path`.
 pub fn is_draft_of(name: &str, path: &Path) -> bool {
-    let random = name.strip_prefix(&prefix(path));
-    let random = random.and_then(|rest| rest.strip_suffix(SUFFIX));
-    random.is_some_and(|random| {
-        random.len() == RANDOM && random.bytes().all(|byte| byte.is_ascii_alphanumeric())
-    })
+    name.strip_prefix(&prefix(path))
+        .and_then(|rest| rest.strip_suffix(SUFFIX))
+        .is_some_and(|random| {
+            random.len() == RANDOM && random.bytes().all(|byte| byte.is_ascii_alphanumeric())
+        })
 }
 
-/// A new hidden file, named after `path`.
-fn hidden(directory: &Path, path: &Path) -> Result<(NamedTempFile, Hidden), SinkError> {
+/// Creates a hidden file, named after `path`.
+fn create_hidden(directory: &Path, path: &Path) -> io::Result<NamedTempFile> {
     let prefix = prefix(path);
     let mut builder = Builder::new();
     builder.prefix(&prefix).rand_bytes(RANDOM).suffix(SUFFIX);
     let mut options = File::options();
     options.read(true).write(true).create_new(true);
     // Files of `tempfile_in` could be read by their owner alone, even after they are published.
-    let mut drafts = HIDDEN.lock().unwrap_or_else(PoisonError::into_inner);
-    let file = builder.make_in(directory, |name| options.open(name));
-    let file = file.map_err(|error| io_error("create", path, error))?;
-    drafts.insert(file.path().to_owned());
-    let hidden = Hidden(file.path().to_owned());
-    Ok((file, hidden))
-}
-
-/// Names a file `NAME.partial`, or the next free name if allowed.
-fn name_partial(
-    mut file: NamedTempFile,
-    path: &Path,
-    existing: Existing,
-) -> Result<(NamedTempFile, PathBuf), SinkError> {
-    let mut name = partial_name(path);
-    let mut number = 1;
-    loop {
-        let refused = match name_anew(file, &name) {
-            Ok(file) => {
-                let named = TempPath::try_from_path(&name);
-                let named = named.map_err(|error| io_error("create", &name, error))?;
-                return Ok((NamedTempFile::from_parts(file, named), name));
-            }
-            Err(refused) => refused,
-        };
-        if refused.error.kind() != io::ErrorKind::AlreadyExists {
-            return Err(io_error("create", &name, refused.error));
-        }
-        if existing == Existing::Keep {
-            let advice = if path.extension().is_some_and(|kind| kind == "mcap") {
-                format!(
-                    "it belongs to a running or interrupted run; to repeat an interrupted run: `toprise run {} -o OUT`; \
-                     move it away, or choose another name",
-                    name.display()
-                )
-            } else {
-                "it belongs to a running or interrupted run; move it or choose another name"
-                    .to_owned()
-            };
-            return Err(exists(&name, advice));
-        }
-        file = refused.file;
-        number += 1;
-        name = with_suffix(path, &format!(".{number}.partial"));
-    }
+    builder.make_in(directory, |name| options.open(name))
 }
 
 /// Renames a file to an unused name.
@@ -439,6 +355,12 @@ fn directory_of(path: &Path) -> &Path {
     }
 }
 
+/// Syncs a file. Returns its size in bytes.
+fn sync(file: &File) -> io::Result<u64> {
+    file.sync_all()?;
+    Ok(file.metadata()?.len())
+}
+
 /// Syncs the directory, where supported.
 fn sync_directory(path: &Path) {
     if let Ok(directory) = File::open(directory_of(path)) {
@@ -466,63 +388,4 @@ fn io_error(action: &'static str, path: &Path, reason: io::Error) -> SinkError {
         path: path.to_owned(),
         reason,
     }
-}
-
-/// Rejects an output that is also an input, under any name or link.
-///
-/// # Errors
-/// [`SinkError::IsInUse`] if `output` is one of `inputs`.
-pub fn refuse_inputs<'a>(
-    output: &Path,
-    inputs: impl IntoIterator<Item = &'a Path>,
-) -> Result<(), SinkError> {
-    let is_read = inputs.into_iter().any(|input| is_same_file(output, input));
-    if is_read {
-        return Err(SinkError::IsInUse {
-            path: output.to_owned(),
-        });
-    }
-    Ok(())
-}
-
-/// Whether two paths refer to the same (existing or future) file.
-pub fn is_same_file(one: &Path, other: &Path) -> bool {
-    place(one) == place(other) || identity(one).is_some_and(|one| identity(other) == Some(one))
-}
-
-/// The canonical path of an existing or new file. The last component is not resolved if it is a link.
-fn place(path: &Path) -> PathBuf {
-    let directory = resolved(directory_of(path));
-    path.file_name()
-        .map_or_else(|| path.to_owned(), |name| directory.join(name))
-}
-
-/// The canonical path of an existing or new directory.
-fn resolved(directory: &Path) -> PathBuf {
-    let absolute = path::absolute(directory).unwrap_or_else(|_| directory.to_owned());
-    let mut resolved = PathBuf::new();
-    for part in absolute.components() {
-        match part {
-            Component::ParentDir => {
-                resolved.pop();
-            }
-            part => resolved.push(part),
-        }
-        resolved = resolved.canonicalize().unwrap_or(resolved);
-    }
-    resolved
-}
-
-/// Identity of a file: its device and its number there.
-#[cfg(unix)]
-fn identity(path: &Path) -> Option<(u64, u64)> {
-    use std::os::unix::fs::MetadataExt as _;
-    let metadata = path.metadata().ok()?;
-    Some((metadata.dev(), metadata.ino()))
-}
-
-/// Identity of a file, which its hard links share.
-#[cfg(not(unix))]
-fn identity(path: &Path) -> Option<PathBuf> {
-    path.canonicalize().ok()
 }

@@ -1,7 +1,7 @@
 //! Message sinks.
 
-use crate::run::simulation::{Record, RunEnd, Simulation, SimulationError, StopReason};
-use crate::telemetry::{Message, Telemetry, TelemetryError};
+use crate::run::simulation::{Record, RunEnd};
+use crate::telemetry::{Message, RunError, RunMessages};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -75,65 +75,71 @@ pub enum SinkError {
     },
 }
 
-/// The reason why a run could not be recorded to its end.
-#[derive(Debug, Error)]
-pub enum RecordError {
-    /// The motion could not be computed further.
-    #[error(transparent)]
-    Simulation(#[from] SimulationError),
-    /// A quantity could not be logged.
-    #[error(transparent)]
-    Telemetry(#[from] TelemetryError),
-    /// A sink failed.
-    #[error(transparent)]
-    Sink(#[from] SinkError),
+/// The end of a recorded run.
+#[derive(Debug)]
+pub struct RecordedRun {
+    /// The state at the last record.
+    pub end: RunEnd,
+    /// The reason why the run could not be recorded to its end; what was recorded is valid.
+    pub error: Option<RunError>,
 }
 
-/// Runs a simulation and writes every message to all sinks.
+/// Simulates a run and writes every message to all sinks, also if the motion can't be computed to its end.
 ///
 /// `between` is called after each record, and can flush the sinks, wait, or cancel the run.
 ///
 /// # Errors
-/// The first error of the simulation, the telemetry or a sink.
+/// The first error of a sink.
 pub fn record(
-    simulation: &mut Simulation,
-    telemetry: &mut Telemetry,
+    run: &mut RunMessages,
     sinks: &mut [&mut dyn Sink],
     mut between: impl FnMut(&Record, &mut [&mut dyn Sink]) -> Result<ControlFlow<()>, SinkError>,
-) -> Result<RunEnd, RecordError> {
-    for record in simulation.by_ref() {
-        let record = record?;
-        telemetry.messages(&record, |message| {
+) -> Result<RecordedRun, SinkError> {
+    let mut error = None;
+    loop {
+        let next = run.next(|message| {
             for sink in &mut *sinks {
                 sink.write(message)?;
             }
             Ok::<(), RecordError>(())
-        })?;
-        if between(&record, sinks)?.is_break() {
-            break;
+        });
+        match next {
+            Some(Ok(record)) if between(&record, sinks)?.is_continue() => {}
+            Some(Ok(_)) | None => break,
+            Some(Err(RecordError::Run(reason))) => error = Some(reason),
+            Some(Err(RecordError::Sink(error))) => return Err(error),
         }
     }
-    Ok(simulation.end())
+    let end = run.end();
+    Ok(RecordedRun { end, error })
 }
 
-/// Like [`record`], but a simulation error is returned together with the end of the run up to that point.
+/// Like [`record`], to the end of the run.
 ///
 /// # Errors
 /// The first error of a sink.
-pub fn record_to_end(
-    simulation: &mut Simulation,
-    telemetry: &mut Telemetry,
+pub fn record_all(
+    run: &mut RunMessages,
     sinks: &mut [&mut dyn Sink],
-    between: impl FnMut(&Record, &mut [&mut dyn Sink]) -> Result<ControlFlow<()>, SinkError>,
-) -> Result<(RunEnd, Option<RecordError>), SinkError> {
-    match record(simulation, telemetry, sinks, between) {
-        Ok(end) => Ok((end, None)),
-        Err(RecordError::Sink(error)) => Err(error),
-        Err(error) => {
-            let stop = StopReason::Failed;
-            let end = simulation.end();
-            Ok((RunEnd { stop, ..end }, Some(error)))
-        }
+) -> Result<RecordedRun, SinkError> {
+    record(run, sinks, |_, _| Ok(ControlFlow::Continue(())))
+}
+
+/// The reason why a message was not recorded.
+enum RecordError {
+    Run(RunError),
+    Sink(SinkError),
+}
+
+impl From<RunError> for RecordError {
+    fn from(error: RunError) -> Self {
+        Self::Run(error)
+    }
+}
+
+impl From<SinkError> for RecordError {
+    fn from(error: SinkError) -> Self {
+        Self::Sink(error)
     }
 }
 

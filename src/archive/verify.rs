@@ -16,9 +16,9 @@ mod rerun;
 
 use crate::archive::format::{TELEMETRY, VERSION};
 use crate::archive::recording::{Condition, Loss, Recording, RecordingError};
-use crate::archive::writer::Form;
+use crate::archive::writer::{Form, Header};
 use crate::run::scenario::Scenario;
-use crate::telemetry::{Telemetry, Topic, Topics, table};
+use crate::telemetry::{RunMessages, Topic, Topics, table};
 pub use difference::Difference;
 pub use error::VerifyError;
 use messages::Comparison;
@@ -100,36 +100,44 @@ pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Result<Report, V
             return Ok(report);
         }
     };
-    let telemetry = || Telemetry::with_topics(&topics);
-    let left_out = Topic::all_with(scenario.model.support).filter(|t| !topics.include(t));
-    report.without = left_out.map(|topic| topic.to_string()).collect();
-    // Skip the byte comparison for interrupted files.
+    report.without = Topic::all_with(scenario.model.support)
+        .filter(|topic| !topics.include(topic))
+        .map(|topic| topic.to_string())
+        .collect();
+    let started = RunMessages::new(&scenario, &topics)
+        .and_then(|first| Ok([first, RunMessages::new(&scenario, &topics)?]));
+    let [first, second] = match started {
+        Ok(runs) => runs,
+        Err(reason) => {
+            let values = [None, Some(reason.to_string())];
+            report.difference = Some(Difference::new("the run", "", values));
+            return Ok(report);
+        }
+    };
+    let header = Header::new(&scenario, first.telemetry(), form);
+    // The bytes of an interrupted file end before those of the run.
     if report.state == Condition::Whole
         && !recording.is_interrupted()
-        && bytes::are_equal(recording, &scenario, telemetry(), form, progress) == Some(true)
+        && bytes::are_equal(recording, first, &header, progress) == Some(true)
     {
         report.verdict = Verdict::Verified;
         return Ok(report);
     }
-    match Rerun::start(&scenario, telemetry(), form) {
-        Ok(rerun) => compare(recording, rerun, &mut report, progress)?,
-        Err(reason) => {
-            let values = [None, Some(reason.to_string())];
-            report.difference = Some(Difference::of("the run", "", values));
-        }
-    }
+    let rerun = Rerun::new(second, &header);
+    compare(recording, rerun, &mut report, progress)?;
     Ok(report)
 }
 
 /// Compares the messages and the rest of the content with a new run.
 fn compare(
     recording: &Recording,
-    rerun: Rerun,
+    rerun: Rerun<'_>,
     report: &mut Report,
     progress: &dyn Fn(u64),
 ) -> Result<(), VerifyError> {
     let is_by_value = report.recorded_by.is_some();
-    let (compared, opening, end) = Comparison::new(recording, rerun, is_by_value).run(progress);
+    let header = rerun.header;
+    let (compared, end) = Comparison::new(recording, rerun, is_by_value).run(progress);
     report.losses = compared.losses.list().to_vec();
     report.more_losses = compared.losses.unlisted();
     if report.state == Condition::Whole && !report.losses.is_empty() {
@@ -137,11 +145,10 @@ fn compare(
     }
     let is_part =
         report.state != Condition::Whole || recording.is_interrupted() || compared.missing > 0;
-    let of_container = || container::difference(recording, &opening, &end, is_part, is_by_value);
     let is_exact = !is_by_value && !is_part;
     report.difference = compared
         .difference
-        .or_else(of_container)
+        .or_else(|| container::difference(recording, header, &end, is_part, is_by_value))
         .or(compared.out_of_order.filter(|_| is_exact));
     // All ways of reading must agree, unless the file is damaged.
     let is_readable = report.losses.is_empty() && recording.layout.is_ended;
@@ -174,12 +181,12 @@ fn what_to_run(recording: &Recording) -> Result<(Scenario, Form, Topics), Unrunn
         RecordingError::DamagedScenario => Unrunnable::Damaged,
         reason => {
             let values = [reason.to_string(), "a scenario to run again".to_owned()];
-            Unrunnable::Different(Difference::of("scenario.toml", "", values.map(Some)))
+            Unrunnable::Different(Difference::new("scenario.toml", "", values.map(Some)))
         }
     })?;
     let (form, topics) = recording.form().ok_or_else(|| {
         let expected = Some("encoding and topics".to_owned());
-        Unrunnable::Different(Difference::of("toprise.run", "", [None, expected]))
+        Unrunnable::Different(Difference::new("toprise.run", "", [None, expected]))
     })?;
     Ok((scenario, form, topics))
 }

@@ -25,20 +25,20 @@ const CHUNK_SIZE: u64 = 256 * 1024;
 
 /// Everything in the recording of a run before its messages.
 #[derive(Debug)]
-pub(crate) struct Opening {
+pub struct Header {
     /// The entries of [`RUN_RECORD`].
     pub(crate) run: Entries,
     /// The scenario.
     pub(crate) scenario: Attachment<'static>,
     /// The channels, in the order of their ids.
-    pub(crate) channels: Vec<Declared>,
+    pub(crate) channels: Vec<RegisteredChannel>,
     encoding: Encoding,
     views: Option<Views>,
 }
 
 /// A channel as a recording declares it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Declared {
+pub(crate) struct RegisteredChannel {
     pub(crate) topic: &'static str,
     pub(crate) encoding: &'static str,
     pub(crate) schema_name: &'static str,
@@ -46,15 +46,17 @@ pub(crate) struct Declared {
     pub(crate) schema: Vec<u8>,
 }
 
-impl Opening {
+impl Header {
     /// For the run of `scenario` with the topics enabled in `telemetry`.
-    pub(crate) fn new(scenario: &Scenario, telemetry: &Telemetry, form: Form) -> Self {
+    pub fn new(scenario: &Scenario, telemetry: &Telemetry, form: Form) -> Self {
         let support = scenario.model.support;
         let is_enabled = |topic| telemetry.is_enabled(topic);
         let topics = Topic::all_with(support).filter(|topic| is_enabled(*topic));
         let views = form.views.then(|| Views::new(scenario, is_enabled));
-        let mut channels: Vec<_> = topics.map(|t| Declared::table(t, form.encoding)).collect();
-        channels.extend(views.iter().flat_map(Declared::views));
+        let mut channels: Vec<_> = topics
+            .map(|t| RegisteredChannel::table(t, form.encoding))
+            .collect();
+        channels.extend(views.iter().flat_map(RegisteredChannel::views));
         let mut run = run_entries(scenario);
         run.extend(form_entries(form, &telemetry.topics(support)));
         Self {
@@ -66,19 +68,21 @@ impl Opening {
         }
     }
 
-    /// A file with only this content, with channels outside chunks.
-    pub(crate) fn bytes(&self) -> McapResult<Vec<u8>> {
-        let mut writer = options()
-            .use_chunks(false)
-            .create(NoSeek::new(Vec::new()))?;
-        self.write(&mut writer)?;
-        Ok(writer.into_inner().into_inner())
+    /// The id of a topic's channel, given those of all channels; 0 if it is not recorded.
+    fn id_of(&self, topic: &str, ids: &[u16]) -> u16 {
+        self.channels
+            .iter()
+            .zip(ids)
+            .find(|(channel, _)| channel.topic == topic)
+            .map_or(0, |(_, id)| *id)
     }
 
     /// Writes it and returns the ids of its channels.
     fn write<W: Write + Seek>(&self, writer: &mut Writer<W>) -> McapResult<Vec<u16>> {
         writer.write_metadata(&metadata(RUN_RECORD, self.run.clone()))?;
         writer.attach(&self.scenario)?;
+        // A killed run can be repeated from here on. No chunk has begun, so this doesn't change the bytes.
+        writer.flush()?;
         let mut ids = Vec::with_capacity(self.channels.len());
         for channel in &self.channels {
             let (name, encoding) = (channel.schema_name, channel.schema_encoding);
@@ -94,7 +98,7 @@ impl Opening {
     }
 }
 
-impl Declared {
+impl RegisteredChannel {
     fn table(topic: Topic, encoding: Encoding) -> Self {
         let info = topic.info();
         Self {
@@ -107,15 +111,17 @@ impl Declared {
     }
 
     fn views(views: &Views) -> impl Iterator<Item = Self> {
-        let wanted = VIEW_CHANNELS.iter().enumerate();
-        let wanted = wanted.filter(|(index, _)| views.is_enabled(*index));
-        wanted.map(|(_, view)| Self {
-            topic: view.topic,
-            encoding: "cdr",
-            schema_name: view.schema,
-            schema_encoding: "ros2msg",
-            schema: view.definition.as_bytes().to_vec(),
-        })
+        VIEW_CHANNELS
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| views.is_enabled(*index))
+            .map(|(_, view)| Self {
+                topic: view.topic,
+                encoding: "cdr",
+                schema_name: view.schema,
+                schema_encoding: "ros2msg",
+                schema: view.definition.as_bytes().to_vec(),
+            })
     }
 }
 
@@ -133,18 +139,18 @@ pub(crate) struct RunEncoder {
 }
 
 impl RunEncoder {
-    /// `ids` are those of the opening's channels.
-    pub(crate) fn new(opening: Opening, ids: &[u16]) -> Self {
-        let id = |topic: &str| {
-            let mut declared = opening.channels.iter().zip(ids);
-            let found = declared.find(|(channel, _)| channel.topic == topic);
-            found.map_or(0, |(_, id)| *id)
-        };
+    /// `ids` are those of the header's channels.
+    pub(crate) fn new(header: &Header, ids: &[u16]) -> Self {
         Self {
-            encoder: Encoder::new(opening.encoding),
-            table_ids: Topic::all().map(|topic| id(topic.name())).collect(),
-            view_ids: VIEW_CHANNELS.iter().map(|view| id(view.topic)).collect(),
-            views: opening.views,
+            encoder: Encoder::new(header.encoding),
+            table_ids: Topic::all()
+                .map(|topic| header.id_of(topic.name(), ids))
+                .collect(),
+            view_ids: VIEW_CHANNELS
+                .iter()
+                .map(|view| header.id_of(view.topic, ids))
+                .collect(),
+            views: header.views.clone(),
             batch: Batch::default(),
         }
     }
@@ -234,22 +240,22 @@ impl Batch {
     }
 }
 
-/// Writes batches to a file. If dropped unfinished, the file stays without an end record.
-pub(crate) struct Packer<W: Write> {
+/// Writes batches to a file in chunks. If dropped unfinished, the file stays without an end record.
+pub(crate) struct ChunkWriter<W: Write> {
     /// Taken when the file is finished or abandoned: the `mcap` crate's writer completes its file on drop.
     writer: Option<Writer<NoSeek<W>>>,
     digest: ContentDigest,
 }
 
-impl<W: Write> Packer<W> {
-    /// Writes the opening into `target`; also returns the channel ids.
-    pub(crate) fn open(target: W, opening: &Opening) -> McapResult<(Self, Vec<u16>)> {
-        let mut packer = Self {
+impl<W: Write> ChunkWriter<W> {
+    /// Writes the header into `target`; also returns the channel ids.
+    pub(crate) fn open(target: W, header: &Header) -> McapResult<(Self, Vec<u16>)> {
+        let mut chunks = Self {
             writer: Some(options().create(NoSeek::new(target))?),
             digest: ContentDigest::default(),
         };
-        let ids = opening.write(packer.writer()?)?;
-        Ok((packer, ids))
+        let ids = header.write(chunks.writer()?)?;
+        Ok((chunks, ids))
     }
 
     fn writer(&mut self) -> McapResult<&mut Writer<NoSeek<W>>> {
@@ -293,15 +299,15 @@ impl<W: Write> Packer<W> {
     }
 }
 
-impl<W: Write> Drop for Packer<W> {
+impl<W: Write> Drop for ChunkWriter<W> {
     fn drop(&mut self) {
         self.abandon();
     }
 }
 
-impl<W: Write> fmt::Debug for Packer<W> {
+impl<W: Write> fmt::Debug for ChunkWriter<W> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Packer").finish_non_exhaustive()
+        f.debug_struct("ChunkWriter").finish_non_exhaustive()
     }
 }
 
@@ -309,7 +315,7 @@ impl<W: Write> fmt::Debug for Packer<W> {
 #[derive(Debug)]
 pub struct McapWriter<W: Write> {
     encoder: RunEncoder,
-    packer: Packer<W>,
+    chunks: ChunkWriter<W>,
 }
 
 impl<W: Write> McapWriter<W> {
@@ -323,11 +329,11 @@ impl<W: Write> McapWriter<W> {
         telemetry: &Telemetry,
         form: Form,
     ) -> McapResult<Self> {
-        let opening = Opening::new(scenario, telemetry, form);
-        let (packer, ids) = Packer::open(target, &opening)?;
+        let header = Header::new(scenario, telemetry, form);
+        let (chunks, ids) = ChunkWriter::open(target, &header)?;
         Ok(Self {
-            encoder: RunEncoder::new(opening, &ids),
-            packer,
+            encoder: RunEncoder::new(&header, &ids),
+            chunks,
         })
     }
 
@@ -338,7 +344,7 @@ impl<W: Write> McapWriter<W> {
     pub fn write(&mut self, message: &Message<'_>) -> McapResult<()> {
         self.encoder.batch.clear();
         self.encoder.encode(message);
-        self.packer.write(&self.encoder.batch)
+        self.chunks.write(&self.encoder.batch)
     }
 
     /// Ends the recording with `end`, see [`crate::archive::format::end_entries`]. Returns the target and the content
@@ -347,7 +353,7 @@ impl<W: Write> McapWriter<W> {
     /// # Errors
     /// [`McapError`] if the target fails.
     pub fn finish(self, end: Entries) -> McapResult<(W, String)> {
-        self.packer.finish(end)
+        self.chunks.finish(end)
     }
 }
 

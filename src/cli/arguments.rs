@@ -3,7 +3,7 @@
 use crate::telemetry::encoding::Encoding;
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
-use std::str::FromStr;
+use thiserror::Error;
 
 /// Heading in the help of the options that choose what is written.
 pub(super) const OUTPUT: &str = "Output";
@@ -36,22 +36,32 @@ impl ValueEnum for Encoding {
 /// A key of a scenario and the value that it is set to.
 pub(super) type Override = (String, String);
 
-/// Reads a number that an option allows.
-pub(super) fn parse_number<N: FromStr>(
-    text: &str,
-    is_allowed: impl FnOnce(&N) -> bool,
-    reason: &str,
-) -> Result<N, String> {
-    let number = text.parse().ok().filter(is_allowed);
-    number.ok_or_else(|| reason.to_owned())
+/// What is wrong with the value of an option.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub(super) enum ArgumentError {
+    /// `--set` without a key or a value.
+    #[error("must be KEY=VALUE, as in friction.k=0.02")]
+    Override,
+    /// A speed or another number that must be positive.
+    #[error("must be a positive number, e.g. 0.5")]
+    Positive,
+}
+
+/// Reads a positive number.
+pub(super) fn parse_positive(text: &str) -> Result<f64, ArgumentError> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
+        Ok(_) | Err(_) => Err(ArgumentError::Positive),
+    }
 }
 
 /// Reads the value of `--set`.
-pub(super) fn parse_override(text: &str) -> Result<Override, String> {
-    text.split_once('=')
-        .map(|(key, value)| (key.trim().to_owned(), value.trim().to_owned()))
-        .filter(|(key, _)| !key.is_empty())
-        .ok_or_else(|| "must be KEY=VALUE, as in friction.k=0.02".to_owned())
+pub(super) fn parse_override(text: &str) -> Result<Override, ArgumentError> {
+    let (key, value) = text.split_once('=').ok_or(ArgumentError::Override)?;
+    match key.trim() {
+        "" => Err(ArgumentError::Override),
+        key => Ok((key.to_owned(), value.trim().to_owned())),
+    }
 }
 
 /// Parses a line of arguments, without the program and the command.
@@ -74,7 +84,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn keys_are_set_to_values() {
+    fn parses_overrides() {
         let set = |key: &str, value: &str| Ok((key.to_owned(), value.to_owned()));
         assert_eq!(
             parse_override("friction.k = 0.02"),

@@ -1,18 +1,16 @@
 //! `toprise diff`.
 
-mod content;
-#[cfg(feature = "rerun")]
-mod viewer;
+pub(super) mod content;
 
 use super::arguments::{Format, Override, parse_override};
 use super::input::{Input, open};
 use super::progress::Progress;
+use super::rerun::diff::{PairViewer, ShowArguments, ShowPlan};
 use super::status::Status;
 use super::{output, report};
 use crate::analysis::diff::{Observer, Options, Tolerance, Tolerances, Verdict, compare_observed};
-#[cfg(feature = "rerun")]
+use crate::archive::publish::Drafts;
 use crate::archive::sink::SinkError;
-#[cfg(feature = "rerun")]
 use crate::telemetry::{Message, side::Side};
 use anyhow::{Error, bail};
 use clap::Args;
@@ -44,9 +42,8 @@ pub(super) struct DiffArguments {
     #[command(flatten)]
     comparison: ComparisonArguments,
 
-    #[cfg(feature = "rerun")]
     #[command(flatten)]
-    show: viewer::ShowArguments,
+    show: ShowArguments,
 }
 
 /// What counts as a difference.
@@ -74,8 +71,8 @@ struct ComparisonArguments {
     ignore: Vec<String>,
 
     /// Don't estimate integration errors (much faster)
-    #[arg(long)]
-    no_floor: bool,
+    #[arg(long, alias = "no-floor")]
+    no_integration_error: bool,
 }
 
 impl ComparisonArguments {
@@ -94,43 +91,59 @@ impl ComparisonArguments {
         }
         Ok(Options {
             tolerances,
-            floor: !self.no_floor,
+            floor: !self.no_integration_error,
             topics: self.topics.clone(),
         })
     }
 }
 
+/// A comparison and what becomes of it.
+struct DiffPlan {
+    inputs: [Input; 2],
+    options: Options,
+    /// Whether everything is printed.
+    all: bool,
+    show: ShowPlan,
+}
+
 impl DiffArguments {
-    fn inputs(&self) -> Result<[Input; 2], Error> {
+    /// Resolves the arguments, and opens the runs.
+    fn plan(&self) -> Result<DiffPlan, Error> {
+        let options = self.comparison.options()?;
         let a = open(&self.runs[0], &self.overrides, &self.overrides_a)?;
         let b = open(&self.runs[1], &self.overrides, &self.overrides_b)?;
-        let is_recording = |run: &Input| matches!(run, Input::Recording(_));
-        if !self.overrides.is_empty() && is_recording(&a) && is_recording(&b) {
+        if !self.overrides.is_empty() && a.is_recording() && b.is_recording() {
             bail!("--set requires a preset or scenario file, but both runs are recordings");
         }
-        Ok([a, b])
+        Ok(DiffPlan {
+            inputs: [a, b],
+            options,
+            all: self.all,
+            show: self.show.plan(&self.runs)?,
+        })
     }
 }
 
 /// Compares two runs.
-pub(super) fn diff(arguments: &DiffArguments) -> Result<Status, Error> {
-    let options = arguments.comparison.options()?;
-    let [a, b] = arguments.inputs()?;
-    let subjects = [&a, &b].map(Input::subject);
-    let progress = Progress::of_bytes("comparing", a.bytes() + b.bytes());
-    let mut watching = Observers {
+pub(super) fn diff(arguments: &DiffArguments, drafts: &Drafts) -> Result<Status, Error> {
+    let plan = arguments.plan()?;
+    let [a, b] = &plan.inputs;
+    let subjects = [a.subject(), b.subject()];
+    let names = [a.name(), b.name()];
+    let progress = Progress::for_bytes("comparing", a.bytes() + b.bytes());
+    let shown = names.each_ref().map(String::as_str);
+    let mut observers = Observers {
         progress: &progress,
-        #[cfg(feature = "rerun")]
-        viewer: arguments.show.open(subjects, &arguments.runs)?,
+        viewer: PairViewer::open(&plan.show, subjects, shown, drafts)?,
     };
-    let compared = compare_observed(subjects[0], subjects[1], &options, &mut watching);
+    let compared = compare_observed(subjects[0], subjects[1], &plan.options, &mut observers);
     progress.finish();
-    let report = compared?;
+    let mut report = compared?;
+    [report.a.name, report.b.name] = names;
     // A document has room for whole values.
-    let is_cut = !arguments.all && output::format() == Format::Text;
-    report::print(&report, || content::page(&report, arguments.all, is_cut))?;
-    #[cfg(feature = "rerun")]
-    if let Some(viewer) = watching.viewer {
+    let is_cut = !plan.all && output::format() == Format::Text;
+    report::print(&report, || content::page(&report, plan.all, is_cut))?;
+    if let Some(viewer) = observers.viewer {
         viewer.finish(&report)?;
     }
     Ok(match report.verdict {
@@ -143,23 +156,20 @@ pub(super) fn diff(arguments: &DiffArguments) -> Result<Status, Error> {
 /// Observers of a comparison: progress bar and viewer.
 struct Observers<'a> {
     progress: &'a Progress,
-    #[cfg(feature = "rerun")]
-    viewer: Option<viewer::Viewer>,
+    viewer: Option<PairViewer>,
 }
 
 impl Observer for Observers<'_> {
-    #[cfg(feature = "rerun")]
     fn message(&mut self, side: Side, message: &Message<'_>) -> Result<(), SinkError> {
         if let Some(viewer) = &mut self.viewer {
-            viewer.sink.write(side, message);
+            viewer.write(side, message);
         }
         Ok(())
     }
 
-    #[cfg(feature = "rerun")]
     fn difference(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
         if let Some(viewer) = &mut self.viewer {
-            viewer.sink.difference(message);
+            viewer.write_difference(message);
         }
         Ok(())
     }
@@ -175,7 +185,7 @@ mod tests {
     use crate::cli::arguments::parse;
 
     #[test]
-    fn runs_and_tolerances_are_named() {
+    fn parses_runs_and_tolerances() {
         let base = parse::<DiffArguments>("a b").unwrap();
         let line = "a b --rel 1e-9 --tol *=rel:1e-6 --topics /events,/top/state";
         let comparison = ComparisonArguments {

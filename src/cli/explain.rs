@@ -6,9 +6,7 @@ use super::page::Section;
 use super::report;
 use super::status::Status;
 use super::table::Table;
-use crate::analysis::explain::{
-    Chapter, EventSummary, Explanation, Fact, Stage, explain as explained,
-};
+use crate::analysis::explain::{EventSummary, Explanation, Fact, Stage, explain as explained};
 use crate::analysis::phrase::significant;
 use anyhow::{Context as _, Error};
 use clap::Args;
@@ -33,44 +31,48 @@ pub(super) struct ExplainArguments {
 /// Explains a run.
 pub(super) fn explain(arguments: &ExplainArguments) -> Result<Status, Error> {
     let input = open(&arguments.run, &[], &arguments.overrides)?;
-    let context = || arguments.run.display().to_string();
-    let explanation = explained(input.subject()).with_context(context)?;
+    let explanation =
+        explained(input.subject()).with_context(|| arguments.run.display().to_string())?;
     report::print(&explanation, || page(&explanation, arguments.all))?;
-    Ok(Status::of_whole(explanation.losses.is_empty()))
+    Ok(Status::from_whole(explanation.losses.is_empty()))
 }
 
 fn page(explanation: &Explanation, all: bool) -> Vec<Section> {
     let mut sections = Vec::new();
     // The causes come first, in words; the numbers follow.
-    sections.push(Section::of_lines("", explanation.story.text().into_iter()));
-    sections.extend(explanation.chapters.iter().map(chapter));
+    sections.push(Section::from_lines(
+        "",
+        explanation.story.text().into_iter(),
+    ));
+    for chapter in &explanation.chapters {
+        let sentences = chapter.facts.iter().map(Fact::sentence);
+        sections.push(Section::from_lines(chapter.heading, sentences));
+    }
     sections.push(events(explanation));
     if all {
         sections.push(stages(&explanation.stages));
     }
     let losses = explanation.losses.iter().cloned();
-    sections.push(Section::of_lines("Incomplete input", losses));
+    sections.push(Section::from_lines("Incomplete input", losses));
     sections.retain(|section| !section.parts.is_empty());
     sections.insert(0, Section::new(&explanation.title));
     sections
 }
 
-fn chapter(chapter: &Chapter) -> Section {
-    Section::of_lines(chapter.heading, chapter.facts.iter().map(Fact::sentence))
-}
-
 /// One line for each kind of event.
 fn events(explanation: &Explanation) -> Section {
-    let row = |event: &EventSummary| {
-        let again = match event.count {
-            1 => String::new(),
-            count => format!("{count} times, last at {:.4} s", event.last),
-        };
-        let name = event.name.replace('_', " ");
-        vec![format!("{:.4} s", event.first), name, again]
+    let rows = explanation.events.iter().map(event_row);
+    Section::from(Table::from_texts(rows)).titled("Events", "")
+}
+
+/// First time, name and further occurrences of an event.
+fn event_row(event: &EventSummary) -> Vec<String> {
+    let again = match event.count {
+        1 => String::new(),
+        count => format!("{count} times, last at {:.4} s", event.last),
     };
-    let rows = explanation.events.iter().map(row);
-    Section::of(Table::of_texts(rows)).titled("Events", "")
+    let name = event.name.replace('_', " ");
+    vec![format!("{:.4} s", event.first), name, again]
 }
 
 /// A mean, or a dash if it was not recorded (NaN).
@@ -84,7 +86,7 @@ fn mean(value: f64, digits: usize) -> String {
 
 /// Table of the averaged motion.
 fn stages(stages: &[Stage]) -> Section {
-    let table = Table::of(
+    let table = Table::new(
         stages,
         1,
         &[
@@ -102,7 +104,7 @@ fn stages(stages: &[Stage]) -> Section {
             ("ψ̇ [rad/s]", |stage| mean(stage.psi_dot, 5)),
         ],
     );
-    Section::of(table).titled("Nutations", "")
+    Section::from(table).titled("Nutations", "")
 }
 
 #[cfg(test)]
@@ -111,13 +113,13 @@ mod tests {
     use crate::cli::arguments::parse;
 
     #[test]
-    fn a_mean_that_was_not_recorded_is_a_dash() {
+    fn prints_missing_means_as_dashes() {
         assert_eq!(mean(f64::NAN, 3), "–");
         assert_eq!(mean(0.5, 3), significant(0.5, 3));
     }
 
     #[test]
-    fn one_run_is_named() {
+    fn parses_one_run() {
         assert_eq!(
             parse::<ExplainArguments>("paper --set friction.k=0.02").unwrap(),
             ExplainArguments {

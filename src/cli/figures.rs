@@ -1,30 +1,26 @@
 //! `toprise figures`.
 
-#[cfg(feature = "sweep")]
-mod sweep;
-
-#[cfg(feature = "sweep")]
-use self::sweep::SweepFigure;
-use super::arguments::{OUTPUT, parse_number};
+use super::arguments::OUTPUT;
 use super::input::{Input, open};
 use super::output;
 use super::page::Section;
 use super::progress::Progress;
 use super::report;
 use super::status::Status;
+use super::sweep::figures::{SweepFigure, SweepPlan};
 use super::table::Table;
-use crate::archive::publish::{self, Existing};
+use crate::archive::publish::{self, Drafts, Existing};
 use crate::archive::sink::SinkError;
 use crate::figures::{
     Drawing, FIGURES, Figure, FigureFile, FiguresReport, Lacking, LeftOut, RunData, RunLoss,
 };
-use anyhow::{Context as _, Error, bail};
+use anyhow::{Context as _, bail};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use rayon::iter::{IntoParallelRefIterator as _, ParallelIterator as _};
-#[cfg(feature = "sweep")]
-use std::path::Path;
-use std::path::PathBuf;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
 
 /// Arguments of `toprise figures`.
 #[derive(Args, Debug, PartialEq)]
@@ -50,7 +46,6 @@ pub(super) struct FiguresArguments {
         default_value = "svg,png", help_heading = OUTPUT)]
     kinds: Vec<Kind>,
 
-    #[cfg(feature = "sweep")]
     #[command(flatten)]
     sweep: SweepFigure,
 
@@ -80,7 +75,7 @@ impl Kind {
         }
     }
 
-    fn bytes(self, drawing: &Drawing) -> Result<Vec<u8>, Error> {
+    fn bytes(self, drawing: &Drawing) -> Result<Vec<u8>, anyhow::Error> {
         Ok(match self {
             Self::Svg => drawing.svg().into_bytes(),
             Self::Png => drawing.png()?,
@@ -92,9 +87,16 @@ fn names() -> PossibleValuesParser {
     FIGURES.iter().map(|figure| figure.name).into()
 }
 
-fn parse_width(text: &str) -> Result<f64, String> {
-    let is_width = |width: &f64| (80.0..=400.0).contains(width);
-    parse_number(text, is_width, "must be from 80 to 400 (mm)")
+/// A width that figures can't have.
+#[derive(Debug, Error)]
+#[error("must be from 80 to 400 (mm)")]
+struct WidthError;
+
+fn parse_width(text: &str) -> Result<f64, WidthError> {
+    match text.parse() {
+        Ok(width) if (80.0..=400.0).contains(&width) => Ok(width),
+        Ok(_) | Err(_) => Err(WidthError),
+    }
 }
 
 /// The runs of the paper's figures: the first of all, the others only of figure 4.
@@ -104,110 +106,256 @@ const PAPER: [&str; 3] = [
     "paper-spin-term-only",
 ];
 
+/// What is drawn, and where.
+struct FigurePlan {
+    files: FilePlan,
+    /// Width of the figures, mm.
+    width: f64,
+    content: Content,
+}
+
+/// The source of figures.
+enum Content {
+    Runs(RunsPlan),
+    Sweep(SweepPlan),
+}
+
+/// Figures of runs.
+struct RunsPlan {
+    figures: Vec<&'static Figure>,
+    runs: Vec<PathBuf>,
+    /// Whether these are the paper's runs, of which most figures show only the first.
+    is_paper: bool,
+    /// Whether the figures were chosen by name: those that don't apply are then reported.
+    is_chosen: bool,
+}
+
+/// The files that are written.
+struct FilePlan {
+    directory: PathBuf,
+    kinds: Vec<Kind>,
+    existing: Existing,
+}
+
 impl FiguresArguments {
-    /// The runs on the command line, or those of the paper.
-    fn words(&self) -> Vec<PathBuf> {
-        if self.runs.is_empty() {
-            return PAPER.map(PathBuf::from).to_vec();
-        }
-        self.runs.clone()
+    /// Resolves the arguments, and checks the output files before anything is computed.
+    fn plan(&self) -> Result<FigurePlan, anyhow::Error> {
+        let files = FilePlan {
+            directory: self.output.clone(),
+            // Each once, in one order.
+            kinds: Kind::value_variants()
+                .iter()
+                .copied()
+                .filter(|kind| self.kinds.contains(kind))
+                .collect(),
+            existing: Existing::forced(self.force),
+        };
+        let content = if let Some(sweep) = self.sweep.plan()? {
+            files.check(&[SWEEP.0], &[sweep.table().to_owned()])?;
+            Content::Sweep(sweep)
+        } else {
+            let runs = self.runs_plan()?;
+            let names: Vec<_> = runs.figures.iter().map(|figure| figure.name).collect();
+            files.check(&names, &self.runs)?;
+            Content::Runs(runs)
+        };
+        Ok(FigurePlan {
+            files,
+            width: self.width,
+            content,
+        })
     }
 
-    /// The figures to draw, limited to those that apply to this number of runs.
-    fn figures(&self) -> Result<Vec<&'static Figure>, Error> {
-        let is_asked = |figure: &&Figure| self.only.iter().any(|name| name == figure.name);
-        let runs = self.words().len();
-        let has_runs = |figure: &&Figure| figure.min_runs <= runs;
-        if let Some(figure) = FIGURES.iter().filter(is_asked).find(|f| !has_runs(f)) {
+    /// The runs on the command line, or those of the paper, and the figures that apply to this number of runs.
+    fn runs_plan(&self) -> Result<RunsPlan, anyhow::Error> {
+        let is_paper = self.runs.is_empty();
+        let runs = if is_paper {
+            PAPER.map(PathBuf::from).to_vec()
+        } else {
+            self.runs.clone()
+        };
+        let mut figures = Vec::new();
+        for figure in FIGURES {
+            let is_chosen = self.only.iter().any(|name| name == figure.name);
             let (name, least) = (figure.name, figure.min_runs);
-            bail!("{name} compares runs: name at least {least}, or none to draw the paper's runs");
-        }
-        let is_wanted = |figure: &&Figure| self.only.is_empty() || is_asked(figure);
-        Ok(FIGURES.iter().filter(has_runs).filter(is_wanted).collect())
-    }
-
-    /// The kinds of files, each once.
-    fn kinds(&self) -> impl Iterator<Item = Kind> {
-        let kinds = Kind::value_variants().iter().copied();
-        kinds.filter(|kind| self.kinds.contains(kind))
-    }
-
-    fn path(&self, figure: &str, kind: Kind) -> PathBuf {
-        self.output.join(format!("{figure}.{}", kind.extension()))
-    }
-
-    /// Checks the output files before computing anything.
-    fn check_files(&self, figures: &[&str]) -> Result<(), SinkError> {
-        let inputs = self.runs.iter();
-        #[cfg(feature = "sweep")]
-        let inputs = inputs.chain(self.sweep.table());
-        let paths = |&figure| self.kinds().map(move |kind| self.path(figure, kind));
-        for path in figures.iter().flat_map(paths) {
-            publish::refuse_inputs(&path, inputs.clone().map(PathBuf::as_path))?;
-            if !self.force && path.symlink_metadata().is_ok() {
-                let advice = "choose another directory, or replace it with --force".to_owned();
-                return Err(SinkError::Exists { path, advice });
+            if is_chosen && least > runs.len() {
+                bail!(
+                    "{name} compares runs: name at least {least}, or none to draw the paper's runs"
+                );
+            }
+            if least <= runs.len() && (is_chosen || self.only.is_empty()) {
+                figures.push(figure);
             }
         }
-        Ok(())
+        Ok(RunsPlan {
+            figures,
+            runs,
+            is_paper,
+            is_chosen: !self.only.is_empty(),
+        })
     }
+}
 
+impl RunsPlan {
     /// Number of runs in a figure: one of the paper's runs, unless the figure compares runs.
-    fn count(&self, figure: &Figure, runs: usize) -> usize {
-        if self.runs.is_empty() && figure.min_runs == 1 {
+    fn count(&self, figure: &Figure) -> usize {
+        if self.is_paper && figure.min_runs == 1 {
             1
         } else {
-            runs
+            self.runs.len()
         }
+    }
+
+    /// Reads or simulates the runs in parallel.
+    fn read(&self) -> Result<Vec<RunData>, anyhow::Error> {
+        let inputs = self.inputs()?;
+        let bytes = inputs.iter().map(|(_, input)| input.bytes()).sum();
+        let progress = Progress::for_bytes("reading", bytes);
+        let runs = inputs
+            .par_iter()
+            .map(|(name, input)| {
+                RunData::read(input.subject(), name, &self.figures, &|bytes| {
+                    progress.add(bytes);
+                })
+            })
+            .collect();
+        progress.finish();
+        Ok(runs)
+    }
+
+    /// The runs that are drawn, with their names in legends.
+    fn inputs(&self) -> Result<Vec<(String, Input)>, anyhow::Error> {
+        let counts = self.figures.iter().map(|figure| self.count(figure));
+        let words = &self.runs[..counts.max().unwrap_or(0)];
+        let stems: Vec<&OsStr> = words.iter().map(|word| stem(word)).collect();
+        let mut inputs = Vec::new();
+        for (word, stem) in words.iter().zip(&stems) {
+            let is_unique = stems.iter().filter(|other| *other == stem).count() == 1;
+            let name = if is_unique { stem } else { word.as_os_str() };
+            inputs.push((name.to_string_lossy().into_owned(), open(word, &[], &[])?));
+        }
+        Ok(inputs)
     }
 
     /// Whether a figure shows a run; otherwise the report says why not.
     fn can_draw(&self, figure: &Figure, run: &RunData, report: &mut FiguresReport) -> bool {
         let (name, run_name) = (figure.name, run.name.clone());
         if let Some(because) = figure.exclusion(run) {
-            let is_expected = figure.is_expected_for(run) || !self.only.is_empty();
-            report.left_out.extend(is_expected.then_some(LeftOut {
-                figure: name,
-                run: run_name,
-                because,
-            }));
+            if self.is_chosen || figure.is_expected_for(run) {
+                report.left_out.push(LeftOut {
+                    figure: name,
+                    run: run_name,
+                    because,
+                });
+            }
             return false;
         }
-        let missing = figure.missing(run);
-        let is_whole = missing.is_none();
-        report.lacking.extend(missing.map(|missing| Lacking {
-            figure: name,
-            run: run_name,
-            missing: missing.to_string(),
-        }));
-        is_whole
+        if let Some(missing) = figure.missing(run) {
+            report.lacking.push(Lacking {
+                figure: name,
+                run: run_name,
+                missing: missing.to_string(),
+            });
+            return false;
+        }
+        true
     }
 }
 
-/// Draws figures of runs.
-pub(super) fn figures(arguments: &FiguresArguments) -> Result<Status, Error> {
-    #[cfg(feature = "sweep")]
-    if let Some(table) = arguments.sweep.table() {
-        return sweep_figure(arguments, table);
+/// The name of a run in a legend.
+fn stem(word: &Path) -> &OsStr {
+    word.file_stem().unwrap_or(word.as_os_str())
+}
+
+impl FilePlan {
+    fn path(&self, figure: &str, kind: Kind) -> PathBuf {
+        self.directory
+            .join(format!("{figure}.{}", kind.extension()))
     }
-    let figures = arguments.figures()?;
-    let names: Vec<_> = figures.iter().map(|figure| figure.name).collect();
-    arguments.check_files(&names)?;
-    let runs = runs(arguments, &figures)?;
+
+    /// Checks that the files of some figures can be written and are no inputs.
+    fn check(&self, figures: &[&str], inputs: &[PathBuf]) -> Result<(), SinkError> {
+        for figure in figures {
+            for kind in &self.kinds {
+                let path = self.path(figure, *kind);
+                publish::refuse_inputs(&path, inputs.iter().map(PathBuf::as_path))?;
+                if self.existing == Existing::Keep && path.symlink_metadata().is_ok() {
+                    let advice = "choose another directory, or replace it with --force".to_owned();
+                    return Err(SinkError::Exists { path, advice });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes the files of a figure, given its name and title.
+    fn write(
+        &self,
+        drafts: &Drafts,
+        (figure, title): (&'static str, &'static str),
+        runs: &[String],
+        drawing: &Drawing,
+    ) -> Result<Vec<FigureFile>, anyhow::Error> {
+        let mut files = Vec::new();
+        for kind in &self.kinds {
+            let path = self.path(figure, *kind);
+            let name = path.display().to_string();
+            let bytes = kind.bytes(drawing).with_context(|| name.clone())?;
+            output::warn_of_link(&path, self.existing == Existing::Replace);
+            publish::write_in(drafts, &path, self.existing, &bytes)?;
+            files.push(FigureFile {
+                figure,
+                title,
+                runs: runs.to_vec(),
+                path: name,
+                bytes: bytes.len() as u64,
+            });
+        }
+        Ok(files)
+    }
+}
+
+/// Draws figures.
+pub(super) fn figures(
+    arguments: &FiguresArguments,
+    drafts: &Drafts,
+) -> Result<Status, anyhow::Error> {
+    let plan = arguments.plan()?;
+    let report = match &plan.content {
+        Content::Runs(runs) => draw_runs(&plan, runs, drafts)?,
+        Content::Sweep(sweep) => draw_sweep(&plan, sweep, drafts)?,
+    };
+    report::print(&report, || page(&report))?;
+    let is_whole = report.losses.is_empty() && report.lacking.is_empty();
+    Ok(Status::from_whole(is_whole))
+}
+
+/// Draws figures of runs.
+fn draw_runs(
+    plan: &FigurePlan,
+    content: &RunsPlan,
+    drafts: &Drafts,
+) -> Result<FiguresReport, anyhow::Error> {
+    let runs = content.read()?;
     let mut report = FiguresReport::default();
     for run in &runs {
-        report.losses.extend(run.losses.iter().map(|loss| RunLoss {
-            run: run.name.clone(),
-            loss: loss.clone(),
-        }));
+        for loss in &run.losses {
+            report.losses.push(RunLoss {
+                run: run.name.clone(),
+                loss: loss.clone(),
+            });
+        }
     }
     let mut drawn = Vec::new();
-    for figure in figures {
-        let count = arguments.count(figure, runs.len());
-        let able = runs[..count].iter();
-        let able = able.filter(|run| arguments.can_draw(figure, run, &mut report));
-        let able: Vec<_> = able.collect();
-        // Skip comparisons with a missing run.
+    for figure in &content.figures {
+        let count = content.count(figure);
+        let mut able = Vec::new();
+        for run in &runs[..count] {
+            if content.can_draw(figure, run, &mut report) {
+                able.push(run);
+            }
+        }
+        // A comparison without one of its runs would compare something else.
         let is_able = figure.min_runs == 1 || able.len() == count;
         if is_able && !able.is_empty() {
             drawn.push((figure, able));
@@ -226,14 +374,32 @@ pub(super) fn figures(arguments: &FiguresArguments) -> Result<Status, Error> {
         }
     }
     for (figure, runs) in drawn {
-        let drawing = figure.draw(&runs, arguments.width);
+        let drawing = figure.draw(&runs, plan.width);
         let names: Vec<_> = runs.iter().map(|run| run.name.clone()).collect();
-        let files = write(arguments, (figure.name, figure.title), &names, &drawing)?;
-        report.files.extend(files);
+        let title = (figure.name, figure.title);
+        report
+            .files
+            .extend(plan.files.write(drafts, title, &names, &drawing)?);
     }
-    report::print(&report, || page(&report))?;
-    let is_whole = report.losses.is_empty() && report.lacking.is_empty();
-    Ok(Status::of_whole(is_whole))
+    Ok(report)
+}
+
+/// Name and title of the figure of a sweep.
+const SWEEP: (&str, &str) = ("sweep", "Outcomes of the runs of a sweep");
+
+/// Draws a map or curves of a sweep.
+fn draw_sweep(
+    plan: &FigurePlan,
+    sweep: &SweepPlan,
+    drafts: &Drafts,
+) -> Result<FiguresReport, anyhow::Error> {
+    let name = sweep.table().display().to_string();
+    let map = sweep.read()?;
+    let drawing = map.draw(plan.width).with_context(|| name.clone())?;
+    Ok(FiguresReport {
+        files: plan.files.write(drafts, SWEEP, &[name], &drawing)?,
+        ..FiguresReport::default()
+    })
 }
 
 fn warn(report: &FiguresReport) {
@@ -249,98 +415,18 @@ fn warn(report: &FiguresReport) {
 }
 
 fn page(report: &FiguresReport) -> Vec<Section> {
-    let wrote = |file: &FigureFile| ("wrote", report::file_line(&file.path, file.bytes));
     let mut section = Section::default();
-    section.table(Table::of_facts(report.files.iter().map(wrote)));
+    section.table(Table::from_facts(
+        report
+            .files
+            .iter()
+            .map(|file| ("wrote", report::file_line(&file.path, file.bytes))),
+    ));
     for left in &report.left_out {
         let (figure, run, because) = (left.figure, &left.run, left.because);
         section.line(format!("skipped: {figure} of {run}; {because}"));
     }
     vec![section]
-}
-
-/// Reads or simulates the runs in parallel.
-fn runs(arguments: &FiguresArguments, figures: &[&Figure]) -> Result<Vec<RunData>, Error> {
-    let inputs = inputs(arguments, figures)?;
-    let bytes = inputs.iter().map(|(_, input)| input.bytes()).sum();
-    let progress = Progress::of_bytes("reading", bytes);
-    let read = |(name, input): &(String, Input)| {
-        RunData::read(input.subject(), name, figures, &|bytes| progress.add(bytes))
-    };
-    let runs = inputs.par_iter().map(read).collect();
-    progress.finish();
-    Ok(runs)
-}
-
-/// The runs with their names in legends.
-fn inputs(
-    arguments: &FiguresArguments,
-    figures: &[&Figure],
-) -> Result<Vec<(String, Input)>, Error> {
-    let mut words = arguments.words();
-    let counts = figures
-        .iter()
-        .map(|figure| arguments.count(figure, words.len()));
-    words.truncate(counts.max().unwrap_or(0));
-    let stem = |word: &PathBuf| word.file_stem().unwrap_or(word.as_os_str()).to_owned();
-    let stems: Vec<_> = words.iter().map(stem).collect();
-    let is_unique = |stem| stems.iter().filter(|other| *other == stem).count() == 1;
-    words
-        .iter()
-        .zip(&stems)
-        .map(|(word, stem)| {
-            let name = if is_unique(stem) {
-                stem
-            } else {
-                word.as_os_str()
-            };
-            let name = name.to_string_lossy().into_owned();
-            Ok((name, open(word, &[], &[])?))
-        })
-        .collect()
-}
-
-/// Writes the files of a figure, given its name and title.
-fn write(
-    arguments: &FiguresArguments,
-    (figure, title): (&'static str, &'static str),
-    runs: &[String],
-    drawing: &Drawing,
-) -> Result<Vec<FigureFile>, Error> {
-    let write = |kind: Kind| {
-        let path = arguments.path(figure, kind);
-        let context = || path.display().to_string();
-        let bytes = kind.bytes(drawing).with_context(context)?;
-        output::warn_of_link(&path, arguments.force);
-        publish::write(&path, Existing::forced(arguments.force), &bytes)?;
-        Ok(FigureFile {
-            figure,
-            title,
-            runs: runs.to_vec(),
-            path: context(),
-            bytes: bytes.len() as u64,
-        })
-    };
-    arguments.kinds().map(write).collect()
-}
-
-/// Name and title of the figure of a sweep.
-#[cfg(feature = "sweep")]
-const SWEEP: (&str, &str) = ("sweep", "Outcomes of the runs of a sweep");
-
-/// Draws a map or curves of a sweep.
-#[cfg(feature = "sweep")]
-fn sweep_figure(arguments: &FiguresArguments, table: &Path) -> Result<Status, Error> {
-    arguments.check_files(&[SWEEP.0])?;
-    let name = table.display().to_string();
-    let map = arguments.sweep.read(table)?;
-    let drawing = map.draw(arguments.width).with_context(|| name.clone())?;
-    let report = FiguresReport {
-        files: write(arguments, SWEEP, &[name], &drawing)?,
-        ..FiguresReport::default()
-    };
-    report::print(&report, || page(&report))?;
-    Ok(Status::Success)
 }
 
 #[cfg(test)]
@@ -349,7 +435,7 @@ mod tests {
     use crate::cli::arguments::parse;
 
     #[test]
-    fn figures_are_chosen_by_their_names() {
+    fn parses_figures_and_kinds() {
         let base = parse::<FiguresArguments>("").unwrap();
         assert_eq!(base.kinds, [Kind::Svg, Kind::Png]);
         assert_eq!(base.width, 85.0);

@@ -9,7 +9,7 @@ use super::table::{Column, Table};
 use crate::archive::format::{
     CONTENT_DIGEST, SCENARIO_DIGEST, STEPS, STOP_REASON, STOP_TIME, VERSION,
 };
-use crate::archive::recording::{ChannelOverview, Condition, EventOverview, Overview};
+use crate::archive::recording::{ChannelOverview, Condition, Overview};
 use crate::run::plural::plural;
 use crate::run::simulation::EventKind;
 use crate::run::time::seconds_and_nanoseconds;
@@ -22,7 +22,7 @@ use std::fs;
 use std::path::PathBuf;
 
 /// Event kinds with more events than this are only counted.
-const RARE: u64 = 20;
+const MAX_LISTED: u64 = 20;
 
 /// Arguments of `toprise info`.
 #[derive(Args, Debug, Default, PartialEq)]
@@ -51,12 +51,12 @@ pub(super) struct InfoReport {
 /// Lists the content of a file.
 pub(super) fn info(arguments: &InfoArguments) -> Result<Status, Error> {
     let path = &arguments.file;
-    let context = || path.display().to_string();
-    let overview = Overview::read(path).with_context(context)?;
-    let size = fs::metadata(path).with_context(context)?.len();
+    let file = path.display().to_string();
+    let overview = Overview::read(path).with_context(|| file.clone())?;
+    let size = fs::metadata(path).with_context(|| file.clone())?.len();
     let is_whole = matches!(overview.condition, Condition::Whole | Condition::Foreign);
     let report = InfoReport {
-        file: context(),
+        file,
         bytes: size,
         messages: overview.messages(),
         first_ns: overview.first_ns(),
@@ -64,16 +64,16 @@ pub(super) fn info(arguments: &InfoArguments) -> Result<Status, Error> {
         overview,
     };
     report::print(&report, || report.page())?;
-    Ok(Status::of_whole(
+    Ok(Status::from_whole(
         is_whole && report.overview.losses.is_empty(),
     ))
 }
 
 impl InfoReport {
     fn page(&self) -> Vec<Section> {
-        let facts = Section::of(Table::of_facts(self.facts()));
+        let facts = Section::from(Table::from_facts(self.facts()));
         let head = facts.titled(&self.file, bytes(self.bytes));
-        let mut rest = Section::of(self.channel_table());
+        let mut rest = Section::from(self.channel_table());
         rest.table(self.event_table());
         vec![head, rest]
     }
@@ -102,10 +102,10 @@ impl InfoReport {
         facts.push(("span", exact_seconds(self.last_ns - self.first_ns)));
         facts.push(("messages", count(self.messages)));
         if !self.overview.events.is_empty() {
-            let words = |(name, number): (&str, u64)| {
-                format!("{} × {}", count(number), name.replace('_', " "))
-            };
-            let counts: Vec<_> = self.counts().into_iter().map(words).collect();
+            let mut counts = Vec::new();
+            for (name, number) in self.counts() {
+                counts.push(format!("{} × {}", count(number), name.replace('_', " ")));
+            }
             facts.push(("events", counts.join(", ")));
         }
         facts
@@ -132,24 +132,25 @@ impl InfoReport {
             }),
             ("bytes", |channel| bytes(channel.bytes)),
         ];
-        Table::of(&self.overview.channels, 3, &columns)
+        Table::new(&self.overview.channels, 3, &columns)
     }
 
     fn event_table(&self) -> Table {
         let counts = self.counts();
-        let is_rare = |event: &&EventOverview| {
+        let mut rows = Vec::new();
+        for event in &self.overview.events {
             let kind = EventKind::find(&event.name);
-            counts[event.name.as_str()] <= RARE && !kind.is_some_and(EventKind::is_of_nutation)
-        };
-        let rare = self.overview.events.iter().filter(is_rare);
-        let row = |event: &EventOverview| {
-            vec![
-                format!("{:.6} s", event.time),
-                event.name.replace('_', " "),
-                event.description.clone(),
-            ]
-        };
-        Table::of_texts(rare.map(row))
+            // Each nutation has its extremes: they would hide everything else.
+            let is_common = kind.is_some_and(EventKind::is_of_nutation);
+            if counts[event.name.as_str()] <= MAX_LISTED && !is_common {
+                rows.push(vec![
+                    format!("{:.6} s", event.time),
+                    event.name.replace('_', " "),
+                    event.description.clone(),
+                ]);
+            }
+        }
+        Table::from_texts(rows)
     }
 }
 
@@ -183,8 +184,9 @@ fn run_line(run: &BTreeMap<String, String>) -> String {
 }
 
 fn end_line(end: &BTreeMap<String, String>) -> String {
-    let time = entry(end, STOP_TIME);
-    let time = time.parse().map_or("?".to_owned(), |time| number(time, 6));
+    let time = entry(end, STOP_TIME)
+        .parse()
+        .map_or("?".to_owned(), |time| number(time, 6));
     format!(
         "{} at {} s, {}, {}, {}",
         entry(end, STOP_REASON),
@@ -201,7 +203,7 @@ mod tests {
     use crate::cli::arguments::parse;
 
     #[test]
-    fn the_end_is_rounded_not_truncated() {
+    fn rounds_the_end() {
         let end = |time: &str| BTreeMap::from([(STOP_TIME.to_owned(), time.to_owned())]);
         for (time, shown) in [
             ("1.2299986164036739e-5", "? at 0.000012 s"),
@@ -228,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn one_file_is_named() {
+    fn parses_one_file() {
         let expected = InfoArguments {
             file: "a.mcap".into(),
         };

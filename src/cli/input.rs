@@ -2,7 +2,7 @@
 
 use super::arguments::Override;
 use crate::analysis::subject::Subject;
-use crate::archive::input::{is_recording, values};
+use crate::archive::input::{file_stem, is_recording, values};
 use crate::archive::recording::Recording;
 use crate::run::scenario::{Scenario, Values};
 use anyhow::{Context as _, Error, bail};
@@ -13,22 +13,38 @@ pub(super) enum Input {
     /// A recording that is read.
     Recording(Box<Recording>),
     /// A scenario to simulate.
-    Scenario(Box<Scenario>),
+    Scenario {
+        scenario: Box<Scenario>,
+        /// The stem of its file, or the name of the preset.
+        name: String,
+    },
 }
 
 impl Input {
     pub(super) fn subject(&self) -> Subject<'_> {
         match self {
             Self::Recording(recording) => Subject::Recording(recording),
-            Self::Scenario(scenario) => Subject::Scenario(scenario),
+            Self::Scenario { scenario, .. } => Subject::Scenario(scenario),
         }
+    }
+
+    /// The name of the run in reports.
+    pub(super) fn name(&self) -> String {
+        match self {
+            Self::Recording(recording) => Subject::Recording(recording).name(),
+            Self::Scenario { name, .. } => name.clone(),
+        }
+    }
+
+    pub(super) fn is_recording(&self) -> bool {
+        matches!(self, Self::Recording(_))
     }
 
     /// The size of its file, bytes.
     pub(super) fn bytes(&self) -> u64 {
         match self {
             Self::Recording(recording) => recording.size(),
-            Self::Scenario(_) => 0,
+            Self::Scenario { .. } => 0,
         }
     }
 }
@@ -39,16 +55,15 @@ impl Input {
 pub(super) fn open(word: &Path, common: &[Override], own: &[Override]) -> Result<Input, Error> {
     if !is_recording(word) {
         let scenario = checked(word, values(word)?, &[common, own].concat())?;
-        return Ok(Input::Scenario(Box::new(scenario)));
+        let name = file_stem(word).unwrap_or_else(|| scenario.name().to_owned());
+        let scenario = Box::new(scenario);
+        return Ok(Input::Scenario { scenario, name });
     }
-    let name = || word.display().to_string();
+    let name = word.display();
     if let Some((key, _)) = own.first() {
-        bail!(
-            "{} is a recording: {key} can only be set for a preset or scenario file",
-            name()
-        );
+        bail!("{name} is a recording: {key} can only be set for a preset or scenario file");
     }
-    let recording = Recording::open(word).with_context(name)?;
+    let recording = Recording::open(word).with_context(|| name.to_string())?;
     Ok(Input::Recording(Box::new(recording)))
 }
 

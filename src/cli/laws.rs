@@ -5,11 +5,27 @@ use super::report;
 use super::status::Status;
 use super::table::Table;
 use crate::run::scenario::{Key, LAWS, Law};
-use anyhow::Error;
+use crate::run::suggestion::suggestion;
+use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
+use thiserror::Error;
 
-/// All laws of friction.
+/// Arguments of `toprise laws`.
+#[derive(Args, Debug, Default, PartialEq)]
+pub(super) struct LawsArguments {
+    /// Law to describe, e.g. viscous
+    name: Option<String>,
+}
+
+/// A name that no law has.
+#[derive(Debug, Error)]
+#[error("there is no law {name:?}{}", suggestion(name, LAWS.iter().map(|law| law.name)))]
+struct UnknownLaw {
+    name: String,
+}
+
+/// The listed laws of friction.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct LawsReport(Vec<LawReport>);
 
@@ -43,22 +59,25 @@ struct Parameter {
     allowed: String,
 }
 
-/// Lists the laws of friction.
-pub(super) fn laws() -> Result<Status, Error> {
-    let report = LawsReport(LAWS.iter().map(LawReport::of).collect());
+/// Lists the laws of friction, or describes one.
+pub(super) fn laws(arguments: &LawsArguments) -> Result<Status, anyhow::Error> {
+    let mut laws = Vec::new();
+    for law in LAWS {
+        if arguments.name.as_ref().is_none_or(|name| name == law.name) {
+            laws.push(LawReport::new(law));
+        }
+    }
+    if laws.is_empty() {
+        let name = arguments.name.clone().unwrap_or_default();
+        return Err(UnknownLaw { name }.into());
+    }
+    let report = LawsReport(laws);
     report::print(&report, || report.page())?;
     Ok(Status::Success)
 }
 
 impl LawsReport {
     fn page(&self) -> Vec<Section> {
-        let section = |title: &str, adds_to_any: bool| {
-            let mut section = Section::new(title);
-            for law in self.0.iter().filter(|law| law.adds_to_any == adds_to_any) {
-                section.table(law.table());
-            }
-            section
-        };
         let mut symbols = Section::new("Symbols");
         symbols.line(
             "f: friction force, v: slip velocity, N: normal force, ω: angular velocity, ω_⊥: its horizontal part, \
@@ -66,26 +85,42 @@ impl LawsReport {
              z′: the vertical, R: radius of the peg.",
         );
         vec![
-            section("Sliding friction (friction.law)", false),
-            section("Additional losses, can be combined with any law", true),
+            self.section("Sliding friction (friction.law)", false),
+            self.section("Additional losses, can be combined with any law", true),
             symbols,
         ]
     }
+
+    fn section(&self, title: &str, adds_to_any: bool) -> Section {
+        let mut section = Section::new(title);
+        for law in self.0.iter().filter(|law| law.adds_to_any == adds_to_any) {
+            section.table(law.table());
+        }
+        if section.parts.is_empty() {
+            return Section::default();
+        }
+        section
+    }
 }
 
-impl LawReport {
-    fn of(law: &Law) -> Self {
-        let parameter = |key: &Key| Parameter {
+impl Parameter {
+    fn new(key: &Key) -> Self {
+        Self {
             key: key.path,
             unit: key.unit,
             meaning: key.meaning,
             allowed: key.kind.to_string(),
-        };
+        }
+    }
+}
+
+impl LawReport {
+    fn new(law: &Law) -> Self {
         Self {
             name: law.name,
             adds_to_any: !law.is_sliding(),
             formula: law.formula,
-            parameters: law.parameters().map(parameter).collect(),
+            parameters: law.parameters().map(Parameter::new).collect(),
             typical: law.typical,
             source: law.source,
         }
@@ -93,20 +128,19 @@ impl LawReport {
 
     fn table(&self) -> Table {
         let mut rows = vec![vec![self.name.to_owned(), self.formula.to_owned()]];
-        let mut add = |left: &str, right: String| rows.push(vec![format!("  {left}"), right]);
         for parameter in &self.parameters {
             let (meaning, allowed) = (parameter.meaning, &parameter.allowed);
             let text = match parameter.unit {
                 "" => format!("{meaning}: {allowed}"),
                 unit => format!("{meaning} [{unit}]: {allowed}"),
             };
-            add(parameter.key, text);
+            rows.push(vec![format!("  {}", parameter.key), text]);
         }
         for (name, text) in [("typical", self.typical), ("source", self.source)] {
             if !text.is_empty() {
-                add(name, text.to_owned());
+                rows.push(vec![format!("  {name}"), text.to_owned()]);
             }
         }
-        Table::of_texts(rows)
+        Table::from_texts(rows)
     }
 }

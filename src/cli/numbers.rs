@@ -18,6 +18,15 @@ pub(super) fn number(value: f64, digits: usize) -> String {
     }
 }
 
+/// A number rounded to `digits` significant digits, without trailing zeros.
+pub(super) fn short(value: f64, digits: usize) -> String {
+    let rounded = format!("{value:.*e}", digits.saturating_sub(1));
+    // Written as a number again, it has as few digits as it needs.
+    rounded
+        .parse()
+        .map_or(rounded, |value: f64| value.to_string())
+}
+
 /// Formats an integer with thousands separators.
 pub(super) fn count(value: u64) -> String {
     HumanCount(value).to_string()
@@ -43,7 +52,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_read_well() {
+    fn formats_numbers() {
         assert_eq!(count(0), "0");
         assert_eq!(count(999), "999");
         assert_eq!(count(24_720), "24,720");
@@ -52,6 +61,10 @@ mod tests {
         assert_eq!(counted(0, "run"), "0 runs");
         assert_eq!(bytes(999), "999 B");
         assert_eq!(bytes(31_400_000), "31.4 MB");
+        // The rate for a period of 10 µs.
+        assert_eq!(short(1.0 / 1e-5, 6), "100000");
+        assert_eq!(short(1.0 / 3e-3, 6), "333.333");
+        assert_eq!(short(0.25, 6), "0.25");
         assert_eq!(number(-0.2969, 3), "−0.297");
         assert_eq!(number(-0.0, 2), "0.00");
         assert_eq!(number(-4e-5, 4), "0.0000");

@@ -48,42 +48,42 @@ pub(super) fn columns() -> Option<usize> {
 }
 
 /// Prints a plain report.
-pub(super) fn print(answer: &str) -> io::Result<()> {
-    write(&mut io::stdout().lock(), &text::sanitized_lines(answer))
+pub(super) fn print(report: &str) -> io::Result<()> {
+    write(&mut io::stdout().lock(), &text::sanitized_lines(report))
 }
 
 /// Prints a styled, already sanitised report; removes colours if they are disabled.
-pub(super) fn print_styled(answer: &str) -> io::Result<()> {
+pub(super) fn print_styled(report: &str) -> io::Result<()> {
     let mut stream = io::stdout().lock();
     match anstream::stdout().current_choice() {
         anstream::ColorChoice::Never => {
-            let plain = anstream::adapter::strip_str(answer).to_string();
+            let plain = anstream::adapter::strip_str(report).to_string();
             write(&mut stream, &plain)
         }
-        _ => write(&mut stream, answer),
+        _ => write(&mut stream, report),
     }
 }
 
 /// Writes a report. The first write must be a single one: it shows whether there is a reader at all.
-fn write(stream: &mut impl Write, answer: &str) -> io::Result<()> {
-    let answer = answer.trim_end();
-    if answer.is_empty() {
+fn write(stream: &mut impl Write, report: &str) -> io::Result<()> {
+    let text = report.trim_end();
+    if text.is_empty() {
         return Ok(());
     }
-    let answer = format!("{answer}\n");
-    let first = stream.write(answer.as_bytes());
-    let rest = |written: usize| {
-        let written = stream.write_all(&answer.as_bytes()[written..]);
-        match written.and_then(|()| stream.flush()) {
-            // A reader that stops early, such as `head`, is not an error.
-            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-            result => result,
-        }
-    };
-    first.and_then(rest).map_err(|error| {
-        let reported = format!("cannot write to standard output: {error}");
-        io::Error::new(error.kind(), reported)
+    write_line(stream, &format!("{text}\n")).map_err(|error| {
+        let message = format!("cannot write to standard output: {error}");
+        io::Error::new(error.kind(), message)
     })
+}
+
+fn write_line(stream: &mut impl Write, text: &str) -> io::Result<()> {
+    let written = stream.write(text.as_bytes())?;
+    let rest = stream.write_all(&text.as_bytes()[written..]);
+    match rest.and_then(|()| stream.flush()) {
+        // A reader that stops early, such as `head`, is not an error.
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        result => result,
+    }
 }
 
 /// Prints an error.
@@ -108,16 +108,11 @@ pub(super) fn warn_of_link(path: &Path, is_forced: bool) {
     }
 }
 
-/// Prints what went wrong with a viewer.
-#[cfg(feature = "rerun")]
-pub(super) fn warn_all(warnings: &[crate::rerun::ViewerError]) {
-    for warning in warnings {
-        warn(&warning.to_string());
-    }
-}
-
 /// Prints a note, unless --quiet is set.
-#[cfg(any(feature = "rerun", feature = "sweep"))]
+#[cfg_attr(
+    not(any(feature = "rerun", feature = "sweep")),
+    expect(dead_code, reason = "only these commands have notes")
+)]
 pub(super) fn note(what: &str) {
     if !is_quiet() {
         print_line("", what);
@@ -134,13 +129,13 @@ pub(super) fn with_causes(error: &anyhow::Error) -> String {
     error
         .chain()
         .map(ToString::to_string)
-        .fold(String::new(), |reported, cause| {
-            if reported.is_empty() {
+        .fold(String::new(), |message, cause| {
+            if message.is_empty() {
                 cause
-            } else if reported.contains(&cause) {
-                reported
+            } else if message.contains(&cause) {
+                message
             } else {
-                format!("{reported}: {cause}")
+                format!("{message}: {cause}")
             }
         })
 }
@@ -170,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_written_is_named_unless_its_reader_has_read_enough() {
+    fn reports_write_errors_unless_the_reader_has_left() {
         let written = |room, kind| write(&mut Broken(room, kind), "answer");
         for (room, kind) in [
             (0, io::ErrorKind::BrokenPipe),
@@ -188,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn causes_are_told_once() {
+    fn prints_each_cause_once() {
         let error = anyhow!("no space left").context("cannot write a.mcap: no space left");
         let error = error.context("a.mcap");
         assert_eq!(

@@ -59,6 +59,15 @@ pub(super) enum Part {
     Code(String),
 }
 
+impl From<Table> for Section {
+    /// A table without a heading.
+    fn from(table: Table) -> Self {
+        let mut section = Self::default();
+        section.table(table);
+        section
+    }
+}
+
 impl Section {
     pub(super) fn new(title: impl Into<String>) -> Self {
         Self {
@@ -68,22 +77,18 @@ impl Section {
     }
 
     /// A heading with a colour.
-    pub(super) fn toned(tone: Tone, title: impl Into<String>) -> Self {
+    pub(super) fn with_tone(tone: Tone, title: impl Into<String>) -> Self {
         Self {
             tone,
             ..Self::new(title)
         }
     }
 
-    /// A table without a heading.
-    pub(super) fn of(table: Table) -> Self {
-        let mut section = Self::default();
-        section.table(table);
-        section
-    }
-
     /// Paragraphs under a heading.
-    pub(super) fn of_lines(title: impl Into<String>, lines: impl Iterator<Item = String>) -> Self {
+    pub(super) fn from_lines(
+        title: impl Into<String>,
+        lines: impl Iterator<Item = String>,
+    ) -> Self {
         let mut section = Self::new(title);
         section.parts.extend(lines.map(Part::Line));
         section
@@ -199,7 +204,7 @@ mod tests {
         let mut section = Section::new(hostile);
         hostile.clone_into(&mut section.note);
         section.line(hostile);
-        section.table(Table::of_texts(vec![vec![hostile.to_owned()]]));
+        section.table(Table::from_texts(vec![vec![hostile.to_owned()]]));
         section.parts.push(Part::Code("a\x1b[2J".to_owned()));
         let sections = [section];
         let plain = anstream::adapter::strip_str(&text(&sections, Some(80))).to_string();

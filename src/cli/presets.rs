@@ -1,65 +1,88 @@
 //! `toprise presets`.
 
+use super::input::checked;
 use super::page::{Part, Section};
 use super::report;
 use super::status::Status;
 use super::table::Table;
+use crate::archive::input::{file_stem, values};
 use crate::run::scenario::{PRESETS, Preset};
 use anyhow::Error;
 use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::path::PathBuf;
 
 /// Arguments of `toprise presets`.
 #[derive(Args, Debug, Default, PartialEq)]
 pub(super) struct PresetsArguments {
-    /// Preset to print
-    name: Option<String>,
+    /// Preset to print; or a recording or scenario file, whose scenario is printed
+    name: Option<PathBuf>,
 }
 
 /// The listed presets.
 #[derive(Debug, Serialize, JsonSchema)]
 pub(super) struct PresetsReport(Vec<PresetReport>);
 
-/// A built-in scenario.
+/// A built-in scenario, or that of a file.
 #[derive(Debug, Serialize, JsonSchema)]
 struct PresetReport {
     /// Its name on the command line.
-    name: &'static str,
+    name: String,
     /// Its description.
-    description: &'static str,
+    description: String,
     /// Its scenario file, TOML.
     scenario: String,
 }
 
-/// Lists the presets, or prints one as TOML.
+/// Lists the presets, or prints a scenario as TOML.
 pub(super) fn presets(arguments: &PresetsArguments) -> Result<Status, Error> {
-    let wanted = match &arguments.name {
-        Some(name) => std::slice::from_ref(Preset::find(name)?),
-        None => &PRESETS,
-    };
-    let presets = wanted.iter().map(|preset| {
-        Ok::<_, Error>(PresetReport {
-            name: &preset.name,
-            description: &preset.description,
-            scenario: preset.scenario()?.to_toml(),
-        })
-    });
-    let report = PresetsReport(presets.collect::<Result<_, _>>()?);
+    let mut scenarios = Vec::new();
+    match &arguments.name {
+        Some(name) if file_stem(name).is_some() => {
+            let scenario = checked(name, values(name)?, &[])?;
+            scenarios.push(PresetReport {
+                name: scenario.name().to_owned(),
+                description: scenario.word("description").to_owned(),
+                scenario: scenario.to_toml(),
+            });
+        }
+        Some(name) => scenarios.push(PresetReport::new(Preset::find(&name.to_string_lossy())?)?),
+        None => {
+            for preset in PRESETS.iter() {
+                scenarios.push(PresetReport::new(preset)?);
+            }
+        }
+    }
+    let report = PresetsReport(scenarios);
     let is_one = arguments.name.is_some();
     report::print(&report, || report.page(is_one))?;
     Ok(Status::Success)
+}
+
+impl PresetReport {
+    fn new(preset: &Preset) -> Result<Self, Error> {
+        Ok(Self {
+            name: preset.name.clone(),
+            description: preset.description.clone(),
+            scenario: preset.scenario()?.to_toml(),
+        })
+    }
 }
 
 impl PresetsReport {
     fn page(&self, is_one: bool) -> Vec<Section> {
         let mut section = Section::default();
         if is_one {
-            let code = |preset: &PresetReport| Part::Code(preset.scenario.clone());
-            section.parts.extend(self.0.iter().map(code));
+            for preset in &self.0 {
+                section.parts.push(Part::Code(preset.scenario.clone()));
+            }
         } else {
-            let fact = |preset: &PresetReport| (preset.name, preset.description.to_owned());
-            section.table(Table::of_facts(self.0.iter().map(fact)));
+            section.table(Table::from_facts(
+                self.0
+                    .iter()
+                    .map(|preset| (preset.name.as_str(), preset.description.clone())),
+            ));
         }
         vec![section]
     }

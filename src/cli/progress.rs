@@ -8,28 +8,19 @@ pub(super) struct Progress(ProgressBar);
 
 impl Progress {
     /// Starts a bar that fills up to `total` bytes.
-    pub(super) fn of_bytes(action: &'static str, total: u64) -> Self {
+    pub(super) fn for_bytes(action: &'static str, total: u64) -> Self {
         let progress = Self::new(Some(total), "{msg}  {bar:40} {percent:>3} %  [{elapsed}]");
         progress.0.set_message(action);
         progress
     }
 
-    /// Starts a bar that fills up to `total` runs.
-    #[cfg(feature = "sweep")]
-    pub(super) fn of_runs(total: u64) -> Self {
-        Self::new(
-            Some(total),
-            // At most 52 columns; the counts of outcomes take what is left of the line.
-            "{bar:16} {percent:>3} %  {per_sec}  [{elapsed}, {eta} left]  {wide_msg}",
-        )
-    }
-
     /// Starts a progress line without a total.
-    pub(super) fn of_state() -> Self {
+    pub(super) fn for_state() -> Self {
         Self::new(None, "{spinner} {msg}  [{elapsed}]")
     }
 
-    fn new(total: Option<u64>, template: &str) -> Self {
+    /// Starts a bar, or a line if there is no total, with a template of `indicatif`.
+    pub(super) fn new(total: Option<u64>, template: &str) -> Self {
         let target = if output::is_quiet() {
             ProgressDrawTarget::hidden()
         } else {

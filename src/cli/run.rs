@@ -3,132 +3,122 @@
 mod arguments;
 mod files;
 mod pace;
+pub(super) mod plan;
 mod report;
-#[cfg(feature = "rerun")]
-mod viewer;
 
 pub(super) use self::arguments::RunArguments;
-use self::files::same_as;
+use self::files::find_identical;
 use self::pace::Pace;
+use self::plan::RunPlan;
 use self::report::Recorded;
 pub(super) use self::report::RunReport;
-#[cfg(feature = "rerun")]
-use self::viewer::RunViewer;
 use super::interrupt;
 use super::output;
 use super::report::{WrittenFile, print};
+use super::rerun::run::RunViewer;
 use super::status::Status;
 use crate::archive::pipeline::McapSink;
-use crate::archive::sink::{Sink, record_to_end};
+use crate::archive::publish::Drafts;
+use crate::archive::sink::{RecordedRun, Sink, record};
+use crate::archive::writer::Header;
 use crate::run::outcome::Outcome;
-use crate::run::scenario::{Preset, Scenario};
-use crate::run::simulation::{Record, Simulation, Tally};
-use crate::telemetry::Telemetry;
+use crate::run::scenario::Preset;
+use crate::run::simulation::{Record, Tally};
+use crate::telemetry::RunMessages;
 use anyhow::Error;
 use std::path::PathBuf;
 use std::time::Instant;
 
 /// Runs a scenario and records it.
-pub(super) fn run(arguments: &RunArguments) -> Result<Status, Error> {
-    arguments.check_output()?;
-    let values = arguments.values()?;
-    let scenario = arguments.scenario(values.clone())?;
-    let (form, topics) = arguments.form()?;
-    let mut telemetry = Telemetry::with_topics(&topics);
-    interrupt::watch()?;
+pub(super) fn run(arguments: &RunArguments, drafts: &Drafts) -> Result<Status, Error> {
+    let plan = arguments.plan()?;
+    interrupt::watch(drafts)?;
     let began = Instant::now();
-    let mut simulation = Simulation::new(&scenario)?.continue_while(|| !interrupt::is_requested());
-    let preface = McapSink::preface(&scenario, &telemetry, form)?;
-    let stem = arguments.stem(&scenario, &values);
-    let (mcap, earlier) = files::start(arguments, &stem, &preface)?;
-    #[cfg(feature = "rerun")]
-    let viewer = {
-        let identity = viewer::identity(arguments, mcap.path(), &scenario, &telemetry);
-        RunViewer::open(arguments, mcap.path(), &identity)?
-    };
-    let archive = McapSink::create_in(mcap, &scenario, &telemetry, form)?;
-    let (outcome, recorded) = record(
-        arguments,
-        &scenario,
-        &earlier,
-        archive,
-        #[cfg(feature = "rerun")]
-        viewer,
-        &mut telemetry,
-        &mut simulation,
-    )?;
-    let base = Preset::find(scenario.name()).and_then(Preset::values);
-    let base = base.unwrap_or(values);
-    let report = RunReport::of(&scenario, &base, outcome, recorded, began.elapsed());
-    let name = scenario.title_from(&base);
-    let top = &scenario.model.top;
-    print(&report, || report.page(&name, top, arguments.note_on_rrd()))?;
+    let mut run = RunMessages::new(&plan.scenario, &plan.topics)?
+        .continue_while(|| !interrupt::is_requested());
+    let header = Header::new(&plan.scenario, run.telemetry(), plan.form);
+    let (mut archive, earlier) = plan.files.start(drafts, &header)?;
+    let viewer = RunViewer::open(&plan, drafts, archive.path(), run.telemetry())?;
+    // Until here nothing is lost with the file.
+    archive.keep();
+    let (outcome, recorded) = record_run(&plan, &mut run, archive, viewer, &earlier)?;
+    // Changes are told against the preset, also if the file lists them.
+    let base = Preset::find(plan.scenario.name())
+        .and_then(Preset::values)
+        .unwrap_or(plan.base);
+    let report = RunReport::new(&plan.scenario, &base, outcome, recorded, began.elapsed());
+    print(&report, || {
+        let title = plan.scenario.title_from(&base);
+        report.page(&title, &plan.scenario.model.top, plan.show.note())
+    })?;
     let is_complete = report.outcome.end.stop.is_complete();
-    Ok(Status::of_whole(
+    Ok(Status::from_whole(
         is_complete && !report.recorded.is_rrd_lost,
     ))
 }
 
 /// Simulates, records and finishes the files, even if the simulation fails.
-fn record(
-    arguments: &RunArguments,
-    scenario: &Scenario,
-    earlier: &[PathBuf],
+fn record_run(
+    plan: &RunPlan,
+    run: &mut RunMessages,
     mut archive: McapSink,
-    #[cfg(feature = "rerun")] mut viewer: Option<RunViewer>,
-    telemetry: &mut Telemetry,
-    simulation: &mut Simulation,
+    mut viewer: Option<RunViewer>,
+    earlier: &[PathBuf],
 ) -> Result<(Outcome, Recorded), Error> {
-    let mut sinks: Vec<&mut dyn Sink> = vec![&mut archive];
-    #[cfg(feature = "rerun")]
-    if let Some(viewer) = &mut viewer {
-        sinks.push(&mut viewer.sink);
-    }
-
-    let mut pace = Pace::start(arguments.realtime);
+    let mut pace = Pace::start(plan.speed);
     let mut counts = Tally::default();
-    let ended = record_to_end(simulation, telemetry, &mut sinks, |record, sinks| {
+    let mut sinks: Vec<&mut dyn Sink> = vec![&mut archive];
+    if let Some(viewer) = &mut viewer {
+        sinks.push(viewer.sink());
+    }
+    let recorded = record(run, &mut sinks, |record, sinks| {
         if let Record::Event(event) = record {
             counts.count(event.kind, event.time);
         }
         pace.after(record, sinks)
     });
     pace.finish();
-    let (end, error) = ended?;
+    let RecordedRun { end, error } = recorded?;
     // The records so far are valid; the end record marks the run as incomplete.
     if let Some(error) = error {
         output::warn(&error.to_string());
     }
-    drop(sinks);
-    let (draft, digest) = archive.complete(&end)?;
-    let outcome = Outcome::new(scenario, end, counts);
-    let there = same_as(&draft, earlier);
-    let mcap = match &there {
-        Some(there) => {
+    let (draft, content_digest) = archive.complete(&end)?;
+    let outcome = Outcome::new(&plan.scenario, end, counts);
+    let existing = find_identical(&draft, earlier);
+    let mcap = match &existing {
+        Some(existing) => {
             draft.discard();
-            there.clone()
+            existing.clone()
         }
         None => WrittenFile::publish(draft)?,
     };
-    #[cfg(feature = "rerun")]
-    let rrd = viewer.map_or(Ok(None), |mut viewer| {
-        if end.stop.is_complete() {
-            viewer.sink.set_outcome(&outcome);
-        }
-        viewer.finish(arguments.adjacent_rrd(there.as_ref()))
-    });
-    #[cfg(not(feature = "rerun"))]
-    let rrd: Result<_, Error> = Ok(None);
+    let rrd = match viewer {
+        Some(viewer) => finish_viewer(viewer, &outcome, existing.as_ref()),
+        None => Ok(None),
+    };
     // The MCAP file is complete without it.
     if let Err(error) = &rrd {
         output::error(&output::with_causes(error));
     }
     let recorded = Recorded {
         mcap,
-        is_new: there.is_none(),
+        is_new: existing.is_none(),
         is_rrd_lost: rrd.is_err(),
         rrd: rrd.ok().flatten(),
-        content_digest: digest,
+        content_digest,
     };
     Ok((outcome, recorded))
+}
+
+/// Adds the outcome of a complete run to its Rerun recording, and finishes that.
+fn finish_viewer(
+    mut viewer: RunViewer,
+    outcome: &Outcome,
+    existing: Option<&WrittenFile>,
+) -> Result<Option<WrittenFile>, Error> {
+    if outcome.end.stop.is_complete() {
+        viewer.set_outcome(outcome);
+    }
+    viewer.finish(existing)
 }

@@ -4,7 +4,7 @@ use super::page::{Part, Section};
 use super::report::{self, WrittenFile};
 use super::status::Status;
 use super::table::Table;
-use crate::archive::publish::{self, Existing};
+use crate::archive::publish::{self, Drafts, Existing};
 use crate::run::scenario;
 use crate::telemetry::encoding::Encoding;
 use crate::telemetry::protobuf::{proto_file, proto_file_name};
@@ -59,10 +59,11 @@ struct ChannelSchema {
 pub(super) fn schema(
     arguments: &SchemaArguments,
     reports: Vec<(String, String)>,
+    drafts: &Drafts,
 ) -> Result<Status, Error> {
     let mut report = SchemaReport::default();
     match (&arguments.write, &arguments.topic) {
-        (Some(directory), _) => report.written = write_all(directory, reports)?,
+        (Some(directory), _) => report.written = write_all(directory, reports, drafts)?,
         (None, None) => report.add(channels(), arguments.encoding),
         (None, Some(name)) => {
             let topic = Topic::find(name).ok_or_else(|| UnknownTopic { name: name.clone() })?;
@@ -80,56 +81,59 @@ impl SchemaReport {
         channels: impl IntoIterator<Item = &'static ChannelInfo>,
         encoding: Encoding,
     ) {
-        let channels = channels.into_iter().map(|channel| ChannelSchema {
-            topic: channel.topic,
-            schema: channel.schema,
-            meaning: channel.meaning,
-            encoding,
-            definition: match encoding {
-                Encoding::Json => json_schema(channel),
-                Encoding::Protobuf => proto_file(channel),
-            },
-        });
-        self.channels.extend(channels);
+        for channel in channels {
+            self.channels.push(ChannelSchema {
+                topic: channel.topic,
+                schema: channel.schema,
+                meaning: channel.meaning,
+                encoding,
+                definition: match encoding {
+                    Encoding::Json => json_schema(channel),
+                    Encoding::Protobuf => proto_file(channel),
+                },
+            });
+        }
     }
 
     fn page(&self, is_one: bool) -> Vec<Section> {
         let mut section = Section::default();
         if is_one {
-            let code = |channel: &ChannelSchema| Part::Code(channel.definition.clone());
-            section.parts.extend(self.channels.iter().map(code));
+            for channel in &self.channels {
+                section.parts.push(Part::Code(channel.definition.clone()));
+            }
         } else {
-            let row = |channel: &ChannelSchema| {
+            section.table(Table::from_texts(self.channels.iter().map(|channel| {
                 [channel.topic, channel.schema, channel.meaning]
                     .map(str::to_owned)
                     .to_vec()
-            };
-            section.table(Table::of_texts(self.channels.iter().map(row)));
+            })));
         }
         let written = self.written.iter().map(|file| ("wrote", file.line()));
-        section.table(Table::of_facts(written));
+        section.table(Table::from_facts(written));
         vec![section]
     }
 }
 
-fn write_all(directory: &Path, reports: Vec<(String, String)>) -> Result<Vec<WrittenFile>, Error> {
-    let of_channel = |channel: &'static ChannelInfo| {
-        [
-            (file_name(channel), json_schema(channel)),
-            (proto_file_name(channel), proto_file(channel)),
-        ]
-    };
-    channels()
-        .iter()
-        .flat_map(of_channel)
-        .chain(reports)
-        .chain([(scenario::SCHEMA_FILE.to_owned(), scenario::schema())])
-        .map(|(name, text)| {
-            let path = directory.join(name);
-            publish::write(&path, Existing::Replace, text.as_bytes())?;
-            Ok(WrittenFile::new(&path, text.len() as u64))
-        })
-        .collect()
+/// Writes the schemas of the channels in both encodings, of scenarios and of reports.
+fn write_all(
+    directory: &Path,
+    reports: Vec<(String, String)>,
+    drafts: &Drafts,
+) -> Result<Vec<WrittenFile>, Error> {
+    let mut schemas = Vec::new();
+    for channel in channels() {
+        schemas.push((file_name(channel), json_schema(channel)));
+        schemas.push((proto_file_name(channel), proto_file(channel)));
+    }
+    schemas.extend(reports);
+    schemas.push((scenario::SCHEMA_FILE.to_owned(), scenario::schema()));
+    let mut written = Vec::new();
+    for (name, text) in schemas {
+        let path = directory.join(name);
+        publish::write_in(drafts, &path, Existing::Replace, text.as_bytes())?;
+        written.push(WrittenFile::new(&path, text.len() as u64));
+    }
+    Ok(written)
 }
 
 #[cfg(test)]
@@ -138,7 +142,7 @@ mod tests {
     use crate::cli::arguments::parse;
 
     #[test]
-    fn a_topic_or_a_directory_is_named() {
+    fn parses_a_topic_or_a_directory() {
         let base = parse::<SchemaArguments>("").unwrap();
         assert_eq!(
             parse::<SchemaArguments>("/top/state --encoding protobuf").unwrap(),

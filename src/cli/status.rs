@@ -17,7 +17,7 @@ pub(super) enum Status {
 
 impl Status {
     /// Success of a whole result, or a partial one.
-    pub(super) fn of_whole(is_whole: bool) -> Self {
+    pub(super) fn from_whole(is_whole: bool) -> Self {
         if is_whole {
             Self::Success
         } else {

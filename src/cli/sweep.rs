@@ -1,8 +1,9 @@
 //! `toprise sweep`.
 
+pub(super) mod figures;
 mod report;
 
-use super::arguments::{Override, parse_number, parse_override};
+use super::arguments::{Override, parse_override};
 use super::interrupt;
 use super::numbers::{count, counted};
 use super::output;
@@ -10,22 +11,62 @@ use super::progress::Progress;
 use super::report::{self as reports, WrittenFile};
 use super::status::Status;
 use crate::archive::input::read_file;
+use crate::archive::publish::Drafts;
+use crate::run::scenario::Values;
 use crate::run::simulation::StopReason;
 use crate::sweep::{
     Axis, Base, Counts, Design, Finished, Method, Options, Sample, Shard, Spec, Sweep, SweepError,
-    Table, Watch, left_to_do, parts_directory, run,
+    Table, Watch, is_catching, left_to_do, parts_directory, run, values_of_row,
 };
 use anyhow::{Context as _, Error, bail};
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 pub(crate) use report::SweepReport;
 use report::summary;
+use std::panic;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Maximum number of threads.
-const MOST_JOBS: u64 = 1024;
+const MAX_JOBS: u64 = 1024;
+
+/// From now on panics that a sweep turns into errors are not printed. The hook belongs to the whole process, so the program
+/// sets it, not the library.
+pub(super) fn set_panic_hook() {
+    let print = panic::take_hook();
+    panic::set_hook(Box::new(move |info| {
+        if !is_catching() {
+            print(info);
+        }
+    }));
+}
+
+/// `--row` of `toprise run`.
+#[derive(Args, Clone, Debug, Default, PartialEq)]
+pub(super) struct RowArgument {
+    /// Run this row of a sweep table (SCENARIO is the .parquet file)
+    #[arg(long, value_name = "N")]
+    row: Option<u64>,
+}
+
+impl RowArgument {
+    /// The values of the row of a table; `None` without `--row`.
+    pub(super) fn values(&self, table: &Path) -> Result<Option<Values>, SweepError> {
+        match self.row {
+            Some(row) => values_of_row(table, row).map(Some),
+            None => Ok(None),
+        }
+    }
+
+    /// The name of a recording of the row.
+    pub(super) fn name(&self, table: String) -> String {
+        match self.row {
+            Some(row) => format!("{table}_row{row}"),
+            None => table,
+        }
+    }
+}
 
 /// Methods use their names as command-line values.
 impl ValueEnum for Method {
@@ -76,7 +117,7 @@ pub(super) struct SweepArguments {
     output: PathBuf,
 
     /// Number of threads [default: number of processors]
-    #[arg(short = 'j', long, value_name = "N", value_parser = |text: &str| whole(text, 1, MOST_JOBS), allow_negative_numbers = true)]
+    #[arg(short = 'j', long, value_name = "N", value_parser = |text: &str| whole(text, 1, MAX_JOBS), allow_negative_numbers = true)]
     jobs: Option<u64>,
 
     /// Compute only shard I (from 0) of N, e.g. on one of N machines; run without --shard to merge.
@@ -96,25 +137,34 @@ pub(super) struct SweepArguments {
     dry_run: bool,
 }
 
-fn whole(text: &str, least: u64, most: u64) -> Result<u64, String> {
-    let reason = format!("must be a whole number from {least} to {most}");
-    parse_number(text, |number| (least..=most).contains(number), &reason)
+/// What is wrong with the value of an option.
+#[derive(Debug, thiserror::Error)]
+enum ValueError {
+    #[error("must be a whole number from {least} to {most}")]
+    Whole { least: u64, most: u64 },
+    #[error("must be I/N with I from 0 to N − 1, e.g. 0/4")]
+    Shard,
 }
 
-fn parse_shard(text: &str) -> Result<Shard, String> {
-    let shard = text.split_once('/').and_then(|(index, count)| {
-        Some(Shard {
-            index: index.parse().ok()?,
-            count: count.parse().ok()?,
-        })
-    });
-    shard
-        .filter(|shard| shard.index < shard.count)
-        .ok_or_else(|| "must be I/N with I from 0 to N − 1, e.g. 0/4".to_owned())
+/// Reads a whole number of a range.
+fn whole(text: &str, least: u64, most: u64) -> Result<u64, ValueError> {
+    match text.parse() {
+        Ok(number) if (least..=most).contains(&number) => Ok(number),
+        Ok(_) | Err(_) => Err(ValueError::Whole { least, most }),
+    }
+}
+
+/// Reads the value of `--shard`.
+fn parse_shard(text: &str) -> Result<Shard, ValueError> {
+    let (index, count) = text.split_once('/').ok_or(ValueError::Shard)?;
+    match (index.parse(), count.parse()) {
+        (Ok(index), Ok(count)) if index < count => Ok(Shard { index, count }),
+        _ => Err(ValueError::Shard),
+    }
 }
 
 /// Computes a sweep.
-pub(super) fn sweep(arguments: &SweepArguments) -> Result<Status, Error> {
+pub(super) fn sweep(arguments: &SweepArguments, drafts: &Drafts) -> Result<Status, Error> {
     let began = Instant::now();
     let sweep = Sweep::new(arguments.spec()?);
     if let Some(name) = sweep.spec().shared_name() {
@@ -123,7 +173,7 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Status, Error> {
         ));
     }
     let left = left_to_do(&sweep, &arguments.output, arguments.shard)?;
-    interrupt::watch()?;
+    interrupt::watch(drafts)?;
     let finished = if arguments.dry_run {
         Finished::default()
     } else {
@@ -141,9 +191,12 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<Status, Error> {
         interrupted: finished.is_interrupted,
         wall_time: began.elapsed().as_secs_f64(),
     };
-    let page = || report.page(left, arguments.dry_run, arguments.shard);
-    reports::print(&report, page)?;
-    Ok(Status::of_whole(report.errors == 0 && !report.interrupted))
+    reports::print(&report, || {
+        report.page(left, arguments.dry_run, arguments.shard)
+    })?;
+    Ok(Status::from_whole(
+        report.errors == 0 && !report.interrupted,
+    ))
 }
 
 /// Computes what is left, and shows the progress with counts of outcomes.
@@ -156,7 +209,11 @@ fn compute(arguments: &SweepArguments, sweep: &Sweep, left: u64) -> Result<Finis
             counted(rows, "run")
         ));
     }
-    let progress = Progress::of_runs(left);
+    let progress = Progress::new(
+        Some(left),
+        // At most 52 columns; the counts of outcomes take what is left of the line.
+        "{bar:16} {percent:>3} %  {per_sec}  [{elapsed}, {eta} left]  {wide_msg}",
+    );
     let counts = Mutex::new((Counts::default(), Instant::now()));
     let done = |stop: Option<StopReason>| {
         progress.add(1);
@@ -166,6 +223,7 @@ fn compute(arguments: &SweepArguments, sweep: &Sweep, left: u64) -> Result<Finis
             Some(stop) => counts.count_stop(stop),
             None => counts.errors += 1,
         }
+        // More often would take longer than a short run.
         if shown.elapsed() > Duration::from_millis(100) {
             *shown = Instant::now();
             progress.set_text(summary(&counts.stops, counts.errors));
@@ -198,10 +256,14 @@ impl SweepArguments {
                 return self.spec_of_file(&text, path).with_context(|| word.clone());
             }
         }
-        let open = |word: &String| Base::open(word, Path::new(""), &self.overrides);
-        let bases = self.bases.iter().map(open).collect::<Result<_, _>>()?;
-        let axes = self.over.iter().map(|(key, text)| Axis::parse(key, text));
-        let axes = axes.collect::<Result<Vec<_>, _>>()?;
+        let mut bases = Vec::new();
+        for word in &self.bases {
+            bases.push(Base::open(word, Path::new(""), &self.overrides)?);
+        }
+        let mut axes = Vec::new();
+        for (key, text) in &self.over {
+            axes.push(Axis::parse(key, text)?);
+        }
         let sample = self.sample.map(|count| Sample {
             count,
             method: self.method,
@@ -234,7 +296,7 @@ mod tests {
     use crate::cli::arguments::parse;
 
     #[test]
-    fn a_sweep_is_described() {
+    fn parses_a_sweep() {
         let arguments = parse::<SweepArguments>(
             "paper viscous --over friction.k=0.01..0.1/4log --set stop.duration=1 -j 2 --shard 1/3",
         )
@@ -255,7 +317,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_numbers_are_told_in_plain_words() {
+    fn explains_wrong_numbers() {
         for (line, message) in [
             ("-j 0", "must be a whole number from 1 to 1024"),
             ("-j -1", "must be a whole number from 1 to 1024"),

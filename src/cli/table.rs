@@ -26,21 +26,24 @@ pub(super) struct Table {
 
 impl Table {
     /// A row for each item; the first `left` columns hold text.
-    pub(super) fn of<T>(
+    pub(super) fn new<T>(
         items: impl IntoIterator<Item = T>,
         left: usize,
         columns: &[Column<T>],
     ) -> Self {
-        let row = |item| columns.iter().map(|(_, cell)| cell(&item)).collect();
+        let mut rows = Vec::new();
+        for item in items {
+            rows.push(columns.iter().map(|(_, cell)| cell(&item)).collect());
+        }
         Self {
             header: columns.iter().map(|(name, _)| (*name).to_owned()).collect(),
-            rows: items.into_iter().map(row).collect(),
+            rows,
             left,
         }
     }
 
     /// A table of text without a header.
-    pub(super) fn of_texts(rows: impl IntoIterator<Item = Vec<String>>) -> Self {
+    pub(super) fn from_texts(rows: impl IntoIterator<Item = Vec<String>>) -> Self {
         Self {
             header: Vec::new(),
             rows: rows.into_iter().collect(),
@@ -49,9 +52,12 @@ impl Table {
     }
 
     /// A list of facts, each with a label.
-    pub(super) fn of_facts<'a>(facts: impl IntoIterator<Item = (&'a str, String)>) -> Self {
-        let row = |(label, fact): (&str, String)| vec![label.to_owned(), fact];
-        Self::of_texts(facts.into_iter().map(row))
+    pub(super) fn from_facts<'a>(facts: impl IntoIterator<Item = (&'a str, String)>) -> Self {
+        Self::from_texts(
+            facts
+                .into_iter()
+                .map(|(label, fact)| vec![label.to_owned(), fact]),
+        )
     }
 
     fn columns(&self) -> usize {
@@ -103,25 +109,33 @@ impl Table {
     /// Renders as Markdown.
     pub(super) fn markdown(&self) -> String {
         let columns = self.columns();
-        let row = |row: &[String]| {
-            let cells = cells(row, columns).into_iter();
-            let cells: Vec<_> = cells.map(|cell| cell.replace('|', "\\|")).collect();
-            format!("| {} |\n", cells.join(" | "))
-        };
-        let rule = |at: usize| if at < self.left { ":--" } else { "--:" }.to_owned();
-        let mut text = row(&self.header);
-        text += &row(&(0..columns).map(rule).collect::<Vec<_>>());
+        let mut rule = Vec::new();
+        for at in 0..columns {
+            rule.push(if at < self.left { ":--" } else { "--:" }.to_owned());
+        }
+        let mut text = markdown_row(&self.header, columns);
+        text += &markdown_row(&rule, columns);
         for cells in &self.rows {
-            text += &row(cells);
+            text += &markdown_row(cells, columns);
         }
         text
     }
 }
 
+fn markdown_row(row: &[String], columns: usize) -> String {
+    let mut cells = cells(row, columns);
+    for cell in &mut cells {
+        // A bar would begin another cell.
+        *cell = cell.replace('|', "\\|");
+    }
+    format!("| {} |\n", cells.join(" | "))
+}
+
 /// The sanitised cells of a row; empty ones at the end, if it has fewer.
 fn cells(row: &[String], columns: usize) -> Vec<String> {
-    let cell = |at| sanitized(row.get(at).map_or("", String::as_str)).into_owned();
-    (0..columns).map(cell).collect()
+    (0..columns)
+        .map(|at| sanitized(row.get(at).map_or("", String::as_str)).into_owned())
+        .collect()
 }
 
 #[cfg(test)]
@@ -137,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn columns_line_up_and_combining_marks_take_no_room() {
+    fn aligns_columns_with_combining_marks() {
         let table = Table {
             header: row(["a", "b"]),
             rows: vec![row(["φ̇", "1"]), row(["xx", "22"])],
@@ -151,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn text_is_broken_where_a_table_is_too_wide_and_numbers_never() {
+    fn wraps_text_but_not_numbers() {
         let table = Table {
             header: Vec::new(),
             rows: vec![row(["one two three", "12345678"])],
@@ -164,8 +178,8 @@ mod tests {
     }
 
     #[test]
-    fn cells_are_harmless() {
-        let table = Table::of_texts(vec![row(["a\n\x1b[2Jb"])]);
+    fn sanitizes_cells() {
+        let table = Table::from_texts(vec![row(["a\n\x1b[2Jb"])]);
         assert_eq!(plain(&table, None), "  a��[2Jb\n");
     }
 }

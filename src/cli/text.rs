@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 /// The longest line of a message, in characters.
-const LONGEST: usize = 2000;
+const MAX_LENGTH: usize = 2000;
 
 /// Whether a character is a control or bidirectional formatting character.
 fn is_control(character: char) -> bool {
@@ -20,9 +20,9 @@ pub(super) fn sanitized(text: &str) -> Cow<'_, str> {
     text
 }
 
-/// A line, without what is too long.
+/// Truncates a line to [`MAX_LENGTH`] characters.
 fn shortened(line: &str) -> Cow<'_, str> {
-    match line.char_indices().nth(LONGEST) {
+    match line.char_indices().nth(MAX_LENGTH) {
         Some((end, _)) => Cow::Owned(format!("{}…", &line[..end])),
         None => Cow::Borrowed(line),
     }
@@ -61,12 +61,12 @@ mod tests {
     const HOSTILE: &str = "a\x1b[2Jb\u{9b}31mc\x7f\u{202e}\nerror: forged\r";
 
     #[test]
-    fn nothing_steers_the_terminal() {
+    fn strips_escape_sequences() {
         assert_eq!(sanitized(HOSTILE), "a�[2Jb�31mc���error: forged�");
         assert_eq!(sanitized("θ̇ = 1 rad/s"), "θ̇ = 1 rad/s");
         assert_eq!(message(HOSTILE), "a�[2Jb�31mc��\n  error: forged");
-        assert_eq!(sanitized(&"x".repeat(3000)).chars().count(), LONGEST + 1);
-        assert_eq!(message(&"x".repeat(3000)).chars().count(), LONGEST + 1);
+        assert_eq!(sanitized(&"x".repeat(3000)).chars().count(), MAX_LENGTH + 1);
+        assert_eq!(message(&"x".repeat(3000)).chars().count(), MAX_LENGTH + 1);
         let json = serde_json::to_string_pretty(&[HOSTILE]).unwrap();
         let shown = sanitized_json(&json);
         assert!(!shown.replace('\n', "").contains(is_control), "{shown}");

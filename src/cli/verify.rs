@@ -51,22 +51,21 @@ pub(super) fn verify(arguments: &VerifyArguments) -> Result<Status, Error> {
             output::error(&format!("{}: {error}", file.file));
         }
     }
-    Ok(report.done())
+    Ok(report.status())
 }
 
 /// Verifies all files in parallel.
 fn check_all(files: &[PathBuf]) -> Vec<VerifiedFile> {
-    let size = |file: &PathBuf| file.metadata().map_or(0, |metadata| metadata.len());
-    let progress = Progress::of_bytes("verifying", files.iter().map(size).sum());
-    let verify = |path: &PathBuf| {
-        let checked = check_file(path, &progress);
-        VerifiedFile {
-            file: path.display().to_string(),
-            error: checked.as_ref().err().map(ToString::to_string),
-            report: checked.ok(),
-        }
-    };
-    let verified = files.par_iter().map(verify).collect();
+    // A file that can't be read has an error of its own.
+    let sizes = files
+        .iter()
+        .filter_map(|file| file.metadata().ok())
+        .map(|metadata| metadata.len());
+    let progress = Progress::for_bytes("verifying", sizes.sum());
+    let verified = files
+        .par_iter()
+        .map(|path| VerifiedFile::new(path, check_file(path, &progress)))
+        .collect();
     progress.finish();
     verified
 }
@@ -76,22 +75,44 @@ fn check_file(path: &Path, progress: &Progress) -> Result<Report, Error> {
     Ok(check(&recording, &|bytes| progress.add(bytes))?)
 }
 
-impl VerifyReport {
-    /// The worst result of all files.
-    fn done(&self) -> Status {
-        let of_file = |file: &VerifiedFile| match file.report.as_ref().map(|r| r.verdict) {
+impl VerifiedFile {
+    fn new(path: &Path, checked: Result<Report, Error>) -> Self {
+        Self {
+            file: path.display().to_string(),
+            error: checked.as_ref().err().map(ToString::to_string),
+            report: checked.ok(),
+        }
+    }
+
+    /// The status, and its rank from good to bad.
+    fn status(&self) -> (u8, Status) {
+        match self.report.as_ref().map(|report| report.verdict) {
             Some(Verdict::Verified | Verdict::PackedOtherwise) => (0, Status::Success),
             Some(Verdict::OtherVersion | Verdict::Incomplete) => (1, Status::Partial),
             Some(Verdict::Different) => (2, Status::Different),
             None => (3, Status::Failed),
-        };
-        let worst = self.0.iter().map(of_file).max_by_key(|(rank, _)| *rank);
-        worst.map_or(Status::Success, |(_, done)| done)
+        }
+    }
+}
+
+impl VerifyReport {
+    /// The worst result of all files.
+    fn status(&self) -> Status {
+        self.0
+            .iter()
+            .map(VerifiedFile::status)
+            .max_by_key(|(rank, _)| *rank)
+            .map_or(Status::Success, |(_, status)| status)
     }
 
     fn page(&self) -> Vec<Section> {
-        let section = |file: &VerifiedFile| Some(section(&file.file, file.report.as_ref()?));
-        self.0.iter().filter_map(section).collect()
+        let mut sections = Vec::new();
+        for file in &self.0 {
+            if let Some(report) = &file.report {
+                sections.push(section(&file.file, report));
+            }
+        }
+        sections
     }
 }
 
@@ -112,7 +133,7 @@ fn section(file: &str, report: &Report) -> Section {
         (Verdict::Incomplete, state) => format!("{}: ", state.name()),
         _ => String::new(),
     };
-    let mut section = Section::toned(tone, format!("{file}: {state}{conclusion}"));
+    let mut section = Section::with_tone(tone, format!("{file}: {state}{conclusion}"));
     let mut facts = Vec::new();
     if let Some(difference) = &report.difference {
         facts.push(("difference", difference.to_string()));
@@ -136,7 +157,7 @@ fn section(file: &str, report: &Report) -> Section {
     if !report.without.is_empty() {
         facts.push(("not recorded", report.without.join(", ")));
     }
-    section.table(Table::of_facts(facts));
+    section.table(Table::from_facts(facts));
     section
 }
 
@@ -146,7 +167,7 @@ mod tests {
     use crate::cli::arguments::parse;
 
     #[test]
-    fn files_are_named() {
+    fn parses_files() {
         let expected = VerifyArguments {
             files: vec!["a.mcap".into(), "b.mcap".into()],
         };

@@ -18,11 +18,11 @@ use super::error::RerunError;
 use super::identity::{Identity, Playback, StoreNames};
 use super::outlet::Destinations;
 use crate::archive::input::has_extension;
-use crate::archive::sink::{RecordError, Sink, SinkError, record_to_end};
+use crate::archive::sink::{RecordedRun, Sink, SinkError, record};
 use crate::run::outcome::Outcome;
 use crate::run::scenario::{FORMAT, Scenario, ScenarioError, Values};
-use crate::run::simulation::{Record, Simulation, SimulationError, Tally};
-use crate::telemetry::{Telemetry, Topic, Topics};
+use crate::run::simulation::{Record, SimulationError, Tally};
+use crate::telemetry::{RunError, RunMessages, Topic, Topics};
 
 /// Why a file was not imported, or only in part.
 #[derive(Debug, Error)]
@@ -59,7 +59,7 @@ pub enum ImportError {
     Start(#[from] SimulationError),
     /// The motion could not be computed to its end; the part before is shown.
     #[error("only part of the run is shown: {0}")]
-    Incomplete(#[source] RecordError),
+    Incomplete(#[source] RunError),
     /// A message could not be passed on.
     #[error(transparent)]
     Sink(#[from] SinkError),
@@ -182,8 +182,7 @@ fn is_like_a_scenario(text: &str) -> bool {
 
 /// Simulates a scenario and writes the Rerun recording.
 fn show(scenario: &Scenario, identity: &Identity, output: File) -> Result<(), ImportError> {
-    let mut telemetry = Telemetry::with_topics(&Topics::All);
-    let mut simulation = Simulation::new(scenario)?;
+    let mut run = RunMessages::new(scenario, &Topics::All)?;
     let destinations = Destinations {
         file: Some(output),
         live: None,
@@ -191,7 +190,7 @@ fn show(scenario: &Scenario, identity: &Identity, output: File) -> Result<(), Im
     let mut sink = RerunSink::new(identity, destinations);
     let mut tally = Tally::default();
     let mut sinks: [&mut dyn Sink; 1] = [&mut sink];
-    let (end, error) = record_to_end(&mut simulation, &mut telemetry, &mut sinks, |record, _| {
+    let RecordedRun { end, error } = record(&mut run, &mut sinks, |record, _| {
         if let Record::Event(event) = record {
             tally.count(event.kind, event.time);
         }

@@ -2,31 +2,25 @@
 
 use std::any::Any;
 use std::cell::Cell;
-use std::panic::{self, AssertUnwindSafe, catch_unwind};
-use std::sync::Once;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use thiserror::Error;
 
 thread_local! {
     static IS_CATCHING: Cell<bool> = const { Cell::new(false) };
 }
 
-static QUIET: Once = Once::new();
+/// Whether a panic of this thread becomes an error now, so that a program's panic hook needn't print it.
+pub fn is_catching() -> bool {
+    IS_CATCHING.get()
+}
 
 /// Message of a panic.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("panic: {0}")]
 pub(super) struct Panic(String);
 
-/// The result of a task, or the message of its panic, which isn't printed. Panics of other threads are.
+/// The result of a task, or the message of its panic.
 pub(super) fn catch<T>(task: impl FnOnce() -> T) -> Result<T, Panic> {
-    QUIET.call_once(|| {
-        let print = panic::take_hook();
-        panic::set_hook(Box::new(move |info| {
-            if !IS_CATCHING.get() {
-                print(info);
-            }
-        }));
-    });
     let before = IS_CATCHING.replace(true);
     let caught = catch_unwind(AssertUnwindSafe(task));
     IS_CATCHING.set(before);

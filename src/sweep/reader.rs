@@ -13,7 +13,7 @@ use std::path::Path;
 pub(super) type Opened = ParquetRecordBatchReaderBuilder<File>;
 
 /// Result of `read` for a Parquet file. The `parquet` and `arrow-ipc` crates panic on some damaged files, where they should
-/// return an error. Such a panic becomes an error here, and its message is not printed.
+/// return an error. Such a panic becomes an error here.
 pub(super) fn read<T>(
     path: &Path,
     read: impl FnOnce(Opened) -> Result<T, TableError>,

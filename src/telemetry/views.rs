@@ -140,7 +140,7 @@ pub const VIEW_CHANNELS: &[ViewChannel] = &[
 ];
 
 /// Generates the view messages from table messages.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Views {
     top: Top,
     scales: Scales,

@@ -104,7 +104,7 @@ fn check_object(
 }
 
 #[test]
-fn every_command_answers_by_its_schema() {
+fn reports_match_their_schemas() {
     let folder = recorded();
     let schemas = Path::new(env!("CARGO_MANIFEST_DIR")).join("schemas");
     let mut used = BTreeMap::new();
@@ -183,7 +183,7 @@ fn every_command_answers_by_its_schema() {
 }
 
 #[test]
-fn every_command_answers_in_markdown() {
+fn reports_are_valid_markdown() {
     let folder = recorded();
     for (line, code) in [
         ("explain a.mcap --all", 0),
@@ -204,7 +204,7 @@ fn every_command_answers_in_markdown() {
 }
 
 #[test]
-fn a_comparison_counts_the_findings_that_it_leaves_out() {
+fn diff_counts_hidden_findings() {
     let folder = Folder::new();
     let text = folder.toprise("diff free-paper free-rolls", 1).stdout;
     assert_contains(&text, "more findings and every field");
@@ -257,7 +257,7 @@ fn forge(from: &Path, to: &Path, library: &str) {
 }
 
 #[test]
-fn text_from_files_is_harmless_in_every_answer() {
+fn sanitizes_text_from_files() {
     let folder = recorded();
     let a = folder.at("a.mcap");
     forge(&a, &folder.at("ours.mcap"), "toprise/0.1.0");
@@ -302,7 +302,7 @@ fn text_from_files_is_harmless_in_every_answer() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn broken_streams_are_no_panic() {
+fn broken_streams_do_not_panic() {
     let folder = recorded();
     let program = env!("CARGO_BIN_EXE_toprise");
     let ends = |line: &str, streams: &str| {
@@ -350,7 +350,7 @@ fn broken_streams_are_no_panic() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn names_of_files_need_not_be_text() {
+fn accepts_file_names_that_are_not_utf8() {
     use std::os::unix::ffi::OsStrExt as _;
     let folder = recorded();
     let name = std::ffi::OsStr::from_bytes(b"\xff\xfe.mcap");
@@ -374,7 +374,7 @@ fn names_of_files_need_not_be_text() {
 }
 
 #[test]
-fn errors_are_answers_too() {
+fn prints_errors_as_json() {
     let folder = recorded();
     for (line, part) in [
         ("info missing.mcap --format json", "missing.mcap"),
@@ -389,7 +389,7 @@ fn errors_are_answers_too() {
 }
 
 #[test]
-fn quiet_leaves_notes_out_and_color_is_chosen() {
+fn honours_quiet_and_color() {
     let folder = recorded();
     #[cfg(feature = "sweep")]
     {
@@ -422,7 +422,7 @@ fn quiet_leaves_notes_out_and_color_is_chosen() {
 }
 
 #[test]
-fn causes_are_told_once() {
+fn prints_each_cause_once() {
     let folder = recorded();
     for (line, cause) in [
         ("info missing.mcap", "No such file"),

@@ -8,29 +8,26 @@ use std::path::Path;
 use toprise::archive::pipeline::{Archived, McapSink};
 use toprise::archive::publish::{Existing, partial_name};
 use toprise::archive::recording::{Condition, Overview, Recording};
-use toprise::archive::sink::{Sink, SinkError, record};
+use toprise::archive::sink::{Sink, SinkError, record, record_all};
 use toprise::archive::writer::Form;
 use toprise::physics::dynamics::Support;
 use toprise::run::scenario::Scenario;
-use toprise::run::simulation::Simulation;
 use toprise::telemetry::views::VIEW_CHANNELS;
-use toprise::telemetry::{Telemetry, Topic};
+use toprise::telemetry::{RunMessages, Topic, Topics};
 
 fn short() -> Scenario {
     scenario("paper", &[("stop.duration", "0.5")])
 }
 
 fn archive(path: &Path, scenario: &Scenario, existing: Existing) -> Result<Archived, SinkError> {
-    let mut telemetry = Telemetry::default();
-    let mut sink = McapSink::create(path, existing, scenario, &telemetry, Form::default())?;
-    let mut simulation = Simulation::new(scenario).unwrap();
-    let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
-    let end = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
-    sink.finish(&end)
+    let mut run = RunMessages::new(scenario, &Topics::All).unwrap();
+    let mut sink = McapSink::create(path, existing, scenario, run.telemetry(), Form::default())?;
+    let recorded = record_all(&mut run, &mut [&mut sink]).unwrap();
+    sink.finish(&recorded.end)
 }
 
 #[test]
-fn the_same_scenario_gives_the_same_bytes() {
+fn equal_scenarios_give_equal_bytes() {
     let directory = tempfile::tempdir().unwrap();
     let paths = ["a.mcap", "b.mcap"].map(|name| directory.path().join(name));
     let archived = paths
@@ -46,7 +43,7 @@ fn topics_of_fixed_peg() -> usize {
 }
 
 #[test]
-fn another_reader_finds_everything() {
+fn mcap_crate_reads_everything() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
     let archived = archive(&path, &short(), Existing::Keep).unwrap();
@@ -97,7 +94,7 @@ fn another_reader_finds_everything() {
 }
 
 #[test]
-fn the_records_at_start_and_end_tell_the_run() {
+fn metadata_describes_the_run() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
     let archived = archive(&path, &short(), Existing::Keep).unwrap();
@@ -121,7 +118,7 @@ fn the_records_at_start_and_end_tell_the_run() {
 }
 
 #[test]
-fn nothing_is_written_over() {
+fn keeps_existing_files() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
     fs::write(&path, "precious").unwrap();
@@ -134,7 +131,7 @@ fn nothing_is_written_over() {
 }
 
 #[test]
-fn what_is_not_a_file_is_not_replaced() {
+fn refuses_to_replace_directories_and_devices() {
     let directory = tempfile::tempdir().unwrap();
     for existing in [Existing::Keep, Existing::Replace] {
         let error = archive(directory.path(), &short(), existing).unwrap_err();
@@ -147,7 +144,7 @@ fn what_is_not_a_file_is_not_replaced() {
 }
 
 #[test]
-fn a_partial_recording_is_not_written_over() {
+fn keeps_partial_recordings() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
     fs::write(partial_name(&path), "interrupted").unwrap();
@@ -157,30 +154,27 @@ fn a_partial_recording_is_not_written_over() {
 }
 
 #[test]
-fn a_name_that_is_taken_during_the_run_is_left_alone() {
+fn keeps_files_created_during_the_run() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
-    let mut telemetry = Telemetry::default();
-    let mut sink =
-        McapSink::create(&path, Existing::Keep, &short(), &telemetry, Form::default()).unwrap();
-    let mut simulation = Simulation::new(&short()).unwrap();
-    let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
-    let end = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
+    let mut run = RunMessages::new(&short(), &Topics::All).unwrap();
+    let (telemetry, form) = (run.telemetry(), Form::default());
+    let mut sink = McapSink::create(&path, Existing::Keep, &short(), telemetry, form).unwrap();
+    let recorded = record_all(&mut run, &mut [&mut sink]).unwrap();
     fs::write(&path, "came in between").unwrap();
-    let error = sink.finish(&end).unwrap_err();
+    let error = sink.finish(&recorded.end).unwrap_err();
     assert!(matches!(error, SinkError::Exists { .. }), "{error}");
     assert_eq!(fs::read(&path).unwrap(), b"came in between");
     assert!(Overview::read(&partial_name(&path)).unwrap().is_whole());
 }
 
 #[test]
-fn an_abandoned_recording_stays_partial_and_readable() {
+fn abandoned_recordings_stay_readable() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
-    let mut telemetry = Telemetry::default();
-    let mut sink =
-        McapSink::create(&path, Existing::Keep, &short(), &telemetry, Form::default()).unwrap();
-    let mut simulation = Simulation::new(&short()).unwrap();
+    let mut run = RunMessages::new(&short(), &Topics::All).unwrap();
+    let (telemetry, form) = (run.telemetry(), Form::default());
+    let mut sink = McapSink::create(&path, Existing::Keep, &short(), telemetry, form).unwrap();
     let mut samples = 0;
     let stop_early = |_: &_, sinks: &mut [&mut dyn Sink]| {
         samples += 1;
@@ -190,13 +184,7 @@ fn an_abandoned_recording_stays_partial_and_readable() {
         sinks[0].flush()?;
         Ok(ControlFlow::Break(()))
     };
-    record(
-        &mut simulation,
-        &mut telemetry,
-        &mut [&mut sink],
-        stop_early,
-    )
-    .unwrap();
+    record(&mut run, &mut [&mut sink], stop_early).unwrap();
     drop(sink);
     assert!(!path.exists());
     let overview = Overview::read(&partial_name(&path)).unwrap();
@@ -212,7 +200,7 @@ fn an_abandoned_recording_stays_partial_and_readable() {
 }
 
 #[test]
-fn damaged_and_foreign_files_are_told_apart() {
+fn distinguishes_damaged_from_foreign_files() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
     archive(&path, &short(), Existing::Keep).unwrap();

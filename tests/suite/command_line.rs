@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 use toprise::archive::recording::Overview;
-use toprise::run::scenario::{LAWS, Scenario};
+use toprise::run::scenario::{LAWS, Scenario, Values};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_toprise");
 
@@ -33,7 +33,7 @@ fn assert_contains_all(text: &str, parts: &[&str]) {
 }
 
 #[test]
-fn run_records_and_summarises() {
+fn run_records_and_prints_a_summary() {
     let folder = Folder::new();
     let parts = [
         "stopped at the time limit at t = 0.200000 s",
@@ -47,7 +47,7 @@ fn run_records_and_summarises() {
 }
 
 #[test]
-fn a_run_that_is_recorded_is_not_written_again() {
+fn skips_identical_recordings() {
     let folder = Folder::new();
     let recordings = || {
         let mut names = files(&folder.at("recordings"));
@@ -76,7 +76,7 @@ fn a_run_that_is_recorded_is_not_written_again() {
 }
 
 #[test]
-fn a_run_with_many_changes_takes_no_other_runs_name() {
+fn long_names_end_in_the_digest() {
     let folder = Folder::new();
     fs::create_dir(folder.at("recordings")).unwrap();
     folder.write("recordings/paper.mcap", "the preset's");
@@ -95,7 +95,7 @@ fn a_run_with_many_changes_takes_no_other_runs_name() {
 }
 
 #[test]
-fn changed_runs_are_called_by_their_changes() {
+fn names_runs_after_their_changes() {
     let folder = Folder::new();
     for (changes, title, file) in [
         (
@@ -132,7 +132,7 @@ fn changed_runs_are_called_by_their_changes() {
 }
 
 #[test]
-fn a_recording_can_be_run_again_and_with_another_value() {
+fn reruns_recordings_with_other_values() {
     let folder = Folder::new();
     folder.toprise(&format!("{SHORT} -o a.mcap"), 0);
     folder.toprise("run a.mcap -o b.mcap", 0);
@@ -146,7 +146,7 @@ fn a_recording_can_be_run_again_and_with_another_value() {
 }
 
 #[test]
-fn an_explicit_output_that_exists_needs_force() {
+fn refuses_existing_output_without_force() {
     let folder = Folder::new();
     let run = format!("{SHORT} -o a.mcap");
     folder.toprise(&run, 0);
@@ -156,7 +156,7 @@ fn an_explicit_output_that_exists_needs_force() {
 }
 
 #[test]
-fn bad_input_is_exit_code_2_and_writes_nothing() {
+fn bad_input_exits_with_2_and_writes_nothing() {
     let folder = Folder::new();
     folder.write("broken.toml", "[top\n");
     folder.write("binary.toml", [0xff, 0xfe]);
@@ -193,7 +193,7 @@ fn bad_input_is_exit_code_2_and_writes_nothing() {
 }
 
 #[test]
-fn a_rerun_file_that_exists_leaves_no_mcap_behind() {
+fn existing_rrd_leaves_no_mcap() {
     if cfg!(not(feature = "rerun")) {
         return;
     }
@@ -205,7 +205,7 @@ fn a_rerun_file_that_exists_leaves_no_mcap_behind() {
 }
 
 #[test]
-fn summaries_are_json_where_a_program_reads_them() {
+fn prints_summaries_as_json() {
     let folder = Folder::new();
     let run = json(&folder, &format!("{SHORT} --format json"));
     assert_eq!(run["samples"], 201);
@@ -224,7 +224,7 @@ fn summaries_are_json_where_a_program_reads_them() {
 }
 
 #[test]
-fn info_tells_what_is_in_a_recording() {
+fn info_lists_contents() {
     let folder = Folder::new();
     folder.toprise(SHORT, 0);
     let text = answer(&folder, "info recordings/paper_duration0.2.mcap");
@@ -236,7 +236,7 @@ fn info_tells_what_is_in_a_recording() {
 }
 
 #[test]
-fn presets_can_be_edited_and_run() {
+fn runs_edited_presets() {
     let folder = Folder::new();
     assert_contains(&answer(&folder, "presets"), "full-coulomb");
     let toml = answer(&folder, "presets full-coulomb");
@@ -247,7 +247,67 @@ fn presets_can_be_edited_and_run() {
 }
 
 #[test]
-fn laws_are_listed() {
+fn names_recordings_after_the_scenario_file() {
+    let folder = Folder::new();
+    let brief = "--set stop.duration=0.05";
+    folder.write("mine.toml", answer(&folder, "presets paper"));
+    let text = answer(&folder, &format!("run mine.toml {brief}"));
+    assert_contains(&text, "recordings/mine_duration0.05.mcap");
+    let report = json(
+        &folder,
+        &format!("diff paper mine.toml {brief} --format json"),
+    );
+    let names = ["a", "b"].map(|side| report[side]["name"].clone());
+    assert_eq!(names, ["paper", "mine"]);
+}
+
+#[test]
+fn presets_prints_the_scenario_of_a_recording() {
+    let folder = Folder::new();
+    answer(&folder, "run viscous --set stop.duration=0.05 -o a.mcap");
+    let text = answer(&folder, "presets a.mcap");
+    let found = Scenario::new(Values::from_toml(&text).unwrap()).unwrap();
+    let expected = scenario("viscous", &[("stop.duration", "0.05")]);
+    assert_eq!(found.digest(), expected.digest());
+}
+
+#[test]
+fn version_names_telemetry_and_features() {
+    let text = answer(&Folder::new(), "--version");
+    let telemetry = format!("telemetry {}", toprise::telemetry::table::VERSION);
+    assert_contains_all(
+        &text,
+        &[env!("CARGO_PKG_VERSION"), &telemetry, "features cli"],
+    );
+    assert_eq!(text.contains("rerun"), cfg!(feature = "rerun"));
+}
+
+#[test]
+fn completions_know_names() {
+    let text = answer(&Folder::new(), "completions bash");
+    let names = [
+        "full-coulomb",
+        "friction.k=",
+        "/top/state",
+        "figure-2",
+        "coulomb-tanh",
+    ];
+    assert_contains_all(&text, &names);
+}
+
+#[test]
+fn describes_one_law() {
+    let folder = Folder::new();
+    let text = answer(&folder, "laws viscous");
+    assert!(
+        text.contains("friction.viscous_speed") && !text.contains("coulomb"),
+        "{text}"
+    );
+    folder.refuses("laws viscos", "did you mean viscous?");
+}
+
+#[test]
+fn lists_laws() {
     let folder = Folder::new();
     let text = answer(&folder, "laws");
     let parameter = ["friction.patch_radius", "[m/s]", "air.disc"];
@@ -263,7 +323,7 @@ fn laws_are_listed() {
 }
 
 #[test]
-fn schemas_and_completions_are_printed() {
+fn prints_schemas_and_completions() {
     let folder = Folder::new();
     assert_contains(&answer(&folder, "schema"), "/top/torque");
     assert_eq!(json(&folder, "schema /events")["title"], "toprise.Event");
@@ -306,7 +366,7 @@ fn signal(child: &Child, name: &str) {
 
 #[cfg(unix)]
 #[test]
-fn an_interrupted_run_ends_cleanly() {
+fn interrupted_runs_end_cleanly() {
     let folder = Folder::new();
     let mut child = paced_run(&folder);
     signal(&child, "-INT");
@@ -319,7 +379,7 @@ fn an_interrupted_run_ends_cleanly() {
 
 #[cfg(unix)]
 #[test]
-fn a_killed_run_leaves_a_readable_partial_file() {
+fn killed_runs_leave_readable_partial_files() {
     let folder = Folder::new();
     let mut child = paced_run(&folder);
     signal(&child, "-KILL");
@@ -339,7 +399,7 @@ fn a_killed_run_leaves_a_readable_partial_file() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_is_a_clear_error() {
+fn reports_full_disks() {
     // A file-size limit stands for the full disk: it needs no privileges. Both end a write early.
     let folder = Folder::new();
     let output = folder.limited(200, "run -o full.mcap");
@@ -353,22 +413,22 @@ fn a_full_disk_is_a_clear_error() {
 
 /// A reader that stops early is none: `cli::output` tests it.
 #[test]
-fn an_answer_that_nobody_can_read_is_failed_output() {
+fn unreadable_stdout_is_failed_output() {
     for line in ["schema", "--help", "laws --format json"] {
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
         let mut program = Command::new(PROGRAM);
         let program = program.args(line.split(' ')).stdout(writer);
         let output = program.output().unwrap();
-        let told = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{line}: {told}");
-        assert_contains(&told, "cannot write to standard output");
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{line}: {stderr}");
+        assert_contains(&stderr, "cannot write to standard output");
     }
 }
 
 /// What says under which name a file is written is checked before the run.
 #[test]
-fn regress_names_that_no_recording_can_have_are_refused_at_once() {
+fn regress_refuses_impossible_names_at_once() {
     let folder = Folder::new();
     for (output, part) in [
         ("new/", "\"new/\" is not a file name"),
@@ -376,6 +436,7 @@ fn regress_names_that_no_recording_can_have_are_refused_at_once() {
         ("a.mcap/.", "is not a file name"),
         ("a.mcap.partial", "reserved for incomplete runs"),
         ("a.rrd", "use --rrd a.rrd"),
+        ("foo.txt", "call it foo.mcap"),
     ] {
         // It would take longer than the test does.
         folder.refuses(&format!("run --realtime 1e-3 -o {output} --force"), part);
@@ -385,7 +446,7 @@ fn regress_names_that_no_recording_can_have_are_refused_at_once() {
 
 /// Chunks end by their sizes: no clock reaches the file.
 #[test]
-fn regress_a_paced_run_writes_the_bytes_of_one_that_is_not() {
+fn regress_pacing_does_not_change_bytes() {
     let folder = Folder::new();
     let recorded = |name: &str, pace: &str| {
         let line = format!("run --set stop.duration=0.3 -o {name} {pace}");
@@ -400,9 +461,9 @@ fn regress_a_paced_run_writes_the_bytes_of_one_that_is_not() {
 /// Only `-o` leaves a Rerun recording out that nobody has asked to leave out.
 #[cfg(feature = "rerun")]
 #[test]
-fn the_report_tells_of_a_rerun_recording_that_is_left_out() {
+fn report_mentions_omitted_rrd() {
     let folder = Folder::new();
-    for (output, is_told) in [
+    for (output, is_mentioned) in [
         ("-o a.mcap", true),
         ("-o b.mcap --no-rrd", false),
         ("-o c.mcap --rrd c.rrd", false),
@@ -410,12 +471,12 @@ fn the_report_tells_of_a_rerun_recording_that_is_left_out() {
     ] {
         let text = answer(&folder, &format!("run --set stop.duration=0.01 {output}"));
         let found = text.contains("no Rerun recording with -o");
-        assert_eq!(found, is_told, "{output}: {text}");
+        assert_eq!(found, is_mentioned, "{output}: {text}");
     }
 }
 
 #[test]
-fn recordings_are_verified_and_run_again() {
+fn verifies_and_reruns_recordings() {
     let folder = Folder::new();
     folder.toprise(&format!("{SHORT} -o a.mcap"), 0);
     let text = answer(&folder, "verify a.mcap");
@@ -470,7 +531,7 @@ fn recordings_are_verified_and_run_again() {
 
 #[cfg(feature = "rerun")]
 #[test]
-fn recordings_are_shown_again() {
+fn view_replays_recordings() {
     let folder = Folder::new();
     folder.toprise(&format!("{SHORT} -o a.mcap --rrd a.rrd"), 0);
     let whole = folder.read("a.mcap");
@@ -507,7 +568,7 @@ fn recordings_are_shown_again() {
 }
 
 #[test]
-fn a_run_of_no_time_tells_no_ratio_to_it() {
+fn omits_the_speed_of_runs_without_duration() {
     let folder = Folder::new();
     for duration in ["0", "1e-300"] {
         let line = format!("run --force -o none.mcap --set stop.duration={duration}");
@@ -519,7 +580,7 @@ fn a_run_of_no_time_tells_no_ratio_to_it() {
 
 /// What is named like a file is one: the error is about the file.
 #[test]
-fn a_file_that_can_t_be_run_is_not_taken_for_a_preset() {
+fn unusable_files_are_not_presets() {
     let folder = Folder::new();
     folder.write("empty.mcap", "");
     fs::create_dir(folder.at("folder.mcap")).unwrap();
@@ -535,7 +596,7 @@ fn a_file_that_can_t_be_run_is_not_taken_for_a_preset() {
 
 /// `-` is a scenario on standard input; recordings, tables and outputs need a file.
 #[test]
-fn dash_is_a_scenario_on_standard_input_or_refused() {
+fn reads_scenarios_from_standard_input() {
     let folder = Folder::new();
     let scenario = scenario("paper", &[("stop.duration", "0.05")]).to_toml();
     let piped = |line: &str, code: i32| {
@@ -561,7 +622,7 @@ fn dash_is_a_scenario_on_standard_input_or_refused() {
 
 #[cfg(unix)]
 #[test]
-fn replacing_a_symbolic_link_is_reported() {
+fn warns_when_replacing_a_symbolic_link() {
     let folder = Folder::new();
     folder.write("target", "precious");
     let run = "run --set stop.duration=0.05 -o link.mcap --force";

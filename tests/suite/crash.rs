@@ -88,7 +88,7 @@ fn killed_after(directory: &Path, form: &[&str], milliseconds: u64, expected: &[
 }
 
 #[test]
-fn runs_that_are_killed_at_any_moment_lose_nothing_that_was_on_the_disk() {
+fn killed_runs_lose_nothing_on_disk() {
     let directory = tempfile::tempdir().unwrap();
     let wholes = FORMS.map(|form| {
         let arguments = [&SCENARIO, form, &["--force"]].concat();
@@ -113,7 +113,7 @@ fn runs_that_are_killed_at_any_moment_lose_nothing_that_was_on_the_disk() {
 /// A file system with 400 kB of room, where the system lets a user mount one.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_file_system_is_a_clear_error() {
+fn reports_full_file_systems() {
     let directory = tempfile::tempdir().unwrap();
     let room = directory.path().join("room");
     fs::create_dir(&room).unwrap();
@@ -147,7 +147,7 @@ fn a_full_file_system_is_a_clear_error() {
 
 /// Steps of a microsecond, and an hour to the next sample.
 #[test]
-fn a_run_without_records_ends_when_it_is_told_to() {
+fn signals_end_runs_without_records() {
     let directory = tempfile::tempdir().unwrap();
     let mut program = Command::new(PROGRAM);
     program.args(["run", "-o", "still.mcap"]);

@@ -57,7 +57,7 @@ fn flipped(bytes: &[u8], place: usize, mask: u8) -> Vec<u8> {
 }
 
 #[test]
-fn every_byte_of_a_tiny_recording_counts() {
+fn notices_any_changed_byte() {
     let form = Form {
         views: false,
         ..Form::default()
@@ -75,7 +75,7 @@ fn every_byte_of_a_tiny_recording_counts() {
 }
 
 #[test]
-fn flipped_bits_are_noticed_all_over_a_recording() {
+fn notices_flipped_bits() {
     for encoding in Encoding::ALL {
         let form = Form {
             encoding,
@@ -101,7 +101,7 @@ fn flipped_bits_are_noticed_all_over_a_recording() {
 }
 
 #[test]
-fn a_recording_may_end_anywhere() {
+fn reads_recordings_cut_anywhere() {
     let whole = short("0.1");
     let mut lengths: Vec<usize> = (0..200).map(|i| i * whole.len() / 200).collect();
     lengths.extend(whole.len() - 300..whole.len());
@@ -120,7 +120,7 @@ fn a_recording_may_end_anywhere() {
 }
 
 #[test]
-fn chunks_that_were_swapped_or_repeated_are_noticed() {
+fn notices_swapped_and_repeated_chunks() {
     let whole = short("0.5");
     let chunks = chunks(&whole);
     assert!(chunks.len() > 4);
@@ -150,7 +150,7 @@ fn chunks_that_were_swapped_or_repeated_are_noticed() {
 
 /// A file that ends between two records has nothing that can't be read, and lacks the end of its run.
 #[test]
-fn a_run_that_was_cut_between_records_is_told_as_interrupted() {
+fn cut_between_records_is_interrupted() {
     let folder = Folder::new();
     let whole = short("0.5");
     let end = chunks(&whole)[3].end;
@@ -169,7 +169,7 @@ fn a_run_that_was_cut_between_records_is_told_as_interrupted() {
 }
 
 #[test]
-fn messages_that_come_twice_are_left_out_and_told() {
+fn skips_and_reports_repeated_messages() {
     let folder = Folder::new();
     let whole = short("0.5");
     let first = chunks(&whole)[1].clone();
@@ -206,7 +206,7 @@ pub fn chunks(bytes: &[u8]) -> Vec<Range<usize>> {
 }
 
 #[test]
-fn a_damaged_recording_is_read_past_its_damage_and_run_again_to_the_same_bytes() {
+fn reads_past_damage_and_reruns() {
     let folder = Folder::new();
     let scenario = scenario("paper", &[("stop.duration", "0.5")]);
     for (encoding, topics) in [
@@ -238,7 +238,7 @@ fn a_damaged_recording_is_read_past_its_damage_and_run_again_to_the_same_bytes()
 }
 
 #[test]
-fn a_recording_that_ends_before_its_scenario_can_not_be_run_again() {
+fn recordings_without_scenario_cannot_rerun() {
     let whole = short("0.02");
     let folder = Folder::new();
     let first_chunk = chunks(&whole)[0].start;
@@ -258,7 +258,7 @@ fn a_recording_that_ends_before_its_scenario_can_not_be_run_again() {
 }
 
 #[test]
-fn damage_outside_of_chunks_costs_no_messages() {
+fn damage_outside_chunks_loses_no_messages() {
     let whole = short("0.5");
     let folder = Folder::new();
     let changed = |at: usize, mask: u8| {
@@ -287,7 +287,7 @@ fn damage_outside_of_chunks_costs_no_messages() {
 }
 
 #[test]
-fn what_stands_behind_the_footer_is_noticed() {
+fn notices_bytes_after_the_footer() {
     let whole = short("0.1");
     let (whole, magic) = whole.split_at(whole.len() - mcap::MAGIC.len());
     let bytes = [whole, &record(0x85, b"hello"), magic].concat();
@@ -297,7 +297,7 @@ fn what_stands_behind_the_footer_is_noticed() {
 }
 
 #[test]
-fn a_recording_whose_index_is_lost_loses_nothing() {
+fn reads_everything_without_an_index() {
     let folder = Folder::new();
     let whole = short("0.3");
     // The end magic and a part of the footer.
@@ -311,7 +311,7 @@ fn a_recording_whose_index_is_lost_loses_nothing() {
 }
 
 #[test]
-fn the_scenario_of_another_run_is_not_taken_for_its_own() {
+fn rejects_foreign_scenario() {
     let whole = |k: &str| {
         let scenario = scenario("paper", &[("stop.duration", "0.3"), ("friction.k", k)]);
         recorded(&scenario, &[], Form::default())
@@ -326,7 +326,7 @@ fn the_scenario_of_another_run_is_not_taken_for_its_own() {
 }
 
 #[test]
-fn every_byte_of_the_record_of_the_run_counts_in_an_interrupted_recording() {
+fn notices_changed_metadata_of_interrupted_runs() {
     let whole = short("0.01");
     let interrupted = &whole[..chunks(&whole).last().unwrap().end];
     let mut places = interrupted.windows(11);
@@ -345,7 +345,7 @@ fn every_byte_of_the_record_of_the_run_counts_in_an_interrupted_recording() {
 }
 
 #[test]
-fn a_recording_that_ends_in_its_summary_is_incomplete() {
+fn cut_summary_is_incomplete() {
     let whole = short("0.1");
     let summary = mcap::read::footer(&whole).unwrap().summary_start as usize;
     let lengths: Vec<usize> = (summary..whole.len()).step_by(29).collect();
@@ -363,7 +363,7 @@ fn record(opcode: u8, body: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn a_chunk_of_compressed_zeros_is_not_read_to_its_end() {
+fn bounds_decompression() {
     let size = 1 << 26;
     let zeros = zstd::encode_all(std::io::repeat(0).take(size), 1).unwrap();
     let chunk = [
@@ -388,15 +388,15 @@ fn a_chunk_of_compressed_zeros_is_not_read_to_its_end() {
 
 #[cfg(unix)]
 #[test]
-fn a_pipe_is_refused_and_not_waited_for() {
+fn refuses_pipes_without_waiting() {
     let folder = Folder::new();
     let path = folder.at("pipe.mcap");
     let made = std::process::Command::new("mkfifo").arg(&path).status();
     assert!(made.unwrap().success());
-    let (told, opened) = std::sync::mpsc::channel();
+    let (sender, opened) = std::sync::mpsc::channel();
     thread::spawn(move || {
         let opened = Recording::open(&path).map(|_| ());
-        told.send(opened.map_err(|error| error.to_string()))
+        sender.send(opened.map_err(|error| error.to_string()))
     });
     let minute = std::time::Duration::from_mins(1);
     let opened = opened.recv_timeout(minute);
@@ -406,7 +406,7 @@ fn a_pipe_is_refused_and_not_waited_for() {
 
 /// What is missing of a run is no difference to it, and counts of the rest are not those of the run.
 #[test]
-fn a_hole_makes_no_findings() {
+fn gaps_make_no_findings() {
     let folder = Folder::new();
     let drop = scenario("drop", &[("sampling.period", "0.0005")]);
     archive(&folder.at("whole.mcap"), &drop, &[], Form::default()).unwrap();
@@ -424,7 +424,7 @@ fn a_hole_makes_no_findings() {
         let facts = story.chapters.iter().flat_map(|chapter| &chapter.facts);
         for fact in facts {
             let counts = matches!(fact, Fact::Hops { .. } | Fact::Impacts { .. });
-            // Behind the last sample that is there nothing is told.
+            // Behind the last sample nothing is reported.
             assert!(!counts || hit == last, "{hit:?}: {fact:?}");
         }
         let options = Options {

@@ -51,7 +51,7 @@ fn blocks<'a>(text: &'a str, language: &str) -> Vec<Vec<&'a str>> {
 }
 
 #[test]
-fn links_lead_to_files() {
+fn links_point_to_files() {
     let mut links = 0;
     for (path, text) in documents() {
         for rest in text.split("](").skip(1) {
@@ -68,7 +68,7 @@ fn links_lead_to_files() {
 }
 
 #[test]
-fn commands_are_understood() {
+fn documented_commands_parse() {
     let mut commands = 0;
     for (path, text) in documents() {
         for line in blocks(&text, "sh").into_iter().flatten() {
@@ -179,7 +179,7 @@ fn is_line(shown: &str, printed: &str) -> bool {
 
 /// The page of all keys, which is made from their table.
 #[test]
-fn the_page_of_keys_is_that_of_the_table() {
+fn keys_page_matches_the_table() {
     let paper = Preset::find("paper").unwrap().values().unwrap();
     let mut page = KEYS_HEAD.to_owned();
     for key in KEYS {
@@ -277,7 +277,7 @@ A scenario is a TOML file: `toprise presets paper > mine.toml`. Keys are grouped
 ";
 
 #[test]
-fn the_schema_of_scenarios_has_every_key() {
+fn scenario_schema_has_every_key() {
     let text = toprise::run::scenario::schema();
     let schema: serde_json::Value = serde_json::from_str(&text).unwrap();
     for key in KEYS {

@@ -121,7 +121,7 @@ fn reports_records_whose_opcode_is_damaged() {
 }
 
 #[test]
-fn files_of_others_are_whole_or_interrupted_or_damaged() {
+fn classifies_foreign_files() {
     let chunk = record(op::CHUNK, &chunk_body("zstd"));
     let whole = file(&[&other(), &chunk]);
     let attached = |is_damaged| {
@@ -172,7 +172,7 @@ fn files_of_others_are_whole_or_interrupted_or_damaged() {
 }
 
 #[test]
-fn span_and_rate_come_from_the_earliest_and_latest_time() {
+fn computes_span_and_rate_from_extreme_times() {
     let folder = Folder::new();
     let chunk_record = record(op::CHUNK, &chunk_body("zstd"));
     folder.write("a.mcap", file(&[&other(), &chunk_record]));
@@ -245,7 +245,7 @@ fn open(path: &Path) -> Recording {
 }
 
 #[test]
-fn recordings_ordered_by_topic_lose_nothing() {
+fn reads_recordings_sorted_by_topic() {
     let folder = Folder::new();
     let (original, sorted) = by_topic(Form::default());
     let original = open(&folder.write("run.mcap", original));
@@ -267,7 +267,7 @@ fn recordings_ordered_by_topic_lose_nothing() {
         figure.draw(&[&run], 85.0).svg()
     });
     assert!(drawn[0] == drawn[1]);
-    folder.toprise("diff run.mcap sorted.mcap --no-floor", 0);
+    folder.toprise("diff run.mcap sorted.mcap --no-integration-error", 0);
 }
 
 #[test]
@@ -305,7 +305,7 @@ fn reads_topics_and_times_of_sorted_files_in_order() {
 }
 
 #[test]
-fn one_changed_number_is_different_and_nothing_is_missing() {
+fn finds_one_changed_number_in_sorted_files() {
     let scenario = scenario("paper", &[("stop.duration", "0.05")]);
     let mut file = Forgery::of(&recorded(&scenario, &[], Form::default()));
     file.edit("/top/state", 7, |text| {
@@ -317,7 +317,7 @@ fn one_changed_number_is_different_and_nothing_is_missing() {
 }
 
 #[test]
-fn a_damaged_scenario_is_damage() {
+fn damaged_scenario_is_damage() {
     let scenario = scenario("paper", &[("stop.duration", "0.05")]);
     let mut bytes = recorded(&scenario, &[], Form::default());
     let name = b"name = \"paper\"";
@@ -339,7 +339,7 @@ fn a_damaged_scenario_is_damage() {
     for line in [
         "info a.mcap",
         "verify a.mcap",
-        "diff a.mcap a.mcap --no-floor",
+        "diff a.mcap a.mcap --no-integration-error",
     ] {
         let printed = folder.toprise(line, 3);
         assert_contains(&printed.stdout, "wrong checksum");
@@ -347,7 +347,7 @@ fn a_damaged_scenario_is_damage() {
 }
 
 #[test]
-fn verifying_files_of_others_is_an_error() {
+fn verify_refuses_foreign_files() {
     let folder = Folder::new();
     let chunk = record(op::CHUNK, &chunk_body(""));
     let path = folder.write("a.mcap", file(&[&other(), &chunk]));
@@ -357,7 +357,7 @@ fn verifying_files_of_others_is_an_error() {
 }
 
 #[test]
-fn runs_that_were_merged_are_refused() {
+fn refuses_merged_runs() {
     let scenario = scenario("paper", &[("stop.duration", "0.05")]);
     let mut file = Forgery::of(&recorded(&scenario, &[], Form::default()));
     let run = file
@@ -377,7 +377,7 @@ fn runs_that_were_merged_are_refused() {
 
 /// Chunks that all span the whole time, and loose messages between them, are read in order of time.
 #[test]
-fn overlapping_chunks_are_read_in_order() {
+fn sorts_overlapping_chunks() {
     let messages: Vec<_> = (0..1000_u64).map(|n| (n * 7919 % 500, n as u32)).collect();
     let mut records = vec![other(), record(op::CHANNEL, &channel(1, "/a"))];
     for (index, part) in messages.chunks(100).enumerate() {
@@ -546,7 +546,7 @@ fn keeps_messages_without_sequence_numbers() {
 }
 
 #[test]
-fn counts_that_the_end_record_contradicts_are_reported() {
+fn reports_counts_that_contradict_the_end_record() {
     let whole = recorded(
         &scenario("paper", &[("stop.duration", "0.3")]),
         &[],

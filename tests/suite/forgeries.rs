@@ -189,7 +189,7 @@ fn with_more(record: &Record) -> Record {
 }
 
 #[test]
-fn what_stands_beside_the_messages_follows_from_the_scenario() {
+fn rejects_forged_metadata() {
     try_all(Encoding::Json, |a| {
         a.repacked("written anew", |_| {});
         // The record toprise.run.
@@ -327,7 +327,7 @@ fn what_stands_beside_the_messages_follows_from_the_scenario() {
 }
 
 #[test]
-fn channels_and_schemas_are_those_of_toprise() {
+fn rejects_forged_channels_and_schemas() {
     try_all(Encoding::Json, |a| {
         for (name, topic, key, value) in [
             ("metadata of a channel", "/top/state", "unit", "degrees"),
@@ -453,7 +453,7 @@ fn channels_and_schemas_are_those_of_toprise() {
             });
         });
         a.caught("a channel that was dropped", |f| f.leave_out("/top/energy"));
-        a.repacked("a channel that was dropped, as told", |f| {
+        a.repacked("a dropped channel, declared", |f| {
             f.leave_out("/top/energy");
             let others = "/top/state,/top/pose,/top/torque,/top/acceleration,/top/contact,/top/momentum,\
                           /top/precession,/top/nutation,/events";
@@ -461,14 +461,14 @@ fn channels_and_schemas_are_those_of_toprise() {
         });
         a.caught("a view that was dropped", |f| f.leave_out("/tf"));
         a.caught("views that were dropped", leave_out_views);
-        a.repacked("no views, as told", |f| {
+        a.repacked("no views, declared", |f| {
             leave_out_views(f);
             f.set(RUN, "views", "no");
         });
         for (name, key, value) in [
-            ("views that are not told", "views", "no"),
-            ("topics that are not told", "topics", "/events"),
-            ("another encoding told", "encoding", "protobuf"),
+            ("undeclared views", "views", "no"),
+            ("undeclared topics", "topics", "/events"),
+            ("another declared encoding", "encoding", "protobuf"),
             ("an encoding that is none", "encoding", "by hand"),
         ] {
             a.caught(name, |f| f.set(RUN, key, value));
@@ -514,7 +514,7 @@ fn channels_and_schemas_are_those_of_toprise() {
 }
 
 #[test]
-fn messages_are_those_of_the_simulation_byte_by_byte() {
+fn rejects_forged_messages() {
     try_all(Encoding::Json, |a| {
         a.messages("a publish time", "/top/state", |m, _| m.publish_time += 1);
         a.messages("a publish time of a view", "/tf", |m, _| m.publish_time = 0);
@@ -789,7 +789,7 @@ fn rejects_containers_that_readers_see_differently() {
 }
 
 #[test]
-fn to_claim_to_be_old_or_new_is_no_way_out() {
+fn rejects_forged_library_version() {
     try_all(Encoding::Protobuf, |a| {
         a.caught("an old version", |f| {
             let of_form = ["telemetry", "encoding", "views", "topics"];
@@ -826,7 +826,7 @@ fn assert_verdict(forgery: &Forgery, expected: Verdict) {
 }
 
 #[test]
-fn another_telemetry_is_compared_by_the_names_of_its_fields() {
+fn compares_other_telemetry_by_field_names() {
     let mut forgery = Forgery::of(&original(Encoding::Json));
     forgery.set(RUN, "telemetry", "1000");
     // Another field in the place of one, and a topic less.
@@ -842,7 +842,7 @@ fn another_telemetry_is_compared_by_the_names_of_its_fields() {
 }
 
 #[test]
-fn a_run_without_the_end_of_its_simulation_is_not_verified() {
+fn truncated_runs_are_not_verified() {
     let mut forgery = Forgery::of(&original(Encoding::Json));
     forgery.drop(named(END));
     assert_verdict(&forgery, Verdict::Incomplete);
@@ -850,7 +850,7 @@ fn a_run_without_the_end_of_its_simulation_is_not_verified() {
 
 /// Readers that follow the index would see other things than those that follow the data, however much of the run is there.
 #[test]
-fn an_index_that_contradicts_the_data_is_different_in_parts_of_runs_too() {
+fn rejects_contradictory_index_of_partial_runs() {
     let parts: [fn(&mut Forgery); 3] = [
         |f| f.drop(named(END)),
         |f| {
@@ -871,7 +871,7 @@ fn an_index_that_contradicts_the_data_is_different_in_parts_of_runs_too() {
 
 /// Python's `mcap` writes no checksum of the data unless it is asked to.
 #[test]
-fn a_file_without_a_checksum_of_its_data_is_packed_otherwise() {
+fn accepts_missing_data_checksum() {
     let folder = Folder::new();
     let path = folder.at("a.mcap");
     let mut bytes = original(Encoding::Json);
@@ -894,7 +894,7 @@ fn a_file_without_a_checksum_of_its_data_is_packed_otherwise() {
 
 /// A text of megabytes is no scenario, and is not given to a parser.
 #[test]
-fn a_scenario_of_megabytes_is_not_read() {
+fn bounds_the_scenario_size() {
     let folder = Folder::new();
     let path = folder.at("a.mcap");
     let mut forgery = Forgery::of(&original(Encoding::Json));

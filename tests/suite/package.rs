@@ -10,7 +10,7 @@ use std::process::Command;
 const LARGEST: u64 = 4_000_000;
 
 #[test]
-fn the_package_has_all_that_is_needed_and_is_small() {
+fn package_is_complete_and_small() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let output = Command::new(env!("CARGO"))
         .args(["package", "--list", "--allow-dirty", "--offline"])

@@ -2,9 +2,12 @@
 //! or was left.
 
 use crate::support::{Folder, archive, files, run_again, scenario};
+use mcap::read::{LinearReader, Options};
+use mcap::records::Record;
 use std::fs;
 use std::io::Write as _;
 use std::process::{Child, Command, Stdio};
+use toprise::archive::format::SCENARIO_ATTACHMENT;
 use toprise::archive::pipeline::McapSink;
 use toprise::archive::publish::{Draft, Existing, is_same_file, partial_name};
 use toprise::archive::recording::{Condition, Overview, Recording};
@@ -30,7 +33,7 @@ fn assert_unharmed(folder: &Folder, input: &str, bytes: &[u8], line: &str, code:
 }
 
 #[test]
-fn what_is_read_is_never_harmed_whatever_it_is_called() {
+fn never_changes_inputs() {
     let folder = Folder::new();
     let whole = record(&folder, "a.mcap");
     let cut = &whole[..whole.len() / 2];
@@ -49,7 +52,7 @@ fn what_is_read_is_never_harmed_whatever_it_is_called() {
 
 #[cfg(feature = "rerun")]
 #[test]
-fn what_is_shown_is_never_harmed() {
+fn never_changes_shown_recordings() {
     let folder = Folder::new();
     let whole = record(&folder, "a.mcap");
     for (input, line, code) in [
@@ -63,7 +66,7 @@ fn what_is_shown_is_never_harmed() {
 
 #[cfg(unix)]
 #[test]
-fn an_input_is_known_by_any_name_or_link() {
+fn recognises_inputs_by_any_name_or_link() {
     let folder = Folder::new();
     let whole = record(&folder, "a.mcap");
     let cut = &whole[..whole.len() / 2];
@@ -87,18 +90,18 @@ fn an_input_is_known_by_any_name_or_link() {
 /// Two outputs are one file if they lead to one, however they are spelled, and before there is such a file.
 #[cfg(unix)]
 #[test]
-fn regress_two_outputs_of_one_name_are_refused() {
+fn regress_refuses_two_outputs_with_one_name() {
     let folder = Folder::new();
     record(&folder, "a.mcap");
     fs::create_dir(folder.at("real")).unwrap();
     std::os::unix::fs::symlink("real", folder.at("link")).unwrap();
     let before = folder.files();
     for (one, other) in [
-        ("o.x", "o.x"),
-        ("o.x", "./o.x"),
-        ("real/o.x", "link/o.x"),
-        ("real/o.x", "link/../real/./o.x"),
-        ("new/o.x", "new/deep/../o.x"),
+        ("o.mcap", "o.mcap"),
+        ("o.mcap", "./o.x"),
+        ("real/o.mcap", "link/o.mcap"),
+        ("real/o.mcap", "link/../real/./o.mcap"),
+        ("new/o.mcap", "new/deep/../o.mcap"),
     ] {
         if cfg!(feature = "rerun") {
             let line = format!("run --set stop.duration=0.05 -o {one} --rrd {other} --force");
@@ -110,7 +113,11 @@ fn regress_two_outputs_of_one_name_are_refused() {
     assert_eq!(folder.files(), before);
     assert!(files(&folder.at("real")).is_empty());
     // These are two.
-    for (one, other) in [("o.x", "real/o.x"), ("o.x", "o.y"), ("new/o.x", "new/o/x")] {
+    for (one, other) in [
+        ("o.mcap", "real/o.mcap"),
+        ("o.mcap", "o.y"),
+        ("new/o.mcap", "new/o/x"),
+    ] {
         let [one, other] = [one, other].map(|name| folder.at(name));
         assert!(!is_same_file(&one, &other), "{one:?} {other:?}");
     }
@@ -119,7 +126,7 @@ fn regress_two_outputs_of_one_name_are_refused() {
 /// A table of which a map is drawn is read too.
 #[cfg(feature = "sweep")]
 #[test]
-fn regress_a_table_is_not_replaced_by_its_map() {
+fn regress_map_does_not_replace_its_table() {
     let folder = Folder::new();
     let over = "--over friction.k=0.1,0.2 -o sweep.svg";
     folder.toprise(&format!("sweep paper --set stop.duration=0.01 {over}"), 0);
@@ -131,7 +138,7 @@ fn regress_a_table_is_not_replaced_by_its_map() {
 
 #[cfg(unix)]
 #[test]
-fn a_symbolic_link_is_replaced_as_a_name_and_never_written_through() {
+fn replaces_symbolic_links_without_following_them() {
     let folder = Folder::new();
     let precious = folder.at("precious");
     let link = folder.at("link.mcap");
@@ -161,12 +168,12 @@ fn a_symbolic_link_is_replaced_as_a_name_and_never_written_through() {
 }
 
 #[test]
-fn whichever_of_several_files_of_one_name_is_published_last_stays_and_is_whole() {
+fn last_published_draft_wins() {
     let folder = Folder::new();
     let path = folder.at("x.mcap");
-    let run = || Draft::of_run(&path, Existing::Replace, b"preface").unwrap();
-    let other = || Draft::new(&path, Existing::Replace).unwrap();
-    let drafts = [run(), run(), other(), other()];
+    let hidden = || Draft::new(&path, Existing::Replace).unwrap();
+    let run = || hidden().make_partial().unwrap();
+    let drafts = [run(), run(), hidden(), hidden()];
     for (number, mut draft) in drafts.into_iter().enumerate() {
         let content = vec![number as u8; 1000 * (4 - number)];
         draft.write_all(&content).unwrap();
@@ -179,7 +186,7 @@ fn whichever_of_several_files_of_one_name_is_published_last_stays_and_is_whole()
 /// Commands that write a file which can be made again leave no draft of it when they are asked to end.
 #[cfg(all(feature = "rerun", unix))]
 #[test]
-fn a_signal_leaves_no_drafts() {
+fn signals_leave_no_drafts() {
     // Below `nohup`, and before `&` in a script, signals are ignored; what is started here inherits that.
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
@@ -213,7 +220,7 @@ fn a_signal_leaves_no_drafts() {
 }
 
 #[test]
-fn directories_of_files_that_are_not_written_vanish() {
+fn removes_directories_of_unwritten_files() {
     let folder = Folder::new();
     fs::create_dir(folder.at("mine")).unwrap();
     folder.write("damaged.mcap", "no recording");
@@ -222,7 +229,7 @@ fn directories_of_files_that_are_not_written_vanish() {
 }
 
 #[test]
-fn what_an_interrupted_run_left_is_never_touched() {
+fn keeps_files_of_interrupted_runs() {
     let folder = Folder::new();
     folder.write("x.mcap.partial", "interrupted");
     let run = "run --set stop.duration=0.05 -o x.mcap";
@@ -242,7 +249,7 @@ fn start(folder: &Folder, arguments: &str) -> Child {
 }
 
 #[test]
-fn runs_that_start_at_once_each_find_a_free_name() {
+fn simultaneous_runs_find_free_names() {
     let folder = Folder::new();
     // Other files, as one that is there already is not written again.
     let forms = [
@@ -264,7 +271,7 @@ fn runs_that_start_at_once_each_find_a_free_name() {
 }
 
 #[test]
-fn runs_with_one_name_each_publish_a_whole_file() {
+fn simultaneous_runs_with_one_name_publish_whole_files() {
     let folder = Folder::new();
     let encodings = ["json", "protobuf"];
     let expected = encodings.map(|encoding| {
@@ -284,7 +291,7 @@ fn runs_with_one_name_each_publish_a_whole_file() {
 }
 
 #[test]
-fn a_run_that_is_killed_before_its_first_message_can_be_run_again() {
+fn repeats_runs_killed_before_the_first_message() {
     let scenario = scenario("paper", &[("stop.duration", "0.05")]);
     for (encoding, topics, views) in [
         (Encoding::Json, &[][..], true),
@@ -306,6 +313,15 @@ fn a_run_that_is_killed_before_its_first_message_can_be_run_again() {
         let killed = folder.at("killed.mcap");
         fs::copy(partial_name(&live), &killed).unwrap();
         drop(sink);
+        // Other software finds the scenario, too.
+        let bytes = fs::read(&killed).unwrap();
+        let records =
+            LinearReader::new_with_options(&bytes, Options::IgnoreEndMagic.into()).unwrap();
+        let attachment = records.map(Result::unwrap).find_map(|record| match record {
+            Record::Attachment { header, .. } => Some(header.name),
+            _ => None,
+        });
+        assert_eq!(attachment.as_deref(), Some(SCENARIO_ATTACHMENT));
         let recording = Recording::open(&killed).unwrap();
         assert_eq!(recording.condition(), Condition::Interrupted);
         assert!(run_again(&killed).unwrap() == whole, "{encoding:?}");
@@ -315,7 +331,7 @@ fn a_run_that_is_killed_before_its_first_message_can_be_run_again() {
 /// A Rerun recording for which there is no room leaves the MCAP file alone.
 #[cfg(all(feature = "rerun", target_os = "linux"))]
 #[test]
-fn a_run_goes_on_without_a_rerun_recording_that_finds_no_room() {
+fn continues_without_rrd_when_the_disk_is_full() {
     let folder = Folder::new();
     // The limit stands for the full disk: larger than the MCAP file, smaller than the Rerun recording.
     let output = folder.limited(1100, "run --set stop.duration=1 -o x.mcap --rrd x.rrd");
@@ -330,7 +346,7 @@ fn a_run_goes_on_without_a_rerun_recording_that_finds_no_room() {
 }
 
 #[test]
-fn a_recording_without_its_channels_is_run_again_to_the_same_bytes() {
+fn repeats_recordings_without_channels() {
     let folder = Folder::new();
     let path = folder.at("a.mcap");
     let scenario = scenario("paper", &[("stop.duration", "0.2")]);

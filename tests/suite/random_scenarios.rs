@@ -2,12 +2,10 @@
 
 use crate::laws_of_motion::LawsOfMotion;
 use crate::support::MemorySink;
-use std::ops::ControlFlow;
-use toprise::archive::sink::{Sink, record_to_end};
+use toprise::archive::sink::{Sink, record_all};
 use toprise::physics::math::exp;
 use toprise::run::scenario::{KEYS, Kind, Preset, Scenario, Values};
-use toprise::run::simulation::Simulation;
-use toprise::telemetry::Telemetry;
+use toprise::telemetry::{RunMessages, Topics};
 
 /// A run is broken off after this many steps: what is hard takes for ever.
 const MOST_STEPS: u32 = 3000;
@@ -253,20 +251,17 @@ pub fn free_tops(mut random: Random) -> impl Iterator<Item = Scenario> {
 /// The laws that the messages of a run break.
 fn broken_laws(scenario: &Scenario) -> Vec<String> {
     let mut steps = 0;
-    let simulation = Simulation::new(scenario);
-    let Ok(simulation) = simulation else {
+    let Ok(run) = RunMessages::new(scenario, &Topics::All) else {
         return Vec::new();
     };
-    let mut simulation = simulation.continue_while(move || {
+    let mut run = run.continue_while(move || {
         steps += 1;
         steps <= MOST_STEPS
     });
     let mut sink = MemorySink::default();
     let sinks: &mut [&mut dyn Sink] = &mut [&mut sink];
-    let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
-    let telemetry = &mut Telemetry::default();
-    let (end, _) = record_to_end(&mut simulation, telemetry, sinks, carry_on).unwrap();
-    let mut laws = LawsOfMotion::new(scenario, end.statistics.accepted);
+    let recorded = record_all(&mut run, sinks).unwrap();
+    let mut laws = LawsOfMotion::new(scenario, recorded.end.statistics.accepted);
     for message in &sink.messages {
         laws.take(&message.as_message());
     }

@@ -183,7 +183,7 @@ fn val_javascript_reads_every_message_through_the_index() {
 }
 
 #[test]
-fn val_a_flipped_bit_is_noticed_by_others() {
+fn val_other_readers_notice_flipped_bits() {
     let Some(python) = python() else { return };
     let directory = tempdir().unwrap();
     for encoding in ENCODINGS {
@@ -199,7 +199,7 @@ fn val_a_flipped_bit_is_noticed_by_others() {
 }
 
 #[test]
-fn val_the_proto_files_compile_to_the_recorded_descriptors() {
+fn val_proto_files_compile_to_recorded_descriptors() {
     let Some(python) = python() else { return };
     let directory = tempdir().unwrap();
     let fixed = record(&directory, "protobuf");

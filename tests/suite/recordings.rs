@@ -42,7 +42,7 @@ fn simulated(scenario: &Scenario) -> Vec<Owned> {
 }
 
 #[test]
-fn both_encodings_give_back_the_very_bits() {
+fn encodings_round_trip_bit_for_bit() {
     let expected = simulated(&short());
     for form in [Form::default(), PROTOBUF] {
         let (_directory, path) = recorded("run.mcap", form);
@@ -84,7 +84,7 @@ fn series(recording: &Recording, field: NumberField) -> (Vec<u64>, Vec<f64>) {
 }
 
 #[test]
-fn handles_read_what_the_messages_say() {
+fn handles_read_message_fields() {
     let expected = simulated(&short());
     for form in [Form::default(), PROTOBUF] {
         let (_directory, path) = recorded("run.mcap", form);
@@ -115,7 +115,7 @@ fn handles_read_what_the_messages_say() {
 }
 
 #[test]
-fn topics_mean_the_same_for_scenarios_and_recordings() {
+fn topics_select_alike_in_scenarios_and_recordings() {
     let (_directory, path) = recorded("run.mcap", Form::default());
     let recording = Recording::open(&path).unwrap();
     let scenario = short();
@@ -136,7 +136,7 @@ fn topics_mean_the_same_for_scenarios_and_recordings() {
 }
 
 #[test]
-fn a_selection_is_what_was_asked_for() {
+fn selects_topics_and_times() {
     let (_directory, path) = recorded("run.mcap", Form::default());
     let recording = Recording::open(&path).unwrap();
     let mut reader = recording.reader(Selection {
@@ -168,7 +168,7 @@ fn written(scenario: &Scenario, form: Form, change: impl Fn(&mut Owned)) -> Vec<
 }
 
 #[test]
-fn both_writers_give_the_same_bytes() {
+fn both_writers_write_equal_bytes() {
     for form in [Form::default(), PROTOBUF] {
         for views in [true, false] {
             let form = Form { views, ..form };
@@ -179,7 +179,7 @@ fn both_writers_give_the_same_bytes() {
 }
 
 #[test]
-fn verifying_finds_one_bit_of_one_number() {
+fn verify_finds_one_changed_bit() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
     let bytes = written(&short(), Form::default(), |message| {
@@ -227,7 +227,7 @@ fn foreign(path: &Path, library: &str, topics: &[(&str, &str, serde_json::Value)
 }
 
 #[test]
-fn kinds_of_files_are_told_apart() {
+fn classifies_files() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("other.mcap");
     foreign(&path, "somebody", &[("/a", "{}", json!({ "x": 1 }))]);
@@ -276,7 +276,7 @@ fn kinds_of_files_are_told_apart() {
 }
 
 #[test]
-fn a_topic_with_two_channels_is_refused() {
+fn refuses_two_channels_of_one_topic() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("twice.mcap");
     let file = fs::File::create(&path).unwrap();
@@ -295,7 +295,7 @@ fn a_topic_with_two_channels_is_refused() {
 }
 
 #[test]
-fn files_without_chunks_or_summary_are_read() {
+fn reads_files_without_chunks_or_summary() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("plain.mcap");
     let file = fs::File::create(&path).unwrap();
@@ -328,7 +328,7 @@ fn files_without_chunks_or_summary_are_read() {
 }
 
 #[test]
-fn messages_that_do_not_fit_their_schema_are_reported_one_by_one() {
+fn reports_each_undecodable_message() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("bad.mcap");
     let schema = json!({ "properties": { "theta": { "type": "number" } } }).to_string();
@@ -379,7 +379,7 @@ fn rows() -> impl Strategy<Value = Owned> {
 
 proptest! {
     #[test]
-    fn any_message_survives_both_encodings(row in rows()) {
+    fn any_message_round_trips(row in rows()) {
         for encoding in Encoding::ALL {
             let info = &channels()[row.channel];
             let mut bytes = Vec::new();
@@ -422,7 +422,7 @@ proptest! {
 }
 
 #[test]
-fn topics_that_are_not_recorded_are_named() {
+fn verify_names_unrecorded_topics() {
     let directory = tempfile::tempdir().unwrap();
     for topic in ["/top/state", "/top/nutation", "/events"] {
         let path = directory.path().join(topic.replace('/', "_"));
@@ -437,7 +437,7 @@ fn topics_that_are_not_recorded_are_named() {
 
 /// A member that stands twice does not make up for one that is missing.
 #[test]
-fn a_member_that_is_repeated_is_refused() {
+fn refuses_repeated_json_members() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("a.mcap");
     archive(&path, &short(), &["/top/energy"], Form::default()).unwrap();

@@ -2,7 +2,6 @@
 
 use assert_cmd::Command;
 use std::fs;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 use std::time::Duration;
@@ -12,7 +11,7 @@ use toprise::archive::memory::Owned;
 use toprise::archive::pipeline::{Archived, McapSink};
 use toprise::archive::publish::Existing;
 use toprise::archive::recording::Recording;
-use toprise::archive::sink::{Sink, SinkError, record};
+use toprise::archive::sink::{Sink, SinkError, record_all};
 use toprise::archive::verify::{Report, Verdict, verify};
 use toprise::archive::writer::Form;
 use toprise::physics::friction::{Branch, Dissipation, Friction, FrictionLaw};
@@ -21,7 +20,7 @@ use toprise::run::simulation::{
     Event, EventKind, ImpactRecord, NutationCycle, Record, RunEnd, Sample, Simulation,
 };
 use toprise::telemetry::digest::ContentDigest;
-use toprise::telemetry::{Message, Telemetry, Topics};
+use toprise::telemetry::{Message, RunMessages, Topics};
 
 /// All messages, and their digest.
 #[derive(Clone, Debug, Default)]
@@ -241,11 +240,10 @@ pub fn files(directory: &Path) -> Vec<String> {
 /// A run into memory, with all its messages.
 pub fn in_memory(scenario: &Scenario) -> (MemorySink, RunEnd) {
     let mut sink = MemorySink::default();
-    let mut simulation = Simulation::new(scenario).unwrap();
-    let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
-    let sinks: &mut [&mut dyn Sink] = &mut [&mut sink];
-    let end = record(&mut simulation, &mut Telemetry::default(), sinks, carry_on).unwrap();
-    (sink, end)
+    let mut run = RunMessages::new(scenario, &Topics::All).unwrap();
+    let recorded = record_all(&mut run, &mut [&mut sink]).unwrap();
+    assert!(recorded.error.is_none(), "{:?}", recorded.error);
+    (sink, recorded.end)
 }
 
 /// Records a run with these topics, all if there are none.
@@ -268,12 +266,10 @@ fn archive_topics(
     topics: &Topics,
     form: Form,
 ) -> Result<Archived, SinkError> {
-    let mut telemetry = Telemetry::with_topics(topics);
-    let mut sink = McapSink::create(path, Existing::Keep, scenario, &telemetry, form)?;
-    let mut simulation = Simulation::new(scenario).unwrap();
-    let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
-    let end = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
-    sink.finish(&end)
+    let mut run = RunMessages::new(scenario, topics).unwrap();
+    let mut sink = McapSink::create(path, Existing::Keep, scenario, run.telemetry(), form)?;
+    let recorded = record_all(&mut run, &mut [&mut sink])?;
+    sink.finish(&recorded.end)
 }
 
 /// The bytes of a recording.
@@ -286,8 +282,9 @@ pub fn recorded(scenario: &Scenario, topics: &[&str], form: Form) -> Vec<u8> {
 /// Runs again what a file holds, in its own form, as `toprise run FILE` does; gives the bytes of the new recording, none if
 /// the file has no scenario.
 pub fn run_again(file: &Path) -> Option<Vec<u8>> {
-    let scenario = Scenario::new(input::values(file).ok()?).unwrap();
-    let (form, topics) = input::form(file).unwrap_or_default();
+    let input = input::read(file).ok()?;
+    let scenario = Scenario::new(input.values).unwrap();
+    let (form, topics) = input.form.unwrap_or_default();
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("again.mcap");
     archive_topics(&path, &scenario, &topics, form).unwrap();

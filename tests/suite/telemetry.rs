@@ -4,18 +4,16 @@ use crate::support::{MemorySink, in_memory, scenario};
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fs;
-use std::ops::ControlFlow;
 use std::path::Path;
 use toprise::archive::memory::Owned;
-use toprise::archive::sink::{Sink, record};
-use toprise::run::simulation::Simulation;
+use toprise::archive::sink::record_all;
 use toprise::telemetry::digest::ContentDigest;
 use toprise::telemetry::encoding::{Encoder, Encoding};
 use toprise::telemetry::fields::{EVENTS, NUTATION, STATE, TORQUE, nutation, torque};
 use toprise::telemetry::protobuf::{proto_file, proto_file_name};
 use toprise::telemetry::schema::{file_name, json_schema};
 use toprise::telemetry::views::{VIEW_CHANNELS, Views};
-use toprise::telemetry::{Telemetry, Topics, channels};
+use toprise::telemetry::{RunMessages, Topics, channels};
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -310,12 +308,10 @@ fn digest_ignores_channel_order() {
 
 #[test]
 fn skips_unselected_topics() {
-    let mut telemetry = Telemetry::with_topics(&Topics::Only(vec![STATE, EVENTS]));
     let scenario = scenario("paper", &[("stop.duration", "0.1")]);
+    let mut run = RunMessages::new(&scenario, &Topics::Only(vec![STATE, EVENTS])).unwrap();
     let mut sink = MemorySink::default();
-    let mut simulation = Simulation::new(&scenario).unwrap();
-    let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
-    record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
+    record_all(&mut run, &mut [&mut sink]).unwrap();
     let seen = sink.messages.iter().map(|m| channels()[m.channel].topic);
     let seen: BTreeSet<_> = seen.collect();
     assert_eq!(seen, BTreeSet::from(["/events", "/top/state"]));

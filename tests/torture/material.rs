@@ -1,16 +1,14 @@
 //! Recordings to be damaged, and scenarios to be run.
 
-use std::ops::ControlFlow;
 use std::path::Path;
 use toprise::archive::pipeline::McapSink;
 use toprise::archive::publish::Existing;
-use toprise::archive::sink::{Sink, record};
+use toprise::archive::sink::record_all;
 use toprise::archive::verify::Report;
 use toprise::archive::writer::Form;
 use toprise::run::scenario::{Preset, Scenario};
-use toprise::run::simulation::Simulation;
 use toprise::telemetry::encoding::Encoding;
-use toprise::telemetry::{Telemetry, Topics};
+use toprise::telemetry::{RunMessages, Topics};
 
 /// A preset with some keys set otherwise.
 pub fn scenario(preset: &str, overrides: &[(&str, &str)]) -> Scenario {
@@ -31,15 +29,15 @@ pub fn recorded(scenario: &Scenario, topics: &[&str], form: Form) -> Vec<u8> {
 
 /// Records a scenario with these topics, all if there are none.
 pub fn archive(path: &Path, scenario: &Scenario, topics: &[&str], form: Form) {
-    let mut telemetry = match topics {
-        [] => Telemetry::default(),
-        topics => Telemetry::with_topics(&Topics::named(topics).unwrap()),
+    let topics = match topics {
+        [] => Topics::All,
+        topics => Topics::named(topics).unwrap(),
     };
-    let mut sink = McapSink::create(path, Existing::Keep, scenario, &telemetry, form).unwrap();
-    let mut simulation = Simulation::new(scenario).unwrap();
-    let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
-    let end = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on).unwrap();
-    sink.finish(&end).unwrap();
+    let mut run = RunMessages::new(scenario, &topics).unwrap();
+    let mut sink = McapSink::create(path, Existing::Keep, scenario, run.telemetry(), form).unwrap();
+    let recorded = record_all(&mut run, &mut [&mut sink]).unwrap();
+    assert!(recorded.error.is_none());
+    sink.finish(&recorded.end).unwrap();
 }
 
 /// The difference between a recording and its scenario, run again, if there is one.

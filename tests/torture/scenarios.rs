@@ -2,17 +2,15 @@
 
 use crate::bench::{Random, Trial};
 use crate::material::failure;
-use std::ops::ControlFlow;
 use tempfile::tempdir;
 use toprise::archive::pipeline::McapSink;
 use toprise::archive::publish::Existing;
 use toprise::archive::recording::Recording;
-use toprise::archive::sink::{RecordError, Sink, record};
+use toprise::archive::sink::record_all;
 use toprise::archive::verify::verify;
 use toprise::archive::writer::Form;
 use toprise::run::scenario::{PRESETS, Preset, Scenario};
-use toprise::run::simulation::{RunEnd, Simulation, StopReason};
-use toprise::telemetry::Telemetry;
+use toprise::telemetry::{RunMessages, Topics};
 
 /// Records a random scenario and verifies the recording: it must not fail.
 pub fn scenarios() -> Result<Trial, String> {
@@ -22,24 +20,16 @@ pub fn scenarios() -> Result<Trial, String> {
         };
         let directory = tempdir().unwrap();
         let path = directory.path().join("x.mcap");
-        let mut telemetry = Telemetry::default();
-        let form = Form::default();
-        let sink = McapSink::create(&path, Existing::Keep, &scenario, &telemetry, form);
-        let mut sink = sink.map_err(|error| error.to_string())?;
-        let Ok(mut simulation) = Simulation::new(&scenario) else {
+        let Ok(mut run) = RunMessages::new(&scenario, &Topics::All) else {
             return Ok(());
         };
-        let carry_on = |_: &_, _: &mut [&mut dyn Sink]| Ok(ControlFlow::Continue(()));
-        let ended = record(&mut simulation, &mut telemetry, &mut [&mut sink], carry_on);
-        let end = match ended {
-            Ok(end) => end,
-            Err(RecordError::Sink(error)) => return Err(error.to_string()),
-            Err(_) => RunEnd {
-                stop: StopReason::Failed,
-                ..simulation.end()
-            },
-        };
-        sink.finish(&end).map_err(|error| error.to_string())?;
+        let (telemetry, form) = (run.telemetry(), Form::default());
+        let mut sink = McapSink::create(&path, Existing::Keep, &scenario, telemetry, form)
+            .map_err(|error| error.to_string())?;
+        // A motion that can't be computed to its end is recorded as failed.
+        let recorded = record_all(&mut run, &mut [&mut sink]).map_err(|error| error.to_string())?;
+        sink.finish(&recorded.end)
+            .map_err(|error| error.to_string())?;
         let recording = Recording::open(&path).map_err(|error| error.to_string())?;
         let report = verify(&recording, &|_| {}).map_err(|error| error.to_string())?;
         match failure(&report) {

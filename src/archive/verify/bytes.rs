@@ -3,26 +3,22 @@
 use crate::archive::container::source::Source;
 use crate::archive::pipeline::Pipeline;
 use crate::archive::recording::Recording;
-use crate::archive::sink::{Sink, record_to_end};
-use crate::archive::writer::{Form, Opening};
-use crate::run::scenario::Scenario;
-use crate::run::simulation::Simulation;
-use crate::telemetry::Telemetry;
+use crate::archive::sink::{Sink, record};
+use crate::archive::writer::Header;
+use crate::telemetry::RunMessages;
 use std::io::{self, BufWriter, Write};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Whether a file is byte-identical to a new run; `None` if it can't be run or read. The run stops at the
-/// first byte that differs.
+/// Whether a file is byte-identical to a new run; `None` if it can't be read. The run stops at the first byte that
+/// differs.
 pub(super) fn are_equal(
     recording: &Recording,
-    scenario: &Scenario,
-    mut telemetry: Telemetry,
-    form: Form,
+    mut run: RunMessages,
+    header: &Header,
     progress: &dyn Fn(u64),
 ) -> Option<bool> {
-    let mut simulation = Simulation::new(scenario).ok()?;
     let position = Arc::new(AtomicU64::new(0));
     let comparer = Comparer {
         source: recording.source.try_clone().ok()?,
@@ -30,20 +26,18 @@ pub(super) fn are_equal(
         bytes: Vec::new(),
     };
     let file = BufWriter::with_capacity(64 * 1024, comparer);
-    let opening = Opening::new(scenario, &telemetry, form);
-    let mut sink = Pipeline::start(file, recording.path().to_owned(), opening).ok()?;
+    let mut sink = Pipeline::start(file, recording.path().to_owned(), header).ok()?;
     let mut reported = 0;
     let mut report = || {
         let at = position.load(Ordering::Relaxed);
         progress(at - std::mem::replace(&mut reported, at));
     };
     let sinks: &mut [&mut dyn Sink] = &mut [&mut sink];
-    let ended = record_to_end(&mut simulation, &mut telemetry, sinks, |_, _| {
+    let recorded = record(&mut run, sinks, |_, _| {
         report();
         Ok(ControlFlow::Continue(()))
     });
-    let (end, _) = ended.ok()?;
-    let (file, _) = sink.end(&end).ok()?;
+    let (file, _) = sink.end(&recorded.ok()?.end).ok()?;
     let comparer = file.into_inner().ok()?;
     report();
     Some(comparer.position.load(Ordering::Relaxed) == recording.size())

@@ -4,7 +4,7 @@ use super::difference::Difference;
 use crate::archive::container::record::AttachmentHeader;
 use crate::archive::format::{CONTENT_DIGEST, END_RECORD, Entries, RUN_RECORD};
 use crate::archive::recording::Recording;
-use crate::archive::writer::Opening;
+use crate::archive::writer::Header;
 use crate::run::plural::plural;
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
@@ -17,31 +17,35 @@ type Facts = BTreeMap<(String, String), String>;
 /// to a version.
 pub(super) fn difference(
     recording: &Recording,
-    opening: &Opening,
+    header: &Header,
     end: &Entries,
     is_part: bool,
     is_by_value: bool,
 ) -> Option<Difference> {
-    let [mut recorded, mut simulated] = [recorded(recording), simulated(opening, end)];
-    let is_of_end = |key: &(String, String)| key.0 == END_RECORD && !key.1.is_empty();
+    let [mut recorded, mut simulated] = [recorded(recording), simulated(header, end)];
     if recording.is_interrupted() {
         // The run continues after the end of the recording.
         recorded.retain(|key, _| !is_of_end(key));
         simulated.retain(|key, _| !is_of_end(key));
     }
     if is_by_value {
-        let counts = |key: &(String, String)| is_of_end(key) && key.1 != CONTENT_DIGEST;
-        simulated.retain(|key, _| counts(key) && recorded.contains_key(key));
+        simulated.retain(|key, _| {
+            is_of_end(key) && key.1 != CONTENT_DIGEST && recorded.contains_key(key)
+        });
         recorded.retain(|key, _| simulated.contains_key(key));
     }
     if is_part {
-        let is_there = |place: &str| recorded.keys().any(|key| key.0 == place);
-        simulated.retain(|(place, _), _| is_there(place));
+        simulated.retain(|(place, _), _| recorded.keys().any(|key| key.0 == *place));
     }
     let mut keys = simulated.keys().chain(recorded.keys());
     let key = keys.find(|key| recorded.get(*key) != simulated.get(*key))?;
     let values = [&recorded, &simulated].map(|facts| facts.get(key).cloned());
-    Some(Difference::of(&key.0, &key.1, values))
+    Some(Difference::new(&key.0, &key.1, values))
+}
+
+/// Whether this is an entry of the end record.
+fn is_of_end((place, field): &(String, String)) -> bool {
+    place == END_RECORD && !field.is_empty()
 }
 
 fn recorded(recording: &Recording) -> Facts {
@@ -68,22 +72,22 @@ fn recorded(recording: &Recording) -> Facts {
     facts
 }
 
-fn simulated(opening: &Opening, end: &Entries) -> Facts {
+fn simulated(header: &Header, end: &Entries) -> Facts {
     let mut facts = Facts::new();
     add(&mut facts, "the header", "profile", "");
-    add_metadata(&mut facts, RUN_RECORD, &opening.run);
+    add_metadata(&mut facts, RUN_RECORD, &header.run);
     add_metadata(&mut facts, END_RECORD, end);
-    let scenario = &opening.scenario;
-    let header = AttachmentHeader {
+    let scenario = &header.scenario;
+    let attachment = AttachmentHeader {
         name: scenario.name.clone(),
         media_type: scenario.media_type.clone(),
         log_time: scenario.log_time,
         create_time: scenario.create_time,
     };
     let digest = format!("{:x}", Sha256::digest(&scenario.data));
-    let text = header.describe(scenario.data.len() as u64, &digest);
-    add(&mut facts, &header.name, "", &text);
-    for channel in &opening.channels {
+    let text = attachment.describe(scenario.data.len() as u64, &digest);
+    add(&mut facts, &attachment.name, "", &text);
+    for channel in &header.channels {
         let names = [
             channel.encoding,
             channel.schema_name,

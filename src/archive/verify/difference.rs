@@ -25,7 +25,11 @@ pub struct Difference {
 
 impl Difference {
     /// A difference outside of messages.
-    pub(super) fn of(place: &str, field: &str, [recorded, simulated]: [Option<String>; 2]) -> Self {
+    pub(super) fn new(
+        place: &str,
+        field: &str,
+        [recorded, simulated]: [Option<String>; 2],
+    ) -> Self {
         Self {
             place: place.to_owned(),
             field: (!field.is_empty()).then(|| field.to_owned()),
@@ -45,12 +49,8 @@ impl fmt::Display for Difference {
         if let Some(field) = &self.field {
             write!(f, ", {field}")?;
         }
-        let value = |value: &Option<String>| value.clone().unwrap_or_else(|| "none".to_owned());
-        write!(
-            f,
-            ": recorded {}, simulated {}",
-            value(&self.recorded),
-            value(&self.simulated)
-        )
+        let [recorded, simulated] =
+            [&self.recorded, &self.simulated].map(|value| value.as_deref().unwrap_or("none"));
+        write!(f, ": recorded {recorded}, simulated {simulated}")
     }
 }

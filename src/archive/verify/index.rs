@@ -85,7 +85,7 @@ pub(super) fn check(
 fn contradiction(place: &str, found: &impl Debug, expected: &impl Debug) -> Difference {
     // Enough to see the difference in numbers; the contents of schemas are long.
     let text = |value: &dyn Debug| Some(format!("{value:?}").chars().take(300).collect());
-    Difference::of(place, "", [text(found), text(expected)])
+    Difference::new(place, "", [text(found), text(expected)])
 }
 
 fn check_equal<T: Debug + PartialEq>(
@@ -132,7 +132,7 @@ fn check_chunk(
         }
         // Readers find no messages in it.
         let expected = Some("the index of a chunk".to_owned());
-        return Err(Difference::of("the summary", "", [None, expected]).into());
+        return Err(Difference::new("the summary", "", [None, expected]).into());
     };
     let expected = ChunkIndex {
         message_start_time: header.message_start_time,

@@ -3,8 +3,7 @@
 use super::difference::Difference;
 use super::rerun::{Expected, Rerun};
 use crate::archive::format::Entries;
-use crate::archive::recording::{FileChannel, Losses, Recording, Selection, Undecoded};
-use crate::archive::writer::Opening;
+use crate::archive::recording::{Losses, Recording, Selection, Undecoded};
 use crate::run::plural::plural;
 use crate::run::time::seconds;
 use crate::telemetry::Topic;
@@ -27,7 +26,7 @@ pub(super) struct Compared {
 /// Comparison of a file with a new run.
 pub(super) struct Comparison<'r> {
     recording: &'r Recording,
-    rerun: Rerun,
+    rerun: Rerun<'r>,
     /// Whether values are compared instead of encoded bytes.
     is_by_value: bool,
     /// For each channel of the file, the index of the run's channel, if it has one.
@@ -44,13 +43,15 @@ pub(super) struct Comparison<'r> {
 }
 
 impl<'r> Comparison<'r> {
-    pub(super) fn new(recording: &'r Recording, rerun: Rerun, is_by_value: bool) -> Self {
-        let declared = &rerun.opening.channels;
-        let place = |channel: &FileChannel| declared.iter().position(|d| d.topic == channel.topic);
-        let places = recording.channels().iter().map(place).collect();
-        let decoder = |channel: &FileChannel| channel.decoder()?.ok();
+    pub(super) fn new(recording: &'r Recording, rerun: Rerun<'r>, is_by_value: bool) -> Self {
+        let declared = &rerun.header.channels;
+        let (mut places, mut decoders) = (Vec::new(), Vec::new());
+        for channel in recording.channels() {
+            places.push(declared.iter().position(|d| d.topic == channel.topic));
+            decoders.push(channel.decoder().and_then(Result::ok));
+        }
         Self {
-            decoders: recording.channels().iter().map(decoder).collect(),
+            decoders,
             recording,
             rerun,
             is_by_value,
@@ -62,8 +63,8 @@ impl<'r> Comparison<'r> {
         }
     }
 
-    /// Compares until the first difference. Also returns the opening and the end record of the run.
-    pub(super) fn run(mut self, progress: &dyn Fn(u64)) -> (Compared, Opening, Entries) {
+    /// Compares until the first difference. Also returns the end record of the run.
+    pub(super) fn run(mut self, progress: &dyn Fn(u64)) -> (Compared, Entries) {
         let mut reader = self
             .recording
             .reader(Selection::default())
@@ -80,8 +81,7 @@ impl<'r> Comparison<'r> {
         if !self.recording.is_interrupted() && self.compared.difference.is_none() {
             self.finish_run();
         }
-        let (opening, end) = self.rerun.end();
-        (self.compared, opening, end)
+        (self.compared, self.rerun.end())
     }
 
     /// Compares a recorded message with that of the run.
@@ -89,7 +89,7 @@ impl<'r> Comparison<'r> {
         let Some(channel) = self.places[recorded.position] else {
             // Fields and views of another version are compared as far as both have them.
             if !self.is_by_value {
-                self.compared.difference = Some(stray(recorded, ""));
+                self.compared.difference = Some(mismatch(recorded, ""));
             }
             return;
         };
@@ -98,14 +98,15 @@ impl<'r> Comparison<'r> {
         }
         let found = self.find(channel, recorded);
         let Some(expected) = found.and_then(|at| self.ahead.remove(at)) else {
-            self.compared.difference = Some(stray(recorded, ""));
+            self.compared.difference = Some(mismatch(recorded, ""));
             return;
         };
         // Reading in order of time keeps the order of the file only within a topic.
         let mut before = self.ahead.iter().take(found.unwrap_or(0));
         if before.any(|m| (m.channel, m.time_ns) == (channel, expected.time_ns)) {
-            let difference = || stray(recorded, "order of simultaneous messages");
-            self.compared.out_of_order.get_or_insert_with(difference);
+            self.compared
+                .out_of_order
+                .get_or_insert_with(|| mismatch(recorded, "order of simultaneous messages"));
         }
         self.compared.difference = self.compare(recorded, &expected);
         self.compared.equal += u64::from(self.compared.difference.is_none());
@@ -141,7 +142,7 @@ impl<'r> Comparison<'r> {
     /// Finds the expected message for a recorded one, simulating only as far as necessary.
     fn find(&mut self, channel: usize, recorded: &Undecoded<'_>) -> Option<usize> {
         loop {
-            self.leave_behind(recorded.log_time);
+            self.skip_until(recorded.log_time);
             let found = self.ahead.iter().position(|expected| {
                 expected.channel == channel && expected.sequence == recorded.sequence
             });
@@ -164,24 +165,23 @@ impl<'r> Comparison<'r> {
     }
 
     /// Counts expected messages before `time_ns` as missing.
-    fn leave_behind(&mut self, time_ns: u64) {
+    fn skip_until(&mut self, time_ns: u64) {
         while let Some(passed) = self.ahead.pop_front_if(|m| m.time_ns < time_ns) {
-            self.compared.missing += u64::from(self.counts(&passed));
+            self.compared.missing += u64::from(self.is_expected(&passed));
         }
     }
 
     /// Whether an expected message should be in the file.
-    fn counts(&self, expected: &Expected) -> bool {
-        let topic = self.rerun.opening.channels[expected.channel].topic;
-        let is_common = || Topic::find(topic).is_some_and(|topic| self.recording.has(topic));
-        !self.is_by_value || is_common()
+    fn is_expected(&self, expected: &Expected) -> bool {
+        let topic = self.rerun.header.channels[expected.channel].topic;
+        !self.is_by_value || Topic::find(topic).is_some_and(|topic| self.recording.has(topic))
     }
 
     /// Simulates to the end and counts missing messages.
     fn finish_run(&mut self) {
         loop {
             let is_over = self.is_over;
-            self.leave_behind(u64::MAX);
+            self.skip_until(u64::MAX);
             if is_over {
                 return;
             }
@@ -191,7 +191,7 @@ impl<'r> Comparison<'r> {
 }
 
 /// An unexpected message.
-fn stray(recorded: &Undecoded<'_>, field: &str) -> Difference {
+fn mismatch(recorded: &Undecoded<'_>, field: &str) -> Difference {
     let message = format!("message {}", recorded.sequence);
     at(recorded, field, [Some(message), None])
 }
@@ -200,7 +200,7 @@ fn stray(recorded: &Undecoded<'_>, field: &str) -> Difference {
 fn at(recorded: &Undecoded<'_>, field: &str, values: [Option<String>; 2]) -> Difference {
     Difference {
         time: Some(seconds(recorded.log_time).to_string()),
-        ..Difference::of(&recorded.channel.topic, field, values)
+        ..Difference::new(&recorded.channel.topic, field, values)
     }
 }
 
@@ -217,16 +217,16 @@ fn first_field(
     let (Some(info), Some((numbers, texts))) = (recorded.channel.info(), &expected.values) else {
         return Ok(None);
     };
-    let numbers = info.numbers.iter().zip(row.numbers.iter().zip(numbers));
-    let numbers = numbers.filter(|(_, (a, b))| a.to_bits() != b.to_bits());
-    let numbers = numbers.map(|(leaf, (a, b))| (&leaf.path, [a, b].map(|x| format!("{x:?}"))));
-    let texts = info.texts.iter().zip(row.texts.iter().zip(texts));
-    let texts = texts.filter(|(_, (a, b))| a != b);
-    let texts = texts.map(|(leaf, (a, b))| (&leaf.path, [a, b].map(|x| format!("{x:?}"))));
     let missing = &decoder.differences().missing;
-    let mut different = numbers.chain(texts);
-    if let Some((path, values)) = different.find(|(path, _)| !missing.contains(path)) {
-        return Ok(Some((path.clone(), values)));
+    for (leaf, (a, b)) in info.numbers.iter().zip(row.numbers.iter().zip(numbers)) {
+        if a.to_bits() != b.to_bits() && !missing.contains(&leaf.path) {
+            return Ok(Some((leaf.path.clone(), [a, b].map(|x| format!("{x:?}")))));
+        }
+    }
+    for (leaf, (a, b)) in info.texts.iter().zip(row.texts.iter().zip(texts)) {
+        if a != b && !missing.contains(&leaf.path) {
+            return Ok(Some((leaf.path.clone(), [a, b].map(|x| format!("{x:?}")))));
+        }
     }
     let times = [row.time_ns, expected.time_ns];
     let differs = times[0] != times[1];

@@ -58,7 +58,7 @@ pub(super) fn difference(recording: &Recording) -> Result<Option<Difference>, Ve
         Ok((indexed, true)) => between(recording, "the index", &indexed, &own),
         Ok((_, false)) => {
             let texts = ["not by time", "by time"].map(|text| Some(text.to_owned()));
-            Some(Difference::of("the index", "order of messages", texts))
+            Some(Difference::new("the index", "order of messages", texts))
         }
         Err(error) => Some(unreadable("the index", &error)),
     })
@@ -74,12 +74,12 @@ fn check_footer(recording: &Recording) -> Result<Option<Difference>, VerifyError
     };
     let texts = [start, end.end()].map(|offset| Some(offset.to_string()));
     let is_right = start == end.end();
-    Ok((!is_right).then(|| Difference::of("the footer", "start of the summary", texts)))
+    Ok((!is_right).then(|| Difference::new("the footer", "start of the summary", texts)))
 }
 
 fn unreadable(place: &str, error: &mcap::McapError) -> Difference {
     let readable = "what other software can read".to_owned();
-    Difference::of(place, "", [error.to_string(), readable].map(Some))
+    Difference::new(place, "", [error.to_string(), readable].map(Some))
 }
 
 /// The first channel that has other messages when it is read in another way.
@@ -99,7 +99,7 @@ fn between(
         ],
     };
     let field = format!("messages read through {reading}");
-    Some(Difference::of(&channel.topic, &field, texts.map(Some)))
+    Some(Difference::new(&channel.topic, &field, texts.map(Some)))
 }
 
 fn read_in_file_order(source: &Source) -> McapResult<Fingerprint> {

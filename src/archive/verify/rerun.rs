@@ -1,11 +1,9 @@
 //! Reruns a scenario and yields its encoded messages.
 
 use crate::archive::format::{CONTENT_DIGEST, Entries, end_entries};
-use crate::archive::writer::{Form, Opening, RunEncoder};
-use crate::run::scenario::Scenario;
-use crate::run::simulation::{RunEnd, Simulation, SimulationError, StopReason};
+use crate::archive::writer::{Header, RunEncoder};
 use crate::telemetry::digest::ContentDigest;
-use crate::telemetry::{Telemetry, TelemetryError};
+use crate::telemetry::{RunError, RunMessages};
 
 /// An expected message.
 pub(super) struct Expected {
@@ -19,47 +17,30 @@ pub(super) struct Expected {
 }
 
 /// A run that is simulated again.
-pub(super) struct Rerun {
-    pub(super) opening: Opening,
-    simulation: Simulation,
-    telemetry: Telemetry,
+pub(super) struct Rerun<'h> {
+    pub(super) header: &'h Header,
+    run: RunMessages,
     encoder: RunEncoder,
     digest: ContentDigest,
-    has_failed: bool,
 }
 
-impl Rerun {
-    /// # Errors
-    /// The reason why the scenario can't be simulated.
-    pub(super) fn start(
-        scenario: &Scenario,
-        telemetry: Telemetry,
-        form: Form,
-    ) -> Result<Self, SimulationError> {
-        let opening = || Opening::new(scenario, &telemetry, form);
-        let recorded = opening();
-        let ids: Vec<u16> = (0..recorded.channels.len() as u16).collect();
-        Ok(Self {
-            encoder: RunEncoder::new(recorded, &ids),
-            opening: opening(),
-            simulation: Simulation::new(scenario)?,
-            telemetry,
+impl<'h> Rerun<'h> {
+    pub(super) fn new(run: RunMessages, header: &'h Header) -> Self {
+        // Here a channel's id is its index in the header.
+        let ids: Vec<u16> = (0..header.channels.len() as u16).collect();
+        Self {
+            encoder: RunEncoder::new(header, &ids),
+            header,
+            run,
             digest: ContentDigest::default(),
-            has_failed: false,
-        })
+        }
     }
 
-    /// Simulates one record and passes its messages to `take`; returns its time in ns, or `None` at the end.
+    /// Simulates one record and passes its messages to `take`; returns its time in ns, or `None` at the end. An error
+    /// ended the original run, too.
     pub(super) fn next(&mut self, mut take: impl FnMut(Expected)) -> Option<u64> {
-        if self.has_failed {
-            return None;
-        }
-        let Ok(record) = self.simulation.next()? else {
-            self.has_failed = true;
-            return None;
-        };
         let (encoder, digest) = (&mut self.encoder, &mut self.digest);
-        let logged = self.telemetry.messages(&record, |message| {
+        let record = self.run.next(|message| {
             encoder.batch.clear();
             encoder.encode(message);
             digest.update(message);
@@ -74,24 +55,15 @@ impl Rerun {
                     values: values.take(),
                 });
             }
-            Ok::<(), TelemetryError>(())
+            Ok::<(), RunError>(())
         });
-        // A recording error ended the original run, too.
-        self.has_failed = logged.is_err();
-        logged.is_ok().then(|| record.time_ns())
+        Some(record?.ok()?.time_ns())
     }
 
-    /// The opening and the entries of the end record, once the run has ended.
-    pub(super) fn end(self) -> (Opening, Entries) {
-        let mut end = self.simulation.end();
-        if self.has_failed {
-            end = RunEnd {
-                stop: StopReason::Failed,
-                ..end
-            };
-        }
-        let mut entries = end_entries(&end);
+    /// The entries of the end record, once the run has ended.
+    pub(super) fn end(self) -> Entries {
+        let mut entries = end_entries(&self.run.end());
         entries.insert(CONTENT_DIGEST.to_owned(), self.digest.finish());
-        (self.opening, entries)
+        entries
     }
 }

@@ -11,12 +11,12 @@ use crate::cli::table::{Column, Table};
 use crate::telemetry::Topic;
 
 /// Maximum number of table rows without --all.
-const MOST_ROWS: usize = 12;
+const MAX_ROWS: usize = 12;
 /// Maximum number of topics listed in a line.
-const MOST_NAMED: usize = 6;
+const MAX_NAMED: usize = 6;
 
 /// The page: one screen, or everything. `is_cut` shortens long values to their difference.
-pub(super) fn page(report: &Report, all: bool, is_cut: bool) -> Vec<Section> {
+pub(in crate::cli) fn page(report: &Report, all: bool, is_cut: bool) -> Vec<Section> {
     let mut sections = vec![setup(report, all, is_cut), findings(report, all)];
     sections.push(others(report, all));
     if all || !report.is_of_other_scenarios() {
@@ -35,17 +35,17 @@ pub(super) fn page(report: &Report, all: bool, is_cut: bool) -> Vec<Section> {
 }
 
 fn subjects(report: &Report) -> Section {
-    let row = |(letter, run): (&str, &ComparedRun)| {
-        vec![
-            letter.to_owned(),
-            run.name.clone(),
-            run.file.clone().unwrap_or_else(|| "simulated".to_owned()),
-            counted(run.messages, "message"),
-        ]
-    };
-    Section::of(Table::of_texts(
-        [("A", &report.a), ("B", &report.b)].map(row),
-    ))
+    let rows = [("A", &report.a), ("B", &report.b)];
+    Section::from(Table::from_texts(rows.map(subject_row)))
+}
+
+fn subject_row((letter, run): (&str, &ComparedRun)) -> Vec<String> {
+    vec![
+        letter.to_owned(),
+        run.name.clone(),
+        run.file.clone().unwrap_or_else(|| "simulated".to_owned()),
+        counted(run.messages, "message"),
+    ]
 }
 
 fn verdict(report: &Report) -> Section {
@@ -54,7 +54,7 @@ fn verdict(report: &Report) -> Section {
         Verdict::Agreeing => Tone::Weak,
         Verdict::Different => Tone::Bad,
     };
-    Section::toned(tone, report.verdict.title())
+    Section::with_tone(tone, report.verdict.title())
 }
 
 /// Differing scenario keys and file metadata.
@@ -80,9 +80,12 @@ fn setup(report: &Report, all: bool, is_cut: bool) -> Section {
         ("B", |key| excerpt(key, key.b.as_deref())),
     ];
     let columns = if is_cut { excerpts } else { columns };
-    let hidden = shown.len().saturating_sub(most_rows(all));
-    let shown = shown.into_iter().take(most_rows(all));
-    section.table(Table::of(shown, 3, &columns));
+    let hidden = shown.len().saturating_sub(max_rows(all));
+    section.table(Table::new(
+        shown.into_iter().take(max_rows(all)),
+        3,
+        &columns,
+    ));
     if hidden > 0 {
         section.line(format!("{hidden} more with --all"));
     }
@@ -100,8 +103,8 @@ fn setup(report: &Report, all: bool, is_cut: bool) -> Section {
 }
 
 /// Maximum number of table rows.
-fn most_rows(all: bool) -> usize {
-    if all { usize::MAX } else { MOST_ROWS }
+fn max_rows(all: bool) -> usize {
+    if all { usize::MAX } else { MAX_ROWS }
 }
 
 /// A value with its unit.
@@ -138,7 +141,7 @@ fn excerpt(key: &KeyDifference, value: Option<&str>) -> String {
 fn findings(report: &Report, all: bool) -> Section {
     let mut section = Section::default();
     let shown = report.findings.iter().filter(|f| all || f.differs());
-    let shown: Vec<_> = shown.take(most_rows(all)).map(Finding::cells).collect();
+    let shown: Vec<_> = shown.take(max_rows(all)).map(Finding::cells).collect();
     if shown.is_empty() && report.floor.is_some() && report.is_of_other_scenarios() {
         section.line(no_difference(report));
     }
@@ -148,7 +151,7 @@ fn findings(report: &Report, all: bool) -> Section {
         ("B", |cells| cells[2].clone()),
         ("B − A", |cells| cells[3].clone()),
     ];
-    section.table(Table::of(shown, 1, &columns));
+    section.table(Table::new(shown, 1, &columns));
     section
 }
 
@@ -196,7 +199,7 @@ fn topics(report: &Report) -> Section {
             count(channel.unmatched.iter().chain(&channel.beyond).sum())
         }),
     ];
-    Section::of(Table::of(differing, 2, &columns))
+    Section::from(Table::new(differing, 2, &columns))
 }
 
 /// Topics compared byte by byte. Without `--all`, equal ones are shown only if there is nothing else, and those of the
@@ -222,7 +225,7 @@ fn others(report: &Report, all: bool) -> Section {
             None => String::new(),
         }),
     ];
-    Section::of(Table::of(
+    Section::from(Table::new(
         report.others.iter().filter(is_shown),
         2,
         &columns,
@@ -249,7 +252,7 @@ fn fields(channel: &ChannelDifference) -> Section {
             shown.unwrap_or_default()
         }),
     ];
-    Section::of(Table::of(differing, 1, &columns))
+    Section::from(Table::new(differing, 1, &columns))
         .titled(&channel.topic, format!("{} pairs", count(channel.pairs)))
 }
 
@@ -261,7 +264,7 @@ fn averages(averaged: &Averaged) -> Section {
         ("largest B − A", |mean| significant(mean.largest, 3)),
         ("at", |mean| format!("{:.3} s", mean.at)),
     ];
-    Section::of(Table::of(&averaged.deviations, 1, &columns)).titled(
+    Section::from(Table::new(&averaged.deviations, 1, &columns)).titled(
         "Averaged motion",
         format!("{:.3} s to {:.3} s", averaged.from, averaged.to),
     )
@@ -275,7 +278,7 @@ fn models(discrepancy: &Discrepancy) -> Section {
         ("RMS", |residual| significant(residual.rms, 3)),
         ("RMS of A", |residual| significant(residual.rms_a, 3)),
     ];
-    Section::of(Table::of(&discrepancy.quantities, 1, &columns)).titled(
+    Section::from(Table::new(&discrepancy.quantities, 1, &columns)).titled(
         "Models",
         format!(
             "B − A, evaluated at {} states of A",
@@ -294,7 +297,7 @@ fn integrators(floor: &Floor) -> Section {
         ("events [s]", |(_, run)| significant(run.event_time, 2)),
     ];
     let runs = [("A", &floor.a), ("B", &floor.b)];
-    Section::of(Table::of(runs, 2, &columns)).titled(
+    Section::from(Table::new(runs, 2, &columns)).titled(
         "Integrator errors",
         "estimated with tighter tolerances; ≈ marks differences below the integration error",
     )
@@ -312,7 +315,7 @@ fn notes(report: &Report, all: bool) -> Section {
     }
     if !all && report.verdict == Verdict::Different && !report.findings.is_empty() {
         let findings = report.findings.iter().filter(|f| f.differs()).count();
-        let more = match findings.saturating_sub(MOST_ROWS) {
+        let more = match findings.saturating_sub(MAX_ROWS) {
             0 => String::new(),
             1 => "one more finding and ".to_owned(),
             more => format!("{more} more findings and "),
@@ -337,9 +340,9 @@ fn with_unit(quantity: &str, unit: &str) -> String {
 
 /// A list, truncated.
 fn some(list: &[String]) -> String {
-    match list.len().checked_sub(MOST_NAMED) {
+    match list.len().checked_sub(MAX_NAMED) {
         None | Some(0) => list.join(", "),
-        Some(more) => format!("{} and {more} more", list[..MOST_NAMED].join(", ")),
+        Some(more) => format!("{} and {more} more", list[..MAX_NAMED].join(", ")),
     }
 }
 

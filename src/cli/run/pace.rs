@@ -32,7 +32,7 @@ impl Pace {
             speed,
             began: now,
             flushed: now,
-            progress: Progress::of_state(),
+            progress: Progress::for_state(),
         }
     }
 

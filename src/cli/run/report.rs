@@ -1,7 +1,7 @@
 //! The report of a run.
 
-use crate::analysis::phrase::{short, significant, works};
-use crate::cli::numbers::{count, counted, number};
+use crate::analysis::phrase::{significant, works};
+use crate::cli::numbers::{count, counted, number, short};
 use crate::cli::page::{Section, Tone};
 use crate::cli::report::WrittenFile;
 use crate::cli::table::Table;
@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 /// Wall-to-simulated time ratios above this are not shown (the simulated time is almost zero).
-const SLOWEST: f64 = 1e4;
+const MAX_SHARE: f64 = 1e4;
 
 /// The recordings of a run.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
@@ -70,7 +70,7 @@ pub(crate) struct RunReport {
 }
 
 impl RunReport {
-    pub(super) fn of(
+    pub(super) fn new(
         scenario: &Scenario,
         base: &Values,
         outcome: Outcome,
@@ -78,13 +78,14 @@ impl RunReport {
         wall: Duration,
     ) -> Self {
         let (end, friction) = (&outcome.end, &scenario.model.friction);
-        let text = |value: Option<&Value>| value.map_or_else(String::new, Value::to_set_notation);
-        let changes = scenario.changes(base);
+        let mut changes = BTreeMap::new();
+        for (key, value) in scenario.changes(base) {
+            let text = value.map_or_else(String::new, Value::to_set_notation);
+            changes.insert(key.path, text);
+        }
         Self {
             scenario: scenario.name().to_owned(),
-            changes: changes
-                .map(|(key, value)| (key.path, text(value)))
-                .collect(),
+            changes,
             scenario_digest: scenario.digest(),
             phi: end.motion.angles.phi,
             psi: end.motion.angles.psi,
@@ -114,9 +115,9 @@ impl RunReport {
         facts.extend(under("events", self.event_lines(top)));
         facts.extend([("logged", self.logged()), ("took", self.took())]);
         let recorded = &self.recorded;
-        let files = std::iter::once(&recorded.mcap).chain(&recorded.rrd);
-        let files = files.map(WrittenFile::line);
-        let lines = files.chain(not_written.map(str::to_owned)).collect();
+        let mut lines = vec![recorded.mcap.line()];
+        lines.extend(recorded.rrd.as_ref().map(WrittenFile::line));
+        lines.extend(not_written.map(str::to_owned));
         let label = if recorded.is_new { "wrote" } else { "existing" };
         facts.extend(under(label, lines));
         if !recorded.is_new {
@@ -136,8 +137,8 @@ impl RunReport {
         };
         let title = format!("{name}: {}", self.outcome.sentence());
         vec![
-            Section::toned(tone, title),
-            Section::of(Table::of_facts(facts)),
+            Section::with_tone(tone, title),
+            Section::from(Table::from_facts(facts)),
         ]
     }
 
@@ -161,38 +162,49 @@ impl RunReport {
 
     fn energy_balance(&self) -> String {
         let end = &self.outcome.end;
-        let joule = |energy: f64| match end.energy_at_start.abs() {
-            0.0..1e-3 => significant(energy, 4),
-            _ => number(energy, 6),
-        };
+        // Small tops have energies of which six decimals show nothing.
+        let is_small = end.energy_at_start.abs() < 1e-3;
+        let [before, after, change, work] = [
+            end.energy_at_start,
+            end.energy,
+            end.energy - end.energy_at_start,
+            end.motion.integrals.friction_work,
+        ]
+        .map(|energy| {
+            if is_small {
+                significant(energy, 4)
+            } else {
+                number(energy, 6)
+            }
+        });
         format!(
-            "{} J → {} J (change {} J, work of {} {} J)",
-            joule(end.energy_at_start),
-            joule(end.energy),
-            joule(end.energy - end.energy_at_start),
+            "{before} J → {after} J (change {change} J, work of {} {work} J)",
             self.works,
-            joule(end.motion.integrals.friction_work)
         )
     }
 
     /// One line for each kind of event except nutation extremes; repeated events are counted, and their ends omitted.
     fn event_lines(&self, top: &Top) -> Vec<String> {
-        let is_shown = |event: &&EventCount| event.first_time > 0.0 && !event.name.is_of_nutation();
-        let shown = self.events.iter().filter(is_shown);
-        let line = |event: &EventCount| match (event.count, event.name.plural(top)) {
-            (1, _) => {
-                let name = event.name.name().replace('_', " ");
-                Some(format!("{name} at {:.4} s", event.first_time))
+        let mut lines = Vec::new();
+        for event in &self.events {
+            if event.first_time <= 0.0 || event.name.is_of_nutation() {
+                continue;
             }
-            (several, Some(plural)) => Some(format!(
-                "{} {plural} between {:.4} s and {:.4} s",
-                count(several),
-                event.first_time,
-                event.last_time
-            )),
-            (_, None) => None,
-        };
-        shown.filter_map(line).collect()
+            match (event.count, event.name.plural(top)) {
+                (1, _) => {
+                    let name = event.name.name().replace('_', " ");
+                    lines.push(format!("{name} at {:.4} s", event.first_time));
+                }
+                (several, Some(plural)) => lines.push(format!(
+                    "{} {plural} between {:.4} s and {:.4} s",
+                    count(several),
+                    event.first_time,
+                    event.last_time
+                )),
+                (_, None) => {}
+            }
+        }
+        lines
     }
 
     fn logged(&self) -> String {
@@ -207,7 +219,7 @@ impl RunReport {
 
     fn took(&self) -> String {
         let share = self.wall_time / self.outcome.end.time;
-        let share = if share < SLOWEST {
+        let share = if share < MAX_SHARE {
             format!(" ({share:.3} × simulated time)")
         } else {
             String::new()
@@ -229,7 +241,7 @@ mod tests {
 
     /// Programs read the names that recordings have.
     #[test]
-    fn names_are_those_of_recordings() {
+    fn serializes_names_of_recordings() {
         let written = |name: serde_json::Result<serde_json::Value>| name.unwrap();
         for kind in [
             EventKind::Start,

@@ -91,26 +91,27 @@ impl SweepReport {
         }
         vec![
             self.title(dry_run, shard),
-            Section::of(Table::of_facts(facts)),
+            Section::from(Table::from_facts(facts)),
         ]
     }
 
     fn title(&self, dry_run: bool, shard: Option<Shard>) -> Section {
         let runs = counted(self.runs, "run");
-        let shard = shard.filter(|_| self.table.is_none());
+        // The last shard may have completed the table.
+        let is_part = self.table.is_none();
         if self.interrupted {
-            Section::toned(Tone::Weak, format!("{runs}: interrupted"))
+            Section::with_tone(Tone::Weak, format!("{runs}: interrupted"))
         } else if dry_run {
             Section::new(runs)
-        } else if let Some(Shard { index, count }) = shard {
-            Section::toned(
+        } else if let Some(Shard { index, count }) = shard.filter(|_| is_part) {
+            Section::with_tone(
                 Tone::Good,
                 format!("{runs}: shard {index} of {count} is done"),
             )
         } else if self.errors > 0 {
-            Section::toned(Tone::Weak, format!("{runs}, {} failed", count(self.errors)))
+            Section::with_tone(Tone::Weak, format!("{runs}, {} failed", count(self.errors)))
         } else {
-            Section::toned(Tone::Good, runs)
+            Section::with_tone(Tone::Good, runs)
         }
     }
 }

@@ -12,9 +12,8 @@ use toprise::archive::recording::Recording;
 use toprise::archive::sink::{Sink, SinkError, record};
 use toprise::archive::writer::Form;
 use toprise::run::scenario::Scenario;
-use toprise::run::simulation::Simulation;
 use toprise::telemetry::fields::{EVENTS, IMPACTS, NUTATION, STATE};
-use toprise::telemetry::{Message, Telemetry};
+use toprise::telemetry::{Message, RunMessages, Topics};
 
 /// Removes messages before they are recorded; metadata, numbers and times are those of the whole run.
 struct Filter<'f> {
@@ -37,14 +36,13 @@ impl Sink for Filter<'_> {
 
 /// Records the messages of a run that are kept, until a number of them is reached.
 fn filtered(path: &Path, scenario: &Scenario, is_kept: fn(&Message<'_>) -> bool, records: u64) {
-    let mut telemetry = Telemetry::default();
-    let form = Form::default();
-    let mut sink = McapSink::create(path, Existing::Keep, scenario, &telemetry, form).unwrap();
+    let mut run = RunMessages::new(scenario, &Topics::All).unwrap();
+    let (telemetry, form) = (run.telemetry(), Form::default());
+    let mut sink = McapSink::create(path, Existing::Keep, scenario, telemetry, form).unwrap();
     let mut filter = Filter {
         sink: &mut sink,
         is_kept,
     };
-    let mut simulation = Simulation::new(scenario).unwrap();
     let mut count = 0;
     let carry_on = |_: &_, _: &mut [&mut dyn Sink]| {
         count += 1;
@@ -55,8 +53,8 @@ fn filtered(path: &Path, scenario: &Scenario, is_kept: fn(&Message<'_>) -> bool,
         })
     };
     let sinks: &mut [&mut dyn Sink] = &mut [&mut filter];
-    let end = record(&mut simulation, &mut telemetry, sinks, carry_on).unwrap();
-    sink.finish(&end).unwrap();
+    let recorded = record(&mut run, sinks, carry_on).unwrap();
+    sink.finish(&recorded.end).unwrap();
 }
 
 fn explain_filtered(preset: &str, is_kept: fn(&Message<'_>) -> bool) -> Explanation {

@@ -1,19 +1,20 @@
 //! `toprise view`.
 
-use super::arguments::{OUTPUT, parse_number};
-use super::interrupt;
-use super::output;
-use super::page::Section;
-use super::progress::Progress;
-use super::report::{self, WrittenFile};
-use super::status::Status;
-use super::table::Table;
 use super::viewer::{self, ViewerArguments};
 use crate::analysis::subject::loss_sentences;
 use crate::archive::format::is_end_of;
-use crate::archive::publish::{Draft, Existing, refuse_inputs};
+use crate::archive::input::{has_extension, open_file};
+use crate::archive::publish::{Draft, Drafts, Existing, refuse_inputs};
 use crate::archive::recording::{Condition, Recording, Selection};
 use crate::archive::replay::{Replayed, replay};
+use crate::cli::arguments::OUTPUT;
+use crate::cli::interrupt;
+use crate::cli::output;
+use crate::cli::page::Section;
+use crate::cli::progress::Progress;
+use crate::cli::report::{self, WrittenFile};
+use crate::cli::status::Status;
+use crate::cli::table::Table;
 use crate::rerun::{Destinations, Identity, Live, Playback, RerunSink};
 use crate::run::outcome;
 use crate::run::outcome::Outcome;
@@ -23,11 +24,12 @@ use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// Arguments of `toprise view`.
 #[derive(Args, Debug, PartialEq)]
-pub(super) struct ViewArguments {
-    /// Recordings (MCAP files)
+pub(in crate::cli) struct ViewArguments {
+    /// Recordings (MCAP files), or .rrd files
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 
@@ -53,7 +55,7 @@ pub(super) struct ViewArguments {
 
 /// The recordings that were shown.
 #[derive(Debug, Serialize, JsonSchema)]
-pub(super) struct ViewReport {
+pub(in crate::cli) struct ViewReport {
     /// The recordings, in command-line order, up to the interruption.
     recordings: Vec<ShownRecording>,
     /// Whether the user interrupted the replay.
@@ -82,33 +84,89 @@ struct ShownRecording {
 impl ViewReport {
     fn page(&self) -> Vec<Section> {
         let files = self.recordings.iter().flat_map(|shown| &shown.rrd);
-        let wrote = files.map(|file| ("wrote", file.line()));
-        vec![Section::of(Table::of_facts(wrote))]
+        let facts = files.map(|file| ("wrote", file.line()));
+        vec![Section::from(Table::from_facts(facts))]
     }
 
     /// Whether everything was shown.
     fn is_complete(&self) -> bool {
-        let is_whole = |shown: &ShownRecording| {
-            let is_known = matches!(shown.state, Condition::Whole | Condition::Foreign);
-            is_known && shown.losses.is_empty() && shown.undecodable == 0
-        };
-        !self.is_interrupted && self.recordings.iter().all(is_whole)
+        !self.is_interrupted && self.recordings.iter().all(ShownRecording::is_complete)
     }
 }
 
-fn parse_seconds(text: &str) -> Result<f64, String> {
-    let reason = "must be a non-negative time in seconds, e.g. 12.5";
-    parse_number(text, |time| (0.0..=1e9).contains(time), reason)
+impl ShownRecording {
+    fn is_complete(&self) -> bool {
+        let is_known = matches!(self.state, Condition::Whole | Condition::Foreign);
+        is_known && self.losses.is_empty() && self.undecodable == 0
+    }
+}
+
+/// A time that no simulation has.
+#[derive(Debug, thiserror::Error)]
+#[error("must be a non-negative time in seconds, e.g. 12.5")]
+struct TimeError;
+
+/// Reads a time of the simulation.
+fn parse_seconds(text: &str) -> Result<f64, TimeError> {
+    match text.parse() {
+        Ok(time) if (0.0..=1e9).contains(&time) => Ok(time),
+        Ok(_) | Err(_) => Err(TimeError),
+    }
+}
+
+/// What is shown, and where.
+struct ViewPlan {
+    selection: Selection,
+    existing: Existing,
+    live: Option<Live>,
+    /// Whether a recording is shown alone, in a viewer or file of its own.
+    is_alone: bool,
+    /// The recordings, in command-line order.
+    recordings: Vec<PlannedRecording>,
+}
+
+/// A recording to be shown.
+struct PlannedRecording {
+    recording: Recording,
+    /// The name in the viewer.
+    name: String,
+    /// The .rrd file to write.
+    rrd: Option<PathBuf>,
 }
 
 impl ViewArguments {
+    /// Resolves the arguments: opens the recordings, and refuses to overwrite them.
+    fn plan(&self) -> Result<ViewPlan, Error> {
+        let selection = self.selection()?;
+        let mut recordings: Vec<PlannedRecording> = Vec::new();
+        for file in &self.files {
+            let recording = open(file)?;
+            let name = unused_name(file, &recordings);
+            let rrd = self.rrd.as_ref().map(|path| self.rrd_of(path, &name));
+            recordings.push(PlannedRecording {
+                recording,
+                name,
+                rrd,
+            });
+        }
+        for rrd in recordings.iter().filter_map(|planned| planned.rrd.as_ref()) {
+            refuse_inputs(rrd, self.files.iter().map(PathBuf::as_path))?;
+        }
+        Ok(ViewPlan {
+            selection,
+            existing: Existing::forced(self.force),
+            live: self.live(),
+            is_alone: self.files.len() == 1 || self.rrd.is_some(),
+            recordings,
+        })
+    }
+
     fn selection(&self) -> Result<Selection, Error> {
         if let (Some(from), Some(to)) = (self.from, self.to)
             && from > to
         {
             bail!("--from {from} is after --to {to}");
         }
-        let nanoseconds = |seconds: f64| (seconds * 1e9).round() as u64;
         Ok(Selection {
             topics: Topics::All,
             from_ns: self.from.map(nanoseconds),
@@ -116,51 +174,57 @@ impl ViewArguments {
         })
     }
 
-    /// The .rrd path of a recording.
-    fn rrd_of(&self, name: &str) -> Option<PathBuf> {
-        let path = self.rrd.as_ref()?;
-        let is_directory = path.is_dir() || path.as_os_str().to_string_lossy().ends_with('/');
-        if self.files.len() == 1 && !is_directory {
-            return Some(path.clone());
+    /// The requested viewer, or a new one if nothing else was requested.
+    fn live(&self) -> Option<Live> {
+        let requested = self.viewer.live();
+        if requested.is_none() && self.rrd.is_none() {
+            return Some(Live::Spawn);
         }
-        Some(path.join(format!("{name}.rrd")))
+        requested
     }
 
-    /// Names of the recordings in the viewer; duplicates are numbered.
-    fn names(&self) -> Vec<String> {
-        let mut names: Vec<String> = Vec::new();
-        for file in &self.files {
-            let stem = file.file_stem().unwrap_or_default().to_string_lossy();
-            let numbered = (2..).map(|number| format!("{stem}-{number}"));
-            let mut candidates = std::iter::once(stem.clone().into_owned()).chain(numbered);
-            names.extend(candidates.find(|name| !names.contains(name)));
+    /// The .rrd file of a recording: `path` itself, or a file in that directory.
+    fn rrd_of(&self, path: &Path, name: &str) -> PathBuf {
+        let is_directory = path.is_dir() || path.as_os_str().to_string_lossy().ends_with('/');
+        if self.files.len() == 1 && !is_directory {
+            return path.to_owned();
         }
-        names
+        path.join(format!("{name}.rrd"))
     }
 }
 
-/// Shows recordings.
-pub(super) fn view(arguments: &ViewArguments) -> Result<Status, Error> {
-    let selection = arguments.selection()?;
-    let recordings = arguments.files.iter().map(|file| open(file));
-    let recordings = recordings.collect::<Result<Vec<_>, _>>()?;
-    let names = arguments.names();
-    for rrd in names.iter().filter_map(|name| arguments.rrd_of(name)) {
-        refuse_inputs(&rrd, arguments.files.iter().map(PathBuf::as_path))?;
+/// A time in whole nanoseconds.
+fn nanoseconds(seconds: f64) -> u64 {
+    (seconds * 1e9).round() as u64
+}
+
+/// The stem of a file, with a number if another recording has that name.
+fn unused_name(file: &Path, others: &[PlannedRecording]) -> String {
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    let mut name = stem.clone().into_owned();
+    let mut number = 1;
+    while others.iter().any(|other| other.name == name) {
+        number += 1;
+        name = format!("{stem}-{number}");
     }
-    interrupt::watch()?;
-    let live = viewer_or_new(arguments);
-    let progress = Progress::of_bytes("replaying", recordings.iter().map(Recording::size).sum());
+    name
+}
+
+/// Shows recordings.
+pub(in crate::cli) fn view(arguments: &ViewArguments, drafts: &Drafts) -> Result<Status, Error> {
+    if let Some(shown) = show_rrd(arguments)? {
+        return Ok(shown);
+    }
+    let plan = arguments.plan()?;
+    interrupt::watch(drafts)?;
+    let sizes = plan
+        .recordings
+        .iter()
+        .map(|planned| planned.recording.size());
+    let progress = Progress::for_bytes("replaying", sizes.sum());
     let mut shown = Vec::new();
-    for (recording, name) in recordings.iter().zip(names) {
-        shown.push(show(
-            recording,
-            &name,
-            arguments,
-            &selection,
-            live.as_ref(),
-            &progress,
-        )?);
+    for planned in &plan.recordings {
+        shown.push(show(&plan, planned, drafts, &progress)?);
         if interrupt::is_requested() {
             break;
         }
@@ -171,7 +235,34 @@ pub(super) fn view(arguments: &ViewArguments) -> Result<Status, Error> {
         is_interrupted: interrupt::is_requested(),
     };
     report::print(&report, || report.page())?;
-    Ok(Status::of_whole(report.is_complete()))
+    Ok(Status::from_whole(report.is_complete()))
+}
+
+/// Opens Rerun recordings as they are, in a new viewer; `None` if the files are others.
+fn show_rrd(arguments: &ViewArguments) -> Result<Option<Status>, Error> {
+    let is_rrd = |file: &&PathBuf| has_extension(file, "rrd");
+    let count = arguments.files.iter().filter(is_rrd).count();
+    if count == 0 {
+        return Ok(None);
+    }
+    let is_plain = arguments.from.is_none()
+        && arguments.to.is_none()
+        && arguments.rrd.is_none()
+        && arguments.viewer.can_open_files();
+    if count < arguments.files.len() || !is_plain {
+        bail!("an .rrd file is opened as it is: name only .rrd files, without options");
+    }
+    for file in &arguments.files {
+        open_file(file).with_context(|| file.display().to_string())?;
+    }
+    let status = Command::new("rerun")
+        .args(&arguments.files)
+        .status()
+        .context("cannot start `rerun` (install the viewer: pip install rerun-sdk==0.36.3)")?;
+    if !status.success() {
+        bail!("`rerun` failed ({status})");
+    }
+    Ok(Some(Status::Success))
 }
 
 fn open(file: &Path) -> Result<Recording, Error> {
@@ -186,44 +277,35 @@ fn open(file: &Path) -> Result<Recording, Error> {
     Ok(recording)
 }
 
-/// The requested viewer, or a new one if nothing else was requested.
-fn viewer_or_new(arguments: &ViewArguments) -> Option<Live> {
-    let requested = arguments.viewer.live();
-    if requested.is_none() && arguments.rrd.is_none() {
-        return Some(Live::Spawn);
-    }
-    requested
-}
-
 /// Replays one recording.
 fn show(
-    recording: &Recording,
-    name: &str,
-    arguments: &ViewArguments,
-    selection: &Selection,
-    live: Option<&Live>,
+    plan: &ViewPlan,
+    planned: &PlannedRecording,
+    drafts: &Drafts,
     progress: &Progress,
 ) -> Result<ShownRecording, Error> {
+    let PlannedRecording {
+        recording,
+        name,
+        rrd,
+    } = planned;
     let path = recording.path();
-    let context = || path.display().to_string();
     let scenario = recording
         .scenario()
         .context("the scene can't be drawn without the scenario")
-        .with_context(context)?;
-    let topics = recording.topics();
+        .with_context(|| path.display().to_string())?;
     let identity = Identity {
-        is_alone: arguments.files.len() == 1 || arguments.rrd.is_some(),
-        ..Identity::of(name, &scenario, topics, Playback::FromStart)
+        is_alone: plan.is_alone,
+        ..Identity::of(name, &scenario, recording.topics(), Playback::FromStart)
     };
-    let existing = Existing::forced(arguments.force);
-    let draft = arguments.rrd_of(name).map(|rrd| Draft::new(&rrd, existing));
-    let mut draft = draft.transpose()?;
-    if let Some(draft) = &draft {
-        output::warn_of_link(draft.path(), arguments.force);
+    let mut draft = None;
+    if let Some(rrd) = rrd {
+        draft = Some(Draft::new_in(drafts, rrd, plan.existing)?);
+        output::warn_of_link(rrd, plan.existing == Existing::Replace);
     }
     let destinations = Destinations {
         file: draft.as_ref().map(Draft::file).transpose()?,
-        live: live.cloned(),
+        live: plan.live.clone(),
     };
     let mut sink = RerunSink::new(&identity, destinations);
     let warnings = sink.take_warnings();
@@ -231,13 +313,13 @@ fn show(
         let reasons: Vec<String> = warnings.iter().map(ToString::to_string).collect();
         bail!("{}", reasons.join("; "));
     }
-    output::warn_all(&warnings);
-    let replayed = replay(recording, selection.clone(), &mut sink, |read| {
+    viewer::warn_all(&warnings);
+    let replayed = replay(recording, plan.selection.clone(), &mut sink, |read| {
         progress.add(read);
         interrupt::flow()
     })
-    .with_context(context)?;
-    if let Some(outcome) = outcome_of(recording, selection) {
+    .with_context(|| path.display().to_string())?;
+    if let Some(outcome) = outcome_of(recording, &plan.selection) {
         sink.set_outcome(&outcome);
     }
     let interrupted = draft.take_if(|_| interrupt::is_requested());
@@ -249,7 +331,7 @@ fn show(
     warn(recording, &replayed);
     Ok(ShownRecording {
         file: path.display().to_string(),
-        name: name.to_owned(),
+        name: name.clone(),
         state: recording.condition(),
         messages: replayed.messages,
         undecodable: replayed.undecodable.as_ref().map_or(0, |(_, count)| *count),
@@ -301,7 +383,7 @@ mod tests {
     use crate::cli::arguments::parse;
 
     #[test]
-    fn files_and_a_span_of_time_are_named() {
+    fn parses_files_and_a_span_of_time() {
         let base = parse::<ViewArguments>("a.mcap").unwrap();
         assert_eq!(
             parse::<ViewArguments>("a.mcap b.mcap --rrd both --from 0.5").unwrap(),

@@ -1,10 +1,10 @@
 //! Selection of the Rerun viewer.
 
-use super::arguments::VIEWER;
-use super::output;
-use super::report::WrittenFile;
 use crate::archive::publish::Draft;
 use crate::archive::sink::SinkError;
+use crate::cli::arguments::VIEWER;
+use crate::cli::output;
+use crate::cli::report::WrittenFile;
 use crate::rerun::{Live, RerunError, ViewerError};
 use anyhow::{Context as _, Error};
 use clap::Args;
@@ -24,6 +24,11 @@ pub(super) struct ViewerArguments {
 }
 
 impl ViewerArguments {
+    /// Whether files may be opened in a new viewer.
+    pub(super) fn can_open_files(&self) -> bool {
+        self.connect.is_none()
+    }
+
     /// The requested viewer, if any: a running one, or one to start.
     pub(super) fn live(&self) -> Option<Live> {
         match &self.connect {
@@ -40,17 +45,25 @@ pub(super) fn complete(
 ) -> Result<Option<WrittenFile>, Error> {
     let ended = ended.map_err(|error| SinkError::Viewer(Box::new(error)));
     let Some(draft) = draft else {
-        output::warn_all(&ended?);
+        warn_all(&ended?);
         return Ok(None);
     };
-    let path = draft.path().to_owned();
-    let context = || format!("{} is not written", path.display());
+    let lost = format!("{} is not written", draft.path().display());
     match ended {
-        Ok(warnings) => output::warn_all(&warnings),
+        Ok(warnings) => {
+            warn_all(&warnings);
+            WrittenFile::publish(draft).map(Some).context(lost)
+        }
         Err(error) => {
             draft.discard();
-            return Err(error).with_context(context);
+            Err(error).context(lost)
         }
     }
-    WrittenFile::publish(draft).map(Some).with_context(context)
+}
+
+/// Prints what went wrong with a viewer.
+pub(super) fn warn_all(warnings: &[ViewerError]) {
+    for warning in warnings {
+        output::warn(&warning.to_string());
+    }
 }

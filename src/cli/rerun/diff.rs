@@ -1,0 +1,133 @@
+//! Both runs, and their differences, in Rerun.
+
+use super::viewer::{ViewerArguments, complete, warn_all};
+use crate::analysis::diff::{Report, Subject};
+use crate::archive::publish::{Draft, Drafts, Existing, refuse_inputs};
+use crate::archive::sink::SinkError;
+use crate::cli::arguments::OUTPUT;
+use crate::cli::diff::content;
+use crate::cli::{output, page};
+use crate::rerun::{Destinations, Identity, Live, PairIdentity, PairSink, Playback};
+use crate::telemetry::{Message, side::Side};
+use anyhow::{Context as _, Error, bail};
+use clap::Args;
+use std::path::PathBuf;
+
+/// Viewer options of `diff`.
+#[derive(Args, Clone, Debug, PartialEq)]
+pub(in crate::cli) struct ShowArguments {
+    /// Write a Rerun recording of both runs and their differences to this file
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
+    rrd: Option<PathBuf>,
+
+    #[command(flatten)]
+    viewer: ViewerArguments,
+
+    /// Overwrite existing files.
+    #[arg(long, help_heading = OUTPUT)]
+    force: bool,
+}
+
+/// What is shown of a comparison.
+pub(in crate::cli) struct ShowPlan {
+    rrd: Option<PathBuf>,
+    existing: Existing,
+    live: Option<Live>,
+}
+
+impl ShowArguments {
+    /// Resolves the arguments. Refuses to overwrite an input.
+    pub(in crate::cli) fn plan(&self, runs: &[PathBuf]) -> Result<ShowPlan, SinkError> {
+        if let Some(rrd) = &self.rrd {
+            refuse_inputs(rrd, runs.iter().map(PathBuf::as_path))?;
+        }
+        Ok(ShowPlan {
+            rrd: self.rrd.clone(),
+            existing: Existing::forced(self.force),
+            live: self.viewer.live(),
+        })
+    }
+}
+
+/// Rerun output of a comparison.
+pub(in crate::cli) struct PairViewer {
+    sink: PairSink,
+    draft: Option<Draft>,
+}
+
+impl PairViewer {
+    /// Opens the requested outputs; `None` if there are none.
+    pub(in crate::cli) fn open(
+        plan: &ShowPlan,
+        subjects: [Subject<'_>; 2],
+        names: [&str; 2],
+        drafts: &Drafts,
+    ) -> Result<Option<Self>, Error> {
+        if plan.rrd.is_none() && plan.live.is_none() {
+            return Ok(None);
+        }
+        if !subjects.iter().all(|subject| subject.is_ours()) {
+            bail!("the viewer can only show toprise recordings; one input is another MCAP file");
+        }
+        let identity = identity(subjects, names)?;
+        let mut draft = None;
+        if let Some(rrd) = &plan.rrd {
+            draft = Some(Draft::new_in(drafts, rrd, plan.existing)?);
+            output::warn_of_link(rrd, plan.existing == Existing::Replace);
+        }
+        let destinations = Destinations {
+            file: draft.as_ref().map(Draft::file).transpose()?,
+            live: plan.live.clone(),
+        };
+        let mut sink = PairSink::new(&identity, destinations);
+        warn_all(&sink.take_warnings());
+        Ok(Some(Self { sink, draft }))
+    }
+
+    pub(in crate::cli) fn write(&mut self, side: Side, message: &Message<'_>) {
+        self.sink.write(side, message);
+    }
+
+    pub(in crate::cli) fn write_difference(&mut self, message: &Message<'_>) {
+        self.sink.difference(message);
+    }
+
+    /// Adds the report to the recording and completes the file.
+    pub(in crate::cli) fn finish(mut self, report: &Report) -> Result<(), Error> {
+        let markdown = page::markdown(&content::page(report, false, false));
+        self.sink.summarize(&markdown);
+        if let Some(file) = complete(self.sink.finish(), self.draft)? {
+            output::note(&format!("wrote {}", file.line()));
+        }
+        Ok(())
+    }
+}
+
+fn identity(subjects: [Subject<'_>; 2], names: [&str; 2]) -> Result<PairIdentity, Error> {
+    let is_same_name = names[0] == names[1];
+    let [a, b] = [0, 1].map(|side| {
+        let name = (!is_same_name).then_some(names[side]);
+        side_identity(subjects[side], ["A", "B"][side], name)
+    });
+    let (a, b) = (a?, b?);
+    Ok(PairIdentity {
+        recording_id: format!("{}-against-{}", b.recording_id, a.recording_id),
+        name: format!("{} against {}", b.name, a.name),
+        a,
+        b,
+    })
+}
+
+/// Identity of a run; without a name it is that of the scenario and what has been changed.
+fn side_identity(
+    subject: Subject<'_>,
+    letter: &str,
+    name: Option<&str>,
+) -> Result<Identity, Error> {
+    let scenario = subject.scenario().with_context(|| {
+        format!("{letter} can't be shown: it has no scenario that this version can read")
+    })?;
+    let title = name.map_or_else(|| scenario.title(), str::to_owned);
+    let topics = subject.topics();
+    Ok(Identity::of(&title, &scenario, topics, Playback::FromStart))
+}

@@ -1,0 +1,171 @@
+//! The Rerun side of a run: a file, a live viewer, or both.
+
+use super::viewer::{ViewerArguments, complete, warn_all};
+use crate::archive::publish::{Draft, Drafts, refuse_inputs};
+use crate::archive::sink::Sink;
+use crate::cli::arguments::OUTPUT;
+use crate::cli::report::WrittenFile;
+use crate::cli::run::plan::RunPlan;
+use crate::rerun::{Destinations, Identity, Live, Playback, RerunSink};
+use crate::run::outcome::Outcome;
+use crate::telemetry::{Telemetry, Topic};
+use anyhow::Error;
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// Viewer options of `run`.
+#[derive(Args, Clone, Debug, PartialEq)]
+pub(in crate::cli) struct ShowArguments {
+    /// Write a Rerun recording (.rrd) to this file
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
+    rrd: Option<PathBuf>,
+
+    /// Don't write a Rerun recording
+    #[arg(long, conflicts_with = "rrd", help_heading = OUTPUT)]
+    no_rrd: bool,
+
+    #[command(flatten)]
+    viewer: ViewerArguments,
+}
+
+/// What is shown of a run.
+#[derive(Clone, Debug)]
+pub(in crate::cli) struct ShowPlan {
+    rrd: RrdFile,
+    /// Whether the arguments leave the Rerun recording out without saying so.
+    is_left_out: bool,
+    live: Option<Live>,
+    playback: Playback,
+}
+
+/// The Rerun recording of a run.
+#[derive(Clone, Debug)]
+enum RrdFile {
+    None,
+    /// Next to the MCAP file.
+    Adjacent,
+    At(PathBuf),
+}
+
+impl ShowArguments {
+    /// Resolves the arguments. Without any, the Rerun recording is next to the MCAP file, unless that has been named.
+    pub(in crate::cli) fn plan(&self, has_output: bool, is_paced: bool) -> ShowPlan {
+        let rrd = match &self.rrd {
+            Some(path) => RrdFile::At(path.clone()),
+            None if self.no_rrd || has_output => RrdFile::None,
+            None => RrdFile::Adjacent,
+        };
+        ShowPlan {
+            is_left_out: has_output && self.rrd.is_none() && !self.no_rrd,
+            rrd,
+            live: self.viewer.live(),
+            playback: if is_paced {
+                Playback::Following
+            } else {
+                Playback::FromStart
+            },
+        }
+    }
+}
+
+impl ShowPlan {
+    /// A note for the report.
+    pub(in crate::cli) fn note(&self) -> Option<&'static str> {
+        self.is_left_out
+            .then_some("no Rerun recording with -o; add --rrd FILE to write one")
+    }
+}
+
+/// Rerun output of a run.
+pub(in crate::cli) struct RunViewer {
+    sink: RerunSink,
+    draft: Option<Draft>,
+    rrd: RrdFile,
+}
+
+impl RunViewer {
+    /// Opens the requested outputs; `None` if there are none. An unreachable viewer is only a warning.
+    pub(in crate::cli) fn open(
+        plan: &RunPlan,
+        drafts: &Drafts,
+        mcap: &Path,
+        telemetry: &Telemetry,
+    ) -> Result<Option<Self>, Error> {
+        let path = match &plan.show.rrd {
+            RrdFile::None => None,
+            RrdFile::Adjacent => Some(mcap.with_extension("rrd")),
+            RrdFile::At(path) => Some(path.clone()),
+        };
+        let mut draft = None;
+        if let Some(path) = path {
+            refuse_inputs(&path, [mcap])?;
+            draft = Some(plan.files.create(drafts, &path)?.make_partial()?);
+        }
+        let destinations = Destinations {
+            file: draft.as_ref().map(Draft::file).transpose()?,
+            live: plan.show.live.clone(),
+        };
+        if destinations.file.is_none() && destinations.live.is_none() {
+            return Ok(None);
+        }
+        let mut sink = RerunSink::new(&identity(plan, mcap, telemetry), destinations);
+        warn_all(&sink.take_warnings());
+        if let Some(draft) = &mut draft {
+            draft.keep();
+        }
+        Ok(Some(Self {
+            sink,
+            draft,
+            rrd: plan.show.rrd.clone(),
+        }))
+    }
+
+    pub(in crate::cli) fn sink(&mut self) -> &mut dyn Sink {
+        &mut self.sink
+    }
+
+    pub(in crate::cli) fn set_outcome(&mut self, outcome: &Outcome) {
+        self.sink.set_outcome(outcome);
+    }
+
+    /// Ends the stream and publishes the file. If the MCAP file existed already, the file is published only under a name
+    /// of its own. Returns the file, or the existing one next to the MCAP file.
+    pub(in crate::cli) fn finish(
+        self,
+        existing: Option<&WrittenFile>,
+    ) -> Result<Option<WrittenFile>, Error> {
+        let adjacent = match (&self.rrd, existing) {
+            (RrdFile::None | RrdFile::Adjacent, Some(mcap)) => adjacent_rrd(mcap),
+            (RrdFile::At(_), _) | (_, None) => None,
+        };
+        if adjacent.is_none() {
+            return complete(self.sink.finish(), self.draft);
+        }
+        if let Some(draft) = self.draft {
+            draft.discard();
+        }
+        complete(self.sink.finish(), None)?;
+        Ok(adjacent)
+    }
+}
+
+/// The existing Rerun recording next to an MCAP file.
+fn adjacent_rrd(mcap: &WrittenFile) -> Option<WrittenFile> {
+    let path = Path::new(&mcap.path).with_extension("rrd");
+    let bytes = path.metadata().ok()?.len();
+    Some(WrittenFile::new(&path, bytes))
+}
+
+/// Identity of the run, as shown in the viewer.
+fn identity(plan: &RunPlan, mcap: &Path, telemetry: &Telemetry) -> Identity {
+    let stem = mcap.file_stem().unwrap_or_default();
+    let topics = Topic::all_with(plan.scenario.model.support)
+        .filter(|topic| telemetry.is_enabled(*topic))
+        .collect();
+    Identity::of(
+        &stem.to_string_lossy(),
+        &plan.scenario,
+        topics,
+        plan.show.playback,
+    )
+}

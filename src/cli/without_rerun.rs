@@ -1,0 +1,113 @@
+//! In place of `rerun.rs` in a program without the feature `rerun`: no arguments, and nothing is shown.
+
+/// The Rerun side of `toprise run`.
+pub(super) mod run {
+    use crate::archive::publish::Drafts;
+    use crate::archive::sink::Sink;
+    use crate::cli::report::WrittenFile;
+    use crate::cli::run::plan::RunPlan;
+    use crate::run::outcome::Outcome;
+    use crate::telemetry::Telemetry;
+    use anyhow::Error;
+    use clap::Args;
+    use std::path::Path;
+
+    /// No arguments.
+    #[derive(Args, Clone, Debug, Default, PartialEq)]
+    pub(in crate::cli) struct ShowArguments {}
+
+    impl ShowArguments {
+        pub(in crate::cli) fn plan(&self, _has_output: bool, _is_paced: bool) -> ShowPlan {
+            ShowPlan
+        }
+    }
+
+    /// Nothing is shown.
+    #[derive(Clone, Debug)]
+    pub(in crate::cli) struct ShowPlan;
+
+    impl ShowPlan {
+        pub(in crate::cli) fn note(&self) -> Option<&'static str> {
+            None
+        }
+    }
+
+    /// A viewer, which there is none of.
+    pub(in crate::cli) enum RunViewer {}
+
+    impl RunViewer {
+        pub(in crate::cli) fn open(
+            _plan: &RunPlan,
+            _drafts: &Drafts,
+            _mcap: &Path,
+            _telemetry: &Telemetry,
+        ) -> Result<Option<Self>, Error> {
+            Ok(None)
+        }
+
+        pub(in crate::cli) fn sink(&mut self) -> &mut dyn Sink {
+            match *self {}
+        }
+
+        pub(in crate::cli) fn set_outcome(&mut self, _outcome: &Outcome) {
+            match *self {}
+        }
+
+        pub(in crate::cli) fn finish(
+            self,
+            _existing: Option<&WrittenFile>,
+        ) -> Result<Option<WrittenFile>, Error> {
+            match self {}
+        }
+    }
+}
+
+/// The Rerun side of `toprise diff`.
+pub(super) mod diff {
+    use crate::analysis::diff::{Report, Subject};
+    use crate::archive::publish::Drafts;
+    use crate::archive::sink::SinkError;
+    use crate::telemetry::{Message, side::Side};
+    use anyhow::Error;
+    use clap::Args;
+    use std::path::PathBuf;
+
+    /// No arguments.
+    #[derive(Args, Clone, Debug, PartialEq)]
+    pub(in crate::cli) struct ShowArguments {}
+
+    impl ShowArguments {
+        pub(in crate::cli) fn plan(&self, _runs: &[PathBuf]) -> Result<ShowPlan, SinkError> {
+            Ok(ShowPlan)
+        }
+    }
+
+    /// Nothing is shown.
+    pub(in crate::cli) struct ShowPlan;
+
+    /// A viewer, which there is none of.
+    pub(in crate::cli) enum PairViewer {}
+
+    impl PairViewer {
+        pub(in crate::cli) fn open(
+            _plan: &ShowPlan,
+            _subjects: [Subject<'_>; 2],
+            _names: [&str; 2],
+            _drafts: &Drafts,
+        ) -> Result<Option<Self>, Error> {
+            Ok(None)
+        }
+
+        pub(in crate::cli) fn write(&mut self, _side: Side, _message: &Message<'_>) {
+            match *self {}
+        }
+
+        pub(in crate::cli) fn write_difference(&mut self, _message: &Message<'_>) {
+            match *self {}
+        }
+
+        pub(in crate::cli) fn finish(self, _report: &Report) -> Result<(), Error> {
+            match self {}
+        }
+    }
+}

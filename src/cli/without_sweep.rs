@@ -1,0 +1,54 @@
+//! In place of `sweep.rs` in a program without the feature `sweep`: no arguments, and no tables.
+
+use crate::run::scenario::Values;
+use anyhow::Error;
+use clap::Args;
+use std::path::Path;
+
+/// Nothing turns panics into errors.
+pub(super) fn set_panic_hook() {}
+
+/// No argument.
+#[derive(Args, Clone, Debug, Default, PartialEq)]
+pub(super) struct RowArgument {}
+
+impl RowArgument {
+    pub(super) fn values(&self, _table: &Path) -> Result<Option<Values>, Error> {
+        Ok(None)
+    }
+
+    pub(super) fn name(&self, table: String) -> String {
+        table
+    }
+}
+
+/// Figures of sweeps.
+pub(super) mod figures {
+    use crate::figures::Map;
+    use anyhow::Error;
+    use clap::Args;
+    use std::path::Path;
+
+    /// No arguments.
+    #[derive(Args, Debug, PartialEq)]
+    pub(in crate::cli) struct SweepFigure {}
+
+    /// A figure of a sweep, which there is none of.
+    pub(in crate::cli) enum SweepPlan {}
+
+    impl SweepFigure {
+        pub(in crate::cli) fn plan(&self) -> Result<Option<SweepPlan>, Error> {
+            Ok(None)
+        }
+    }
+
+    impl SweepPlan {
+        pub(in crate::cli) fn table(&self) -> &Path {
+            match *self {}
+        }
+
+        pub(in crate::cli) fn read(&self) -> Result<Map, Error> {
+            match *self {}
+        }
+    }
+}
