@@ -98,7 +98,7 @@ fn regress_refuses_two_outputs_with_one_name() {
     let before = folder.files();
     for (one, other) in [
         ("o.mcap", "o.mcap"),
-        ("o.mcap", "./o.x"),
+        ("o.mcap", "./o.mcap"),
         ("real/o.mcap", "link/o.mcap"),
         ("real/o.mcap", "link/../real/./o.mcap"),
         ("new/o.mcap", "new/deep/../o.mcap"),
