@@ -40,7 +40,7 @@ pub const COLUMNS: &[(&str, Quantity)] = &[
     ("slip_y", |s| s.slip.world.y),
     ("friction_x", |s| s.slip.friction_force.x),
     ("friction_y", |s| s.slip.friction_force.y),
-    ("regime", Sample::regime),
+    ("regime", |sample| sample.regime().code()),
 ];
 
 /// A run under way, or complete.

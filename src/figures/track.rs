@@ -8,6 +8,7 @@ use crate::figures::plot::legend::{self, Entry};
 use crate::figures::plot::range::extremes;
 use crate::figures::plot::shape::{Bounds, Colour, Point};
 use crate::figures::plot::style::{self, BLUE, GREEN, LINE_HEIGHT, MARGIN, MEDIUM, VERMILION};
+use crate::run::simulation::Regime;
 use crate::telemetry::fields::contact;
 
 /// The maximum side of the square, mm.
@@ -36,14 +37,10 @@ impl Contact {
 
     /// The contact with a recorded [`contact::REGIME`]; `None` if the recording lacks it.
     fn from_regime(regime: f64) -> Option<Self> {
-        if regime == 0.0 {
-            Some(Self::Rolling)
-        } else if regime == 1.0 {
-            Some(Self::Sliding)
-        } else if regime == 2.0 {
-            Some(Self::InTheAir)
-        } else {
-            None
+        match Regime::from_code(regime)? {
+            Regime::Sticking => Some(Self::Rolling),
+            Regime::Slipping => Some(Self::Sliding),
+            Regime::Flying => Some(Self::InTheAir),
         }
     }
 

@@ -9,6 +9,7 @@ mod nutation;
 mod progress;
 mod queue;
 mod record;
+mod regime;
 mod runner;
 mod sample;
 mod tally;
@@ -18,6 +19,7 @@ pub use event::{Event, EventKind, StopReason, UPRIGHT};
 pub use free::{FreeSample, ImpactRecord};
 pub use nutation::NutationCycle;
 pub use record::{Record, RunEnd, SimulationError};
+pub use regime::Regime;
 pub use sample::{Energies, Frames, Momenta, Pose, Precession, Sample, Slip, Torques};
 pub use tally::{EventCount, Tally};
 

@@ -301,7 +301,7 @@ channels! {
             NORMAL_FORCE = number("normal_force", Force, "normal force of the table", |s| s.contact.normal_force);
             CONTACT_POINT = vector("contact_point", Length, frame::WORLD, "point of contact", |s| s.slip.contact_point);
             SLIP_PATH = number("slip_path", Length, "slip path length since the start", |s| s.integrals.slip_path);
-            REGIME = number("regime", Flag, "1 slipping, 0 sticking or rolling, 2 in the air", Sample::regime);
+            REGIME = number("regime", Flag, "1 slipping, 0 sticking or rolling, 2 in the air", |s| s.regime().code());
             SLIP_WORK = number("slip_work", Energy, "work of the friction force along the slip path since the start", |s| s.integrals.slip_work);
         }
         ENERGY energy: channel("/top/energy", "toprise.Energy",

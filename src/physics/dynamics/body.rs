@@ -101,11 +101,8 @@ impl BodyRotation {
 }
 
 impl<const N: usize> FixedPeg<N> for BodyRotation {
-    fn in_phase(self, phase: Phase, turning: Turning) -> Self {
-        Self {
-            phase,
-            model: self.model.with_turning(turning),
-        }
+    fn with_model(self, model: Model, phase: Phase) -> Self {
+        Self { model, phase }
     }
 
     fn at_rest(&self, y: &[f64; N], turns: bool) -> [f64; N] {

@@ -6,7 +6,6 @@ use super::integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, first_of, integrals,
 use super::model::Model;
 use super::motion::{Motion, Peg, Start};
 use super::support::Phase;
-use crate::physics::friction::Turning;
 use crate::physics::integrate::System;
 use crate::physics::kinematics::{Euler, Tilt, world_from_body};
 use crate::physics::math::sin_cos;
@@ -135,11 +134,8 @@ impl EulerAngles {
 }
 
 impl<const N: usize> FixedPeg<N> for EulerAngles {
-    fn in_phase(self, phase: Phase, turning: Turning) -> Self {
-        Self {
-            phase,
-            model: self.model.with_turning(turning),
-        }
+    fn with_model(self, model: Model, phase: Phase) -> Self {
+        Self { model, phase }
     }
 
     fn at_rest(&self, y: &[f64; N], turns: bool) -> [f64; N] {

@@ -16,8 +16,14 @@ const SINGULAR: f64 = 1e-6;
 
 /// Equations of a top with a fixed peg.
 pub(super) trait FixedPeg<const N: usize>: Formulation<N> {
+    /// These equations with another model, in another phase.
+    fn with_model(self, model: Model, phase: Phase) -> Self;
+
     /// These equations in another phase and on another branch of drilling friction.
-    fn in_phase(self, phase: Phase, turning: Turning) -> Self;
+    fn in_phase(self, phase: Phase, turning: Turning) -> Self {
+        let model = self.model().with_turning(turning);
+        self.with_model(model, phase)
+    }
 
     /// The state after the contact point comes to rest. The vertical angular momentum is conserved if the top still
     /// `turns`.

@@ -1,6 +1,7 @@
 //! All recorded quantities at one instant.
 
 use super::free::FreeSample;
+use super::regime::Regime;
 use crate::physics::dynamics::{Accelerations, Integrals, Model, Motion, Phase};
 use crate::physics::friction::Contact;
 use crate::physics::kinematics::{Euler, Tilt, lean_to_world, node_to_body};
@@ -199,12 +200,12 @@ impl Sample {
         }
     }
 
-    /// Contact regime: 1 slipping, 0 sticking or rolling, 2 in the air.
-    pub fn regime(&self) -> f64 {
+    /// Regime of the contact. A peg that slides without slip at this instant counts as sticking.
+    pub fn regime(&self) -> Regime {
         match self.free.map(|free| free.phase) {
-            Some(Phase::Flying) => 2.0,
-            Some(Phase::Sliding) | None if self.contact.slip_speed > 0.0 => 1.0,
-            Some(Phase::Sticking | Phase::Sliding) | None => 0.0,
+            Some(Phase::Flying) => Regime::Flying,
+            Some(Phase::Sliding) | None if self.contact.slip_speed > 0.0 => Regime::Slipping,
+            Some(Phase::Sticking | Phase::Sliding) | None => Regime::Sticking,
         }
     }
 }
