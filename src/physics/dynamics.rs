@@ -38,5 +38,5 @@ pub use impact::Impact;
 pub use integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, TERMS_SINE, TermIntegrals};
 pub use model::Model;
 pub(crate) use motion::NO_SLIP;
-pub use motion::{Dissipated, Motion, Peg, Start};
+pub use motion::{Departing, Dissipated, Motion, Peg, Start};
 pub use support::{Phase, Support};

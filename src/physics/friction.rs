@@ -4,13 +4,17 @@
 //! drilling, air drag. [`Dissipation`] selects components of the sliding friction torque.
 
 mod branch;
+mod giving_way;
 mod law;
 mod losses;
+mod patch;
 
 pub use branch::{Branch, Rocking, Turning};
+pub(crate) use giving_way::GIVING_WAY;
 pub use law::{FrictionLaw, Smoothing, drilling_torque};
 pub(crate) use losses::NO_ROLLING;
 pub use losses::{Air, Drilling, Losses};
+pub(crate) use patch::PatchDirection;
 
 use crate::physics::kinematics::{Euler, Tilt};
 use crate::physics::math::hypot;
@@ -136,6 +140,18 @@ impl Friction {
     /// The contact of `top` in the state `tilt` under the normal force `normal_force` (N).
     #[inline(always)]
     pub fn contact(&self, top: &Top, normal_force: f64, tilt: &Tilt) -> Contact {
+        let mut contact = self.contact_by_law(top, normal_force, tilt);
+        if self.branch.rocking == Rocking::GivingWay {
+            let acting = self.giving_way(top, normal_force, tilt);
+            let Contact { force, losses, .. } = self.contact_by_law(top, normal_force, &acting);
+            (contact.force, contact.losses) = (force, losses);
+        }
+        contact
+    }
+
+    /// The contact with the friction of the law, in the direction of the slip.
+    #[inline(always)]
+    fn contact_by_law(&self, top: &Top, normal_force: f64, tilt: &Tilt) -> Contact {
         let slip = tilt.slip_velocity(top.peg_radius);
         let slip_speed = top.slip_speed(tilt);
         let axis = tilt.axis();

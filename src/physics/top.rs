@@ -33,7 +33,7 @@ pub struct PrecessionRoots {
 
 impl PrecessionRoots {
     /// The roots of `quadratic φ̇² − spin φ̇ + constant = 0`, if they are real and finite.
-    pub(super) fn of(quadratic: f64, spin: f64, constant: f64) -> Option<Self> {
+    pub(super) fn new(quadratic: f64, spin: f64, constant: f64) -> Option<Self> {
         let discriminant = spin * spin - 4.0 * quadratic * constant;
         if discriminant < 0.0 {
             return None;
@@ -197,7 +197,7 @@ impl Top {
     pub fn precession_roots(&self, tilt: &Tilt) -> Option<PrecessionRoots> {
         let quadratic = (self.transverse_moment - self.axial_moment) * tilt.cos;
         let spin = self.axial_moment * tilt.rates.psi;
-        PrecessionRoots::of(quadratic, spin, self.gravity_moment())
+        PrecessionRoots::new(quadratic, spin, self.gravity_moment())
     }
 
     /// The period of nutation without friction, s, given a state and the extremes of θ, rad: exact for any amplitude.

@@ -3,6 +3,7 @@
 //! [`Simulation`] is an iterator of [`Record`]s in time order. It does no I/O and uses no clock. Samples and events are
 //! computed from the integrator's dense output and never change its steps.
 
+mod error;
 mod event;
 mod free;
 mod nutation;
@@ -15,10 +16,11 @@ mod sample;
 mod tally;
 mod watch;
 
+pub use error::{ContactPhase, SimulationError};
 pub use event::{Event, EventKind, StopReason, UPRIGHT};
 pub use free::{FreeSample, ImpactRecord};
 pub use nutation::NutationCycle;
-pub use record::{Record, RunEnd, SimulationError};
+pub use record::{Record, RunEnd};
 pub use regime::Regime;
 pub use sample::{Energies, Frames, Momenta, Pose, Precession, Sample, Slip, Torques};
 pub use tally::{EventCount, Tally};

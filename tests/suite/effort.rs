@@ -1,4 +1,4 @@
-//! What random tops with free pegs cost: none stalls, whatever losses act.
+//! Integrator steps of random tops with free pegs and all losses.
 
 use crate::random_scenarios::{Random, count, free_tops};
 use std::cell::Cell;
@@ -7,7 +7,7 @@ use toprise::run::scenario::{Scenario, Values};
 use toprise::run::simulation::run_without_samples;
 
 /// More steps per second of motion are too many.
-const MOST_STEPS: f64 = 1e5;
+const MAX_STEPS: f64 = 1e5;
 
 /// The motion that each top is given, s.
 const DURATION: f64 = 2.0;
@@ -37,11 +37,11 @@ fn costly(seed: u64, tops: usize) -> Vec<String> {
         let counted = Rc::clone(&steps);
         let outcome = run_without_samples(&scenario, move || {
             counted.set(counted.get() + 1.0);
-            counted.get() <= MOST_STEPS * DURATION
+            counted.get() <= MAX_STEPS * DURATION
         });
         let failure = match outcome {
             Err(error) => error.to_string(),
-            Ok((end, _)) if steps.get() > MOST_STEPS * DURATION => {
+            Ok((end, _)) if steps.get() > MAX_STEPS * DURATION => {
                 format!("{} steps took it to {} s", steps.get(), end.time)
             }
             Ok(_) => continue,
@@ -52,7 +52,7 @@ fn costly(seed: u64, tops: usize) -> Vec<String> {
 }
 
 #[test]
-fn random_free_tops_get_on() {
+fn random_free_tops_finish() {
     let costly = costly(7, 60);
     assert!(costly.is_empty(), "{}", costly.join("\n"));
 }
@@ -61,7 +61,7 @@ fn random_free_tops_get_on() {
 /// thousand tops.
 #[test]
 #[ignore = "takes minutes"]
-fn many_random_free_tops_get_on() {
+fn many_random_free_tops_finish() {
     let tops = count().unwrap_or(2000);
     let costly = costly(8, tops);
     println!(
@@ -72,10 +72,10 @@ fn many_random_free_tops_get_on() {
     assert!(500 * costly.len() <= tops, "{}", costly.join("\n"));
 }
 
-/// Once each of these took a million steps, and then gave up.
+/// Stalled after a million steps once.
 #[test]
-fn regress_tops_whose_spin_stops_get_on() {
-    let stalled = [
+fn regress_top_whose_spin_stops_finishes() {
+    let keys = [
         ("top.mass", "0.71"),
         ("top.center_distance", "0.008"),
         ("top.transverse_moment", "5.2e-05"),
@@ -93,8 +93,8 @@ fn regress_tops_whose_spin_stops_get_on() {
         ("stop.theta_fallen", ""),
         ("stop.duration", "4"),
     ];
-    let scenario = crate::support::scenario("free-viscous", &stalled);
+    let scenario = crate::support::scenario("free-viscous", &keys);
     let (end, _) = run_without_samples(&scenario, || true).unwrap();
     assert_eq!(end.time, 4.0);
-    assert!((end.statistics.accepted as f64) < MOST_STEPS * end.time);
+    assert!((end.statistics.accepted as f64) < MAX_STEPS * end.time);
 }

@@ -4,7 +4,7 @@ use crate::support::{Run, assert_near, scenario, sliding_friction};
 use nalgebra::Vector3;
 use serde_json::Value;
 use toprise::physics::dynamics::{
-    Formulation, FreeRotation, Guard, Impact, Model, Motion, Phase, Start, Support, Transition,
+    Formulation, FreeRotation, Guard, Impact, Model, Motion, Phase, Start, Support,
 };
 use toprise::physics::friction::{Dissipation, Friction, FrictionLaw, Losses, Smoothing};
 use toprise::physics::kinematics::{Euler, lean_to_world};
@@ -59,9 +59,7 @@ fn hit(command: &str) -> (Model, Motion, Impact) {
     let (system, state, _): (_, [f64; FreeRotation::STATE_LENGTH], _) =
         FreeRotation::start(&model, &start);
     let entry = system.enter(Guard::Gap, &state, start.angles).unwrap();
-    let (Transition::Bounces(impact) | Transition::Lands(impact)) = entry.transition else {
-        panic!("{command}: {:?}", entry.transition)
-    };
+    let impact = entry.impact.expect(command);
     (model, entry.motion, impact)
 }
 

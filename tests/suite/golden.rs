@@ -33,7 +33,7 @@ const GOLDEN: &[(&str, u64, u64, &str)] = &[
     ("free-rolls", 254406, 22035, "7dc7e2ed2e753910b5846147f22b8c9b251ad796057cd9f1b034267f773a4ad8"),
     ("free-viscous", 220614, 14207, "b1c8e81847ec7acd25dea3f8fe1795fc39ec6052393d70488e9f7e6a07a1c9a5"),
     ("drop", 20239, 1508, "e049ca03928fa99ae450d7a1973e68c6c5565fe6d23081d114b9cbb50e5b7092"),
-    ("tippe-top", 118661, 3894, "09cc5f200af7e1d76d785bb27d0e3c14aea9409a5bcec8ef4bf923b121f7ea4b"),
+    ("tippe-top", 118662, 3894, "32c26f277c19deb9ec30441be7bf8578642885d1d7a29c792629c1e8d165c2d2"),
     ("tippe-top-hangs", 49391, 3033, "e8cbbbbaa5f9f25c4e28966504ca748f6cec94deed756de7cf2e9f1365a3355d"),
 ];
 

@@ -85,6 +85,8 @@ fn val_small_loops_are_counted() {
             let minima = run.events_of(EventKind::NutationMinimum).count();
             let loops = run.times_of(EventKind::LoopingBegins);
             assert!(minima > 40, "{minima}");
+            let ends = run.times_of(EventKind::LoopingEnds);
+            assert!(ends[0] > loops[0], "{formulation}, {phi_dot}");
             let difference = minima.abs_diff(loops.len());
             assert!(difference <= 1, "{formulation}, {phi_dot}: {loops:?}");
         }

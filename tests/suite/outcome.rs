@@ -1,6 +1,6 @@
 //! The outcome of a run is that of the whole simulation.
 
-use crate::support::{Run, scenario};
+use crate::support::{Run, assert_near, scenario};
 use proptest::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 use toprise::run::outcome;
@@ -53,7 +53,11 @@ fn tippe_top_inverts_at_the_horizontal() {
     let inverted = scenario("tippe-top", &[("stop.duration", "6.0")]);
     let outcome_of = |scenario| outcome(scenario, || true).unwrap();
     let time = outcome_of(&inverted).end.inversion_time.unwrap();
-    let samples = Run::of(&inverted).samples;
+    let run = Run::of(&inverted);
+    assert_eq!(run.times_of(EventKind::Inverts), [time]);
+    let theta = run.first(EventKind::Inverts).motion.angles.theta;
+    assert_near("θ", theta, FRAC_PI_2, 1e-12);
+    let samples = run.samples;
     let above = samples.partition_point(|sample| sample.angles.theta < FRAC_PI_2);
     let [before, after] = [above - 1, above].map(|index| samples[index].time_ns as f64 * 1e-9);
     assert!(before <= time && time <= after, "{before} {time} {after}");
@@ -66,6 +70,7 @@ fn tippe_top_inverts_at_the_horizontal() {
         let scenario = scenario(preset, &[("stop.duration", duration)]);
         let outcome = outcome(&scenario, || true).unwrap();
         assert_eq!(outcome.end.inversion_time, None, "{preset}");
+        assert_eq!(outcome.tally.number(EventKind::Inverts), 0, "{preset}");
     }
 }
 

@@ -67,7 +67,7 @@ impl<const N: usize> System<N> for BodyRotation {
     #[inline]
     fn derivative(&self, _t: f64, y: &[f64; N]) -> [f64; N] {
         let q = quaternion(y);
-        let lean = Lean::of(&q, |_| momentum(y));
+        let lean = Lean::new(&q, |_| momentum(y));
         let tilt = self.tilt(&lean, &momentum(y));
         let contact = self.model.contact(&tilt);
         let friction = self.model.friction_torque(&contact, &tilt);
@@ -109,7 +109,7 @@ impl<const N: usize> FixedPeg<N> for BodyRotation {
         if !turns {
             return with_momentum(y, &Vector3::zeros());
         }
-        let lean = Lean::of(&quaternion(y), |_| momentum(y));
+        let lean = Lean::new(&quaternion(y), |_| momentum(y));
         let held = Self {
             phase: Phase::Sticking,
             ..*self
@@ -123,7 +123,7 @@ impl<const N: usize> FixedPeg<N> for BodyRotation {
     }
 
     fn without_turning(&self, y: &[f64; N]) -> [f64; N] {
-        let lean = Lean::of(&quaternion(y), |_| momentum(y));
+        let lean = Lean::new(&quaternion(y), |_| momentum(y));
         let held = Self {
             model: self.model.with_turning(Turning::Held),
             phase: Phase::Sliding,
@@ -143,13 +143,13 @@ impl<const N: usize> Formulation<N> for BodyRotation {
 
     fn angles(&self, y: &[f64; N], reference: Euler) -> Euler {
         let q = quaternion(y);
-        let lean = Lean::of(&q, |_| momentum(y));
+        let lean = Lean::new(&q, |_| momentum(y));
         euler_angles(&q, lean.reference(reference))
     }
 
     fn motion_without_turns(&self, y: &[f64; N], reference: Euler) -> Motion {
         let q = quaternion(y);
-        let lean = Lean::of(&q, |_| momentum(y));
+        let lean = Lean::new(&q, |_| momentum(y));
         let mut tilt = self.tilt(&lean, &momentum(y));
         if tilt.is_upright() {
             let per_moment = 1.0 / self.model.top.transverse_moment;

@@ -8,7 +8,7 @@ use super::formulation::{Entry, Formulation, Guard, Started, Transition};
 use super::model::Model;
 use super::motion::{Motion, NO_SLIP, Start};
 use super::support::Phase;
-use crate::physics::friction::{Branch, NO_ROLLING, Turning};
+use crate::physics::friction::{Branch, GIVING_WAY, NO_ROLLING, Rocking, Turning};
 use crate::physics::kinematics::{Euler, Tilt};
 
 /// Euler angles are singular within this distance of θ = 0 and θ = π, rad.
@@ -19,9 +19,13 @@ pub(super) trait FixedPeg<const N: usize>: Formulation<N> {
     /// These equations with another model, in another phase.
     fn with_model(self, model: Model, phase: Phase) -> Self;
 
-    /// These equations in another phase and on another branch of drilling friction.
-    fn in_phase(self, phase: Phase, turning: Turning) -> Self {
-        let model = self.model().with_turning(turning);
+    /// These equations in another phase and on other branches of friction.
+    fn in_phase(self, phase: Phase, branch: Branch) -> Self {
+        let model = self.model();
+        let model = Model {
+            friction: model.friction.on_branch(branch),
+            ..*model
+        };
         self.with_model(model, phase)
     }
 
@@ -62,6 +66,7 @@ pub(super) fn start<F: FixedPeg<N>, const N: usize>(
     } else {
         Turning::from_rate(rate)
     };
+    // An ablation of the paper's equations says nothing about rest.
     let at_rest = model.friction.can_stick() && model.top.slip_speed(&tilt) <= NO_SLIP;
     let (next, settled) = settle(formulation, &state, at_rest, turning, start.angles);
     let transition = (next.phase() == Phase::Sticking).then(|| transition_to_rest(&next, &settled));
@@ -75,6 +80,9 @@ pub(super) fn start<F: FixedPeg<N>, const N: usize>(
 pub(super) fn guards(model: &Model, phase: Phase) -> Vec<Guard> {
     let is_at_rest = phase != Phase::Sliding;
     let mut guards = Vec::new();
+    if model.friction.branch.rocking == Rocking::GivingWay {
+        guards.push(Guard::Departure);
+    }
     if is_at_rest {
         guards.push(Guard::Grip);
     } else if model.friction.is_set_valued() {
@@ -107,6 +115,7 @@ pub(super) fn guard(model: &Model, guard: Guard, tilt: &Tilt) -> f64 {
         }
         Guard::Rolling => model.top.slip_speed(tilt) - NO_SLIP,
         Guard::Grip => model.grip(tilt).margin(),
+        Guard::Departure => GIVING_WAY - model.top.slip_speed(tilt),
         Guard::Turning => model.friction.branch.turning.along(rate),
         Guard::TurningGrip => model.turning_margin(tilt),
         Guard::Regular => tilt.sin - SINGULAR,
@@ -125,31 +134,45 @@ pub(super) fn enter<F: FixedPeg<N>, const N: usize>(
     let motion: Motion = formulation.motion(state, reference);
     let model = formulation.model();
     let (turning, phase) = (model.friction.branch.turning, formulation.phase());
-    let go_on = |at_rest, turning| settle(*formulation, state, at_rest, turning, reference);
     let (next, state) = match guard {
-        Guard::Slip if model.friction.rests_as_a_whole() => go_on(true, Turning::Held),
-        Guard::Slip | Guard::Rolling => go_on(true, turning),
-        Guard::Turning => go_on(phase == Phase::Sticking, Turning::Held),
+        Guard::Slip | Guard::Rolling | Guard::Turning => {
+            let as_a_whole = guard == Guard::Slip && model.friction.rests_as_a_whole();
+            // A contact patch that no longer slips doesn't turn either.
+            let turning = if guard == Guard::Turning || as_a_whole {
+                Turning::Held
+            } else {
+                turning
+            };
+            let at_rest = guard != Guard::Turning || phase == Phase::Sticking;
+            settle(*formulation, state, at_rest, turning, reference)
+        }
         Guard::TurningGrip => {
             let rate = model.turning_acceleration(&motion.tilt);
+            let branch = Branch {
+                turning: Turning::from_rate(rate),
+                ..model.friction.branch
+            };
             let held = formulation.without_turning(state);
-            (formulation.in_phase(phase, Turning::from_rate(rate)), held)
+            (formulation.in_phase(phase, branch), held)
         }
-        Guard::Grip
-        | Guard::NormalForce
-        | Guard::Gap
-        | Guard::Mobility
-        | Guard::RollingGrip
-        | Guard::Regular => (
-            sliding(*formulation, turning),
+        Guard::Departure => (sliding(*formulation, turning, Rocking::Any), *state),
+        Guard::Grip => (
+            sliding(*formulation, turning, Rocking::GivingWay),
             formulation.at_rest(state, true),
         ),
+        Guard::NormalForce | Guard::Gap | Guard::Mobility | Guard::RollingGrip | Guard::Regular => {
+            (
+                sliding(*formulation, turning, Rocking::Any),
+                formulation.at_rest(state, true),
+            )
+        }
     };
     let transition = match guard {
         _ if next.phase() == Phase::Sticking => transition_to_rest(&next, &state),
         Guard::Slip | Guard::Rolling => Transition::SlipStops,
         Guard::Turning if next.model().holds_turning() => Transition::TurningStops,
         Guard::Turning | Guard::TurningGrip => Transition::TurningResumes,
+        Guard::Departure => Transition::Departs,
         Guard::Regular => Transition::BecomesSingular,
         Guard::Grip | Guard::NormalForce | Guard::Gap | Guard::Mobility | Guard::RollingGrip => {
             Transition::SlipResumes
@@ -165,6 +188,7 @@ pub(super) fn enter<F: FixedPeg<N>, const N: usize>(
         state,
         delay: 0.0,
         transition,
+        impact: None,
         motion,
         first_step: f64::INFINITY,
     }
@@ -180,36 +204,45 @@ fn settle<F: FixedPeg<N>, const N: usize>(
     reference: Euler,
 ) -> (F, [f64; N]) {
     let turns = turning != Turning::Held;
-    let tilt = |formulation: &F, state| formulation.motion(state, reference).tilt;
     let friction = &formulation.model().friction;
     let mut rested = *state;
+    let mut rocking = friction.branch.rocking;
     if at_rest {
+        // What gave way has come to rest again.
+        rocking = Rocking::Any;
         rested = formulation.at_rest(state, turns);
         let sticking = sticking(formulation, &rested, turning, reference);
-        if friction.can_stick() && sticking.model().grip(&tilt(&sticking, &rested)).holds() {
+        let tilt = sticking.motion(&rested, reference).tilt;
+        if friction.can_stick() && sticking.model().grip(&tilt).holds() {
             return (sticking, rested);
         }
     }
-    let sliding = sliding(formulation, turning);
+    let sliding = sliding(formulation, turning, rocking);
     if sliding.model().friction.branch.turning != Turning::Held {
         return (sliding, rested);
     }
     let held = sliding.without_turning(&rested);
-    let now = tilt(&sliding, &held);
+    let now = sliding.motion(&held, reference).tilt;
     if sliding.model().turning_margin(&now) >= 0.0 {
         return (sliding, held);
     }
-    let sense = Turning::from_rate(sliding.model().turning_acceleration(&now));
-    (formulation.in_phase(Phase::Sliding, sense), rested)
+    let turning = Turning::from_rate(sliding.model().turning_acceleration(&now));
+    let branch = Branch { turning, rocking };
+    (formulation.in_phase(Phase::Sliding, branch), rested)
 }
 
 /// The equations of a top that slides. Only drilling friction that is set-valued has branches.
-fn sliding<F: FixedPeg<N>, const N: usize>(formulation: F, turning: Turning) -> F {
-    if formulation.model().friction.drilling_bound(1.0, false) > 0.0 {
-        formulation.in_phase(Phase::Sliding, turning)
-    } else {
-        formulation.in_phase(Phase::Sliding, Turning::Any)
-    }
+fn sliding<F: FixedPeg<N>, const N: usize>(
+    formulation: F,
+    turning: Turning,
+    rocking: Rocking,
+) -> F {
+    let drills = formulation.model().friction.drilling_bound(1.0, false) > 0.0;
+    let branch = Branch {
+        turning: if drills { turning } else { Turning::Any },
+        rocking,
+    };
+    formulation.in_phase(Phase::Sliding, branch)
 }
 
 /// The equations of a top whose contact point is at rest. Coulomb–Contensou friction has branches only there.
@@ -219,12 +252,20 @@ fn sticking<F: FixedPeg<N>, const N: usize>(
     turning: Turning,
     reference: Euler,
 ) -> F {
-    let sticking = formulation.in_phase(Phase::Sticking, turning);
+    let branch = Branch {
+        turning,
+        rocking: Rocking::Any,
+    };
+    let sticking = formulation.in_phase(Phase::Sticking, branch);
     if turning != Turning::Any || sticking.model().friction.drilling_bound(1.0, true) == 0.0 {
         return sticking;
     }
     let rate = sticking.motion(rested, reference).tilt.omega_lean.z;
-    formulation.in_phase(Phase::Sticking, Turning::from_rate(rate))
+    let branch = Branch {
+        turning: Turning::from_rate(rate),
+        ..branch
+    };
+    formulation.in_phase(Phase::Sticking, branch)
 }
 
 /// The transition to sticking: the top rests if it doesn't turn about the vertical either.

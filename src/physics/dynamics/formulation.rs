@@ -29,6 +29,8 @@ pub enum Guard {
     Turning,
     /// Drilling friction can hold a top that doesn't turn about the vertical.
     TurningGrip,
+    /// A contact that has given way slips too slowly to define a direction.
+    Departure,
     /// The variables are regular.
     Regular,
 }
@@ -42,6 +44,8 @@ pub enum Transition {
     Sticks,
     /// The contact point slips again.
     SlipResumes,
+    /// The slip of a contact that has given way defines the direction of friction from now on.
+    Departs,
     /// The peg of a free top begins to roll.
     Rolls,
     /// The peg of a free top no longer rolls, but slides.
@@ -49,9 +53,9 @@ pub enum Transition {
     /// The peg leaves the table.
     LiftsOff,
     /// The peg hits the table and bounces.
-    Bounces(Impact),
-    /// The peg hits the table and stays there.
-    Lands(Impact),
+    Bounces,
+    /// The peg hits the table and stays there. What else friction holds then is the transition instead of this one.
+    Lands,
     /// The peg jams: no normal force can keep it out of the table.
     Jams,
     /// Rolling resistance holds a top that has stopped rocking: it turns about the vertical only.
@@ -84,6 +88,8 @@ pub struct Entry<F, const N: usize> {
     pub delay: f64,
     /// The transition.
     pub transition: Transition,
+    /// The impact with which the phase begins.
+    pub impact: Option<Impact>,
     /// The motion at its beginning.
     pub motion: Motion,
     /// Maximum length of the first step, s.

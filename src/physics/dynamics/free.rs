@@ -16,7 +16,7 @@ use super::model::Model;
 use super::motion::{Dissipated, Motion, NO_SLIP, Peg, Start};
 use super::reaction::{Inertia, Reaction};
 use super::support::Phase;
-use crate::physics::friction::{NO_ROLLING, Rocking};
+use crate::physics::friction::{GIVING_WAY, NO_ROLLING, Rocking};
 use crate::physics::integrate::{System, Tolerances};
 use crate::physics::kinematics::{
     Euler, Tilt, euler_angles, inclination, lean_to_world, world_from_body,
@@ -105,11 +105,12 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         put(&mut state, SCALED_MOMENTUM, &scaled_momentum);
         put(&mut state, CENTER, &center);
         put(&mut state, VELOCITY, &velocity);
+        // Only in flight are all components of the state used.
         let flying = Self {
             model: *model,
             phase: Phase::Flying,
             departure: None,
-            inertia: Inertia::of(top),
+            inertia: Inertia::new(top),
         };
         if start.is_in_flight(top.peg_radius) {
             return (flying, state, None);
@@ -117,6 +118,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         let slip = flying.parts(&state).contact_velocity();
         let at_rest = hypot(slip.x, slip.y) <= NO_SLIP;
         let formulation = flying.on_table(&state, at_rest);
+        // A top that pivots rolls, but says more.
         let transition = if formulation.held().rocking {
             Some(formulation.pivoting(&state))
         } else {
@@ -143,6 +145,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         let mut position = vector(y, CENTER) + parts.lean.lean_to_world(&to_peg);
         let mut velocity_lean = parts.velocity + parts.tilt.omega_lean.cross(&to_peg);
         if self.phase != Phase::Flying {
+            // The height follows from the contact; that of the state is rounded.
             position.z = top.peg_radius;
             velocity_lean.z = 0.0;
         }
@@ -157,7 +160,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
             peg: Peg {
                 position,
                 velocity_lean,
-                departure: self.departure_of(&parts.tilt, &slip),
+                departure: self.departing(&parts.tilt, &slip),
                 dissipated: Dissipated {
                     impact_normal: y[CONTROLLED],
                     impact_friction: y[CONTROLLED + 1],
@@ -189,6 +192,9 @@ impl<const N: usize> Formulation<N> for FreeRotation {
             Phase::Sticking => vec![Guard::Grip],
             Phase::Sliding => sliding_guards(&self.model),
         };
+        if self.is_departing_patch() {
+            guards.push(Guard::Departure);
+        }
         let held = self.held();
         if self.model.friction.rolling_arm() > 0.0 {
             guards.push(if held.rocking {
@@ -211,7 +217,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         let top = &self.model.top;
         let slip = motion.slip_velocity(top);
         let reaction = || {
-            self.body(motion.tilt)
+            self.body_in(motion)
                 .reaction(self.phase, &motion.law_slip(&slip))
         };
         match guard {
@@ -222,10 +228,14 @@ impl<const N: usize> Formulation<N> for FreeRotation {
                 friction.patch_speed(slip.norm(), motion.tilt.omega_lean.z) - NO_SLIP
             }
             Guard::Grip => self.grip(&reaction()),
+            Guard::Departure => {
+                let friction = &self.model.friction;
+                GIVING_WAY - friction.patch_speed(slip.norm(), motion.tilt.omega_lean.z)
+            }
             Guard::NormalForce => reaction().normal,
             Guard::Gap => motion.peg.position.z - top.peg_radius,
             Guard::Mobility => {
-                let body = self.body(motion.tilt);
+                let body = self.body_in(motion);
                 body.mobility(&motion.law_slip(&slip)) - JAMMED
             }
             Guard::Rolling => self.rolling_guard(&motion.tilt, &motion.law_slip(&slip), reaction),
@@ -253,8 +263,10 @@ impl<const N: usize> Formulation<N> for FreeRotation {
 
     fn enter(&self, guard: Guard, y: &[f64; N], reference: Euler) -> Entered<Self, N> {
         let (mut delay, mut state) = (0.0, self.completed(y));
+        let mut impact = None;
         let (formulation, transition) = match guard {
             Guard::Slip => {
+                // The guard is zero just before the slip is.
                 (state, delay) = self.at_rest(y);
                 let resting = Resting {
                     slip: true,
@@ -277,11 +289,18 @@ impl<const N: usize> Formulation<N> for FreeRotation {
                 };
                 (next, transition)
             }
+            Guard::Departure => {
+                let departed = Self {
+                    departure: None,
+                    ..*self
+                };
+                (departed, Transition::Departs)
+            }
             Guard::NormalForce => (self.with_phase(Phase::Flying), Transition::LiftsOff),
             Guard::Gap => {
-                let (next, after, transition) = self.after_impact(&state)?;
-                state = after;
-                (next, transition)
+                let contact = self.after_contact(&state)?;
+                (state, impact) = (contact.state, contact.impact);
+                (contact.formulation, contact.transition)
             }
             Guard::Mobility => (*self, Transition::Jams),
             Guard::Rolling => {
@@ -321,6 +340,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
             state,
             delay,
             transition,
+            impact,
             motion: formulation.motion(&state, reference),
             first_step: formulation.first_step(&state),
         })

@@ -83,6 +83,7 @@ impl FreeBody<'_> {
                 equations[(row, NORMAL)] = -moving[row];
             }
         }
+        // Singular only if friction is held by two rows that depend on each other, e.g. without a moment of inertia.
         let solution = equations.lu().solve(&right);
         let wrench = solution.unwrap_or_else(Vector6::zeros);
         Reaction {
@@ -138,7 +139,7 @@ impl FreeBody<'_> {
         } else {
             slip
         };
-        let Wrench { force, couple } = self.friction.per_normal_force(slip, &self.tilt.omega_lean);
+        let Wrench { force, couple } = self.friction.per_normal_force(slip, &self.law_omega());
         Vector6::new(force.x, force.y, 0.0, couple.x, couple.y, couple.z)
     }
 
@@ -189,6 +190,7 @@ impl FreeBody<'_> {
         moving[NORMAL] = 1.0;
         let bounds = resting.bounds(&body);
         let Response { free, per_force } = body.response();
+        // Friction that moves acts with the normal force.
         let mobility = (per_force * moving)[NORMAL];
         let mut at_rest = Vector6::zeros();
         let mut normal = 0.0;
@@ -206,6 +208,7 @@ impl FreeBody<'_> {
                     normal,
                 );
             }
+            // The other bounds may have changed the forces since.
             wrench = at_rest + normal * moving;
             if bounds_converged(&bounds, &before, &wrench, normal) {
                 break;

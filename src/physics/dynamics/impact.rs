@@ -200,11 +200,10 @@ impl ImpactEquations<'_> {
             return Stage::Held;
         }
         let slowly = SLIP_STOPPED * self.scale();
-        let answer = |direction: &Vector3<f64>| {
+        match FreeBody::departure(|direction| {
             let friction = self.per_impulse(&(slowly * direction), &now.omega);
             self.body.acceleration_per_normal_force(&friction)
-        };
-        match FreeBody::departure(answer) {
+        }) {
             Some(direction) => Stage::Slipping(Some(direction)),
             None => Stage::Held,
         }
@@ -326,15 +325,15 @@ impl<'a> Collision<'a> {
     #[inline]
     fn event_value(&self, event: ImpactEvent, y: &State) -> f64 {
         let equations = self.integrator.system();
-        let velocity = || equations.impact_state(y).velocity;
         match event {
-            ImpactEvent::Compressed => velocity().z / equations.speed,
+            ImpactEvent::Compressed => equations.impact_state(y).velocity.z / equations.speed,
             ImpactEvent::Restituted => {
-                let given_back = self.restitution * self.restitution;
-                y[6] - self.compression.unwrap_or_default() * (1.0 - given_back)
+                let restitution_squared = self.restitution * self.restitution;
+                y[6] - self.compression.unwrap_or_default() * (1.0 - restitution_squared)
             }
             ImpactEvent::SlipStopped => {
-                ImpactEquations::slip(&velocity()).norm() / equations.scale() - SLIP_STOPPED
+                let slip = ImpactEquations::slip(&equations.impact_state(y).velocity);
+                slip.norm() / equations.scale() - SLIP_STOPPED
             }
         }
     }

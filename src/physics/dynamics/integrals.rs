@@ -45,7 +45,7 @@ pub struct TermIntegrals {
 impl TermIntegrals {
     /// Their rates of change, per second.
     #[inline(always)]
-    pub(super) fn of(accelerations: &Accelerations, tilt: &Tilt) -> Self {
+    pub(super) fn new(accelerations: &Accelerations, tilt: &Tilt) -> Self {
         if tilt.sin > TERMS_SINE {
             Self {
                 phi_gyroscopic: accelerations.gyroscopic.phi,

@@ -19,7 +19,7 @@ impl Lean {
     /// The tilt direction of an orientation. For a vertical axis, `turning(cos θ)` returns the vector about whose
     /// horizontal part it is about to rotate, world frame.
     #[inline]
-    pub(super) fn of(q: &Quaternion<f64>, turning: impl FnOnce(f64) -> Vector3<f64>) -> Self {
+    pub(super) fn new(q: &Quaternion<f64>, turning: impl FnOnce(f64) -> Vector3<f64>) -> Self {
         let per_square = 1.0 / q.norm_squared();
         let x = 2.0 * (q.i * q.k + q.j * q.w) * per_square;
         let y = 2.0 * (q.j * q.k - q.i * q.w) * per_square;

@@ -48,8 +48,9 @@ impl Model {
     }
 
     fn free_body(&self, motion: &Motion) -> FreeBody<'_> {
-        let inertia = Inertia::of(&self.top);
+        let inertia = Inertia::new(&self.top);
         FreeBody::new(&self.top, &self.friction, &inertia, motion.tilt)
+            .departing(motion.peg.departure.as_ref())
     }
 
     /// The Euler accelerations in a motion with this contact, rad/s².
@@ -157,7 +158,7 @@ impl Model {
         let quadratic =
             (top.central_moment() - top.axial_moment) * tilt.cos + top.center_distance * moment;
         let spin = (top.axial_moment + top.peg_radius * moment) * tilt.rates.psi;
-        PrecessionRoots::of(quadratic, spin, top.gravity_moment())
+        PrecessionRoots::new(quadratic, spin, top.gravity_moment())
     }
 
     /// Whether the peg rolls in a phase.
@@ -311,7 +312,7 @@ impl Model {
             theta,
             work_node: torque.component_mul(&tilt.omega_node()),
             slip_work: contact.force.dot(&contact.slip),
-            terms: TermIntegrals::of(accelerations, tilt),
+            terms: TermIntegrals::new(accelerations, tilt),
             ..Self::few_integrands(contact, friction_torque, tilt)
         }
     }

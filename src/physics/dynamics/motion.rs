@@ -39,10 +39,10 @@ impl Motion {
         Vector3::new(velocity.x, velocity.y, 0.0)
     }
 
-    /// The slip velocity used in the friction law: the departure direction while the slip is too slow.
+    /// The slip velocity used in the friction law: that of the departure while the slip is too slow.
     #[inline]
     pub(super) fn law_slip(&self, slip: &Vector3<f64>) -> Vector3<f64> {
-        slip_of_law(slip, self.peg.departure.as_ref())
+        self.peg.departure.map_or(*slip, |departing| departing.slip)
     }
 
     /// Velocity of the centre of mass in the lean frame, m/s.
@@ -53,13 +53,14 @@ impl Motion {
     }
 }
 
-/// The slip velocity used in the friction law (m/s, lean frame), given a departure direction.
-#[inline]
-pub(super) fn slip_of_law(slip: &Vector3<f64>, departure: Option<&Vector3<f64>>) -> Vector3<f64> {
-    match departure {
-        Some(direction) if is_departing(slip) => DEPARTING * direction,
-        _ => *slip,
-    }
+/// Motion of a contact that begins to slip, as it enters the friction law: the slip itself is too slow to define the
+/// direction of friction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Departing {
+    /// Slip velocity in the lean frame, m/s.
+    pub slip: Vector3<f64>,
+    /// Rate about the vertical, rad/s.
+    pub turning_rate: f64,
 }
 
 /// Whether a slip velocity (m/s) is too small to define a direction.
@@ -75,8 +76,8 @@ pub struct Peg {
     pub position: Vector3<f64>,
     /// Velocity of its centre in the lean frame, m/s.
     pub velocity_lean: Vector3<f64>,
-    /// The departure direction in the lean frame, while the slip is too slow to define one.
-    pub departure: Option<Vector3<f64>>,
+    /// The departure from rest, while the slip is too slow to define a direction.
+    pub departure: Option<Departing>,
     /// Energy lost in impacts and losses.
     pub dissipated: Dissipated,
 }

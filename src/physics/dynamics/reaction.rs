@@ -3,7 +3,7 @@
 //! All vectors are in the lean frame (x tilt direction, y line of nodes, z up), torques and moments of inertia are
 //! about the centre of mass. `ρ` is the vector from the centre of mass to the contact point.
 
-use super::motion::DEPARTING;
+use super::motion::{DEPARTING, Departing};
 use super::support::Phase;
 use crate::physics::friction::{Friction, Rocking, Wrench};
 use crate::physics::integrate::zero;
@@ -27,6 +27,8 @@ pub(super) struct FreeBody<'a> {
     pub(super) top: &'a Top,
     pub(super) friction: &'a Friction,
     pub(super) tilt: Tilt,
+    /// Rate about the vertical in the friction law, rad/s.
+    pub(super) law_rate: f64,
     pub(super) arm: ContactArm,
     pub(super) inertia: Inertia,
     pub(super) inverse_mass: InverseMass,
@@ -43,7 +45,7 @@ pub(super) struct ContactArm {
 
 impl ContactArm {
     #[inline(always)]
-    pub(super) fn of(top: &Top, sin: f64, cos: f64) -> Self {
+    pub(super) fn new(top: &Top, sin: f64, cos: f64) -> Self {
         Self {
             lean: -top.center_distance * sin,
             up: -(top.peg_radius + top.center_distance * cos),
@@ -75,7 +77,7 @@ pub(super) struct Inertia {
 }
 
 impl Inertia {
-    pub(super) fn of(top: &Top) -> Self {
+    pub(super) fn new(top: &Top) -> Self {
         let transverse = top.central_moment();
         Self {
             per_mass: 1.0 / top.mass,
@@ -148,7 +150,8 @@ impl<'a> FreeBody<'a> {
             top,
             friction,
             tilt,
-            arm: ContactArm::of(top, sin, cos),
+            law_rate: tilt.omega_lean.z,
+            arm: ContactArm::new(top, sin, cos),
             inertia: *inertia,
             inverse_mass: InverseMass {
                 node: per_mass
@@ -159,6 +162,20 @@ impl<'a> FreeBody<'a> {
                 coupling: -lever * height * per_transverse,
             },
         }
+    }
+
+    /// The same body with the friction of a contact that begins to slip.
+    #[inline(always)]
+    pub(super) fn departing(self, departing: Option<&Departing>) -> Self {
+        let law_rate = departing.map_or(self.law_rate, |departing| departing.turning_rate);
+        Self { law_rate, ..self }
+    }
+
+    /// The angular velocity in the friction law, rad/s.
+    #[inline(always)]
+    pub(super) fn law_omega(&self) -> Vector3<f64> {
+        let omega = &self.tilt.omega_lean;
+        Vector3::new(omega.x, omega.y, self.law_rate)
     }
 
     /// The angular acceleration (rad/s²) for a torque (N m), or the change of angular velocity for an angular impulse.
@@ -255,9 +272,9 @@ impl<'a> FreeBody<'a> {
     #[inline(always)]
     fn sliding(&self, slip: &Vector3<f64>) -> Reaction {
         let air = self.air();
-        let per_normal_force = self.friction.per_normal_force(slip, &self.tilt.omega_lean);
-        let answer = self.acceleration_per_normal_force(&per_normal_force);
-        let normal = -self.free_acceleration(&air).z / answer.z;
+        let per_normal_force = self.friction.per_normal_force(slip, &self.law_omega());
+        let acceleration = self.acceleration_per_normal_force(&per_normal_force);
+        let normal = -self.free_acceleration(&air).z / acceleration.z;
         Reaction {
             normal,
             friction: per_normal_force * normal,
@@ -273,7 +290,7 @@ impl<'a> FreeBody<'a> {
             // A body that can't rock yields to a normal force as a mass does.
             return self.inertia.per_mass / self.inverse_mass.up;
         }
-        let friction = self.friction.per_normal_force(slip, &self.tilt.omega_lean);
+        let friction = self.friction.per_normal_force(slip, &self.law_omega());
         self.acceleration_per_normal_force(&friction).z / self.inverse_mass.up
     }
 
@@ -281,11 +298,11 @@ impl<'a> FreeBody<'a> {
     #[inline(always)]
     pub(super) fn acceleration_per_normal_force(&self, friction: &Wrench) -> Vector3<f64> {
         let force = Vector3::new(friction.force.x, friction.force.y, 1.0);
-        let answer = self.inverse_mass.velocity_change(&force);
+        let acceleration = self.inverse_mass.velocity_change(&force);
         if self.friction.has_losses() {
-            answer + self.acceleration_per_couple(&friction.couple)
+            acceleration + self.acceleration_per_couple(&friction.couple)
         } else {
-            answer
+            acceleration
         }
     }
 
@@ -297,7 +314,7 @@ impl<'a> FreeBody<'a> {
         let air = self.air();
         let couple = self
             .friction
-            .per_normal_force(&Vector3::zeros(), &self.tilt.omega_lean)
+            .per_normal_force(&Vector3::zeros(), &self.law_omega())
             .couple;
         let loose = self.free_acceleration(&air);
         let by_couple = self.acceleration_per_couple(&couple);
@@ -339,23 +356,28 @@ impl<'a> FreeBody<'a> {
         let held = self.held().friction.force;
         let against = -held / held.norm();
         let across = Vector3::new(-against.y, against.x, 0.0);
-        let turned = |by: f64| (against + by * across).normalize();
-        let aside = |by: f64| {
-            let along = turned(by);
-            let a = self.slip_acceleration(&(DEPARTING * along));
-            along.x * a.y - along.y * a.x
-        };
+        let turn = Turn { against, across };
         let (mut before, mut by) = (0.0, FIRST_TURN);
-        let (mut error_before, mut error) = (aside(before), aside(by));
+        let (mut error_before, mut error) = (
+            self.sideways_acceleration(&turn.by(before)),
+            self.sideways_acceleration(&turn.by(by)),
+        );
+        // The secant method: the error is nearly linear in such small turns.
         for _ in 0..MAX_ITERATIONS {
             let next = by - error * (by - before) / (error - error_before);
+            // Where both errors are equal, rounding is reached.
             if !next.is_finite() || next == by {
                 break;
             }
             (before, error_before) = (by, error);
-            (by, error) = (next, aside(next));
+            (by, error) = (next, self.sideways_acceleration(&turn.by(next)));
         }
-        turned(by)
+        turn.by(by)
+    }
+
+    /// The component of the acceleration of a departing contact point perpendicular to its direction, m/s².
+    fn sideways_acceleration(&self, along: &Vector3<f64>) -> f64 {
+        sideways(along, &self.slip_acceleration(&(DEPARTING * along)))
     }
 
     /// The direction in which a contact point at rest begins to slip: a unit vector parallel to the acceleration that
@@ -363,21 +385,20 @@ impl<'a> FreeBody<'a> {
     pub(super) fn departure(
         acceleration: impl Fn(&Vector3<f64>) -> Vector3<f64>,
     ) -> Option<Vector3<f64>> {
-        let direction = |angle: f64| Vector3::new(cos(angle), sin(angle), 0.0);
-        let aside = |angle: f64| {
-            let along = direction(angle);
-            let a = acceleration(&along);
-            along.x * a.y - along.y * a.x
-        };
         let width = TAU / f64::from(DIRECTIONS);
         let mut best: Option<(f64, Vector3<f64>)> = None;
-        let mut before = aside(0.0);
+        let first = horizontal(0.0);
+        let mut before = sideways(&first, &acceleration(&first));
         for piece in 0..DIRECTIONS {
             let start = width * f64::from(piece);
-            let after = aside(start + width);
+            let end = horizontal(start + width);
+            let after = sideways(&end, &acceleration(&end));
             if (before > 0.0) != (after > 0.0) {
-                let s = zero(before, after, |s| aside(start + s * width));
-                let along = direction(start + s * width);
+                let s = zero(before, after, |s| {
+                    let along = horizontal(start + s * width);
+                    sideways(&along, &acceleration(&along))
+                });
+                let along = horizontal(start + s * width);
                 let strength = acceleration(&along).dot(&along);
                 if strength > best.map_or(0.0, |(most, _)| most) {
                     best = Some((strength, along));
@@ -387,4 +408,27 @@ impl<'a> FreeBody<'a> {
         }
         best.map(|(_, along)| along)
     }
+}
+
+/// A horizontal unit vector and the one to its left.
+struct Turn {
+    against: Vector3<f64>,
+    across: Vector3<f64>,
+}
+
+impl Turn {
+    /// The first vector, turned by an angle with this tangent.
+    fn by(&self, tangent: f64) -> Vector3<f64> {
+        (self.against + tangent * self.across).normalize()
+    }
+}
+
+/// The horizontal unit vector at an angle, rad, lean frame.
+fn horizontal(angle: f64) -> Vector3<f64> {
+    Vector3::new(cos(angle), sin(angle), 0.0)
+}
+
+/// The horizontal component of a vector to the left of a unit vector.
+fn sideways(along: &Vector3<f64>, vector: &Vector3<f64>) -> f64 {
+    along.x * vector.y - along.y * vector.x
 }

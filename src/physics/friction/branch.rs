@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 pub struct Branch {
     /// That of drilling friction.
     pub turning: Turning,
-    /// That of the rolling resistance of a free peg.
+    /// That of the rolling resistance of a free peg, and of the slip of a fixed peg, which is rocking.
     pub rocking: Rocking,
 }
 

@@ -40,6 +40,8 @@ listed! {
         LoopingBegins = "looping_begins",
         /// The precession returns to its normal sense.
         LoopingEnds = "looping_ends",
+        /// The axis of a tippe top passes the horizontal: the centre of mass rises above the centre of the sphere.
+        Inverts = "inverts",
         /// The top becomes weak: the spin can no longer keep it upright, a² < 4 M g l / I_x (Klein and Sommerfeld).
         WeakTop = "weak_top",
         /// The top becomes strong again: the reverse of [`EventKind::WeakTop`].
@@ -91,6 +93,7 @@ impl EventKind {
             Self::RollBegins => Some("intervals of rolling"),
             Self::WeakTop => Some("changes from strong to weak"),
             Self::StrongTop => Some("changes from weak to strong"),
+            Self::Inverts => Some("inversions"),
             Self::NutationMinimum => Some("nutation minima"),
             Self::NutationMaximum => Some("nutation maxima"),
             Self::Start
@@ -139,6 +142,11 @@ impl EventKind {
                 format!("The precession turns forward, at {theta:.4} rad.")
             }
             Self::LoopingEnds => format!("The precession turns forward again, at {theta:.4} rad."),
+            // A top that swings may come back.
+            Self::Inverts => format!(
+                "The axis passes the horizontal: the top inverts, spinning at {:.2} rad/s.",
+                rates.psi
+            ),
             Self::WeakTop => format!(
                 "The spin, {:.2} rad/s, has become too weak to hold an upright top.",
                 rates.psi
@@ -208,15 +216,16 @@ pub(super) fn consequences(transition: &Transition) -> (Option<EventKind>, Optio
             is_final.then_some(StopReason::Pivot),
         ),
         Transition::Rests => (Some(EventKind::Rest), Some(StopReason::Rest)),
-        Transition::RockingStops
+        Transition::Departs
+        | Transition::RockingStops
         | Transition::RockingResumes
         | Transition::TurningStops
         | Transition::TurningResumes
         | Transition::Rolls
         | Transition::RollEnds
         | Transition::LiftsOff
-        | Transition::Bounces(_)
-        | Transition::Lands(_) => (None, None),
+        | Transition::Bounces
+        | Transition::Lands => (None, None),
     }
 }
 

@@ -99,7 +99,7 @@ pub struct ImpactRecord {
 impl ImpactRecord {
     /// An impact with the motion after it.
     pub(super) fn new(hit: &Impact, motion: &Motion, time: f64, time_ns: u64) -> Self {
-        let world = |lean: &Vector3<f64>| lean_to_world(lean, motion.angles.phi);
+        let phi = motion.angles.phi;
         let peg = motion.peg.position;
         Self {
             index: 0,
@@ -108,9 +108,9 @@ impl ImpactRecord {
             bounce: 0,
             stays: motion.phase != Phase::Flying,
             point: Vector3::new(peg.x, peg.y, 0.0),
-            impulse: world(&hit.impulse),
-            before: world(&hit.before),
-            after: world(&hit.after),
+            impulse: lean_to_world(&hit.impulse, phi),
+            before: lean_to_world(&hit.before, phi),
+            after: lean_to_world(&hit.after, phi),
             restitution: hit.restitution,
             normal_loss: hit.normal_loss,
             friction_loss: hit.friction_loss,

@@ -103,10 +103,9 @@ impl OpenCycle {
 
     /// Whether the cycle ending at `time` has the duration of one nutation, within a factor.
     fn is_nutation(&self, model: &Model, time: f64, factor: f64) -> bool {
-        let periods = |period| (time - self.start) / period;
         let nutations = 1.0 / factor..=factor;
         self.period(model)
-            .is_some_and(|period| nutations.contains(&periods(period)))
+            .is_some_and(|period| nutations.contains(&((time - self.start) / period)))
     }
 }
 

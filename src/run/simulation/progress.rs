@@ -1,6 +1,6 @@
 //! Detects stalled runs.
 
-use super::record::SimulationError;
+use super::error::{ContactPhase, SimulationError};
 
 /// A run has stalled if this many steps advance it by less than [`STALLED_TIME`].
 const STALLED_STEPS: u32 = 1_000_000;
@@ -19,20 +19,30 @@ pub(super) struct Progress {
     steps: (u32, f64),
     /// Phases entered since the run last advanced by [`CHATTER_TIME`], and the time of that, s.
     phases: (u32, f64),
+    /// The different contacts of these phases.
+    contacts: Vec<ContactPhase>,
 }
 
 impl Progress {
     /// Records a step to a time, s; fails if the run has stalled.
-    pub(super) fn record_step(&mut self, time: f64) -> Result<(), SimulationError> {
+    pub(super) fn record_step(
+        &mut self,
+        time: f64,
+        contact: ContactPhase,
+    ) -> Result<(), SimulationError> {
         let (steps, since) = &mut self.steps;
         *steps += 1;
+        // Checked rarely: a stiff but short interval is no stall.
         if *steps < STALLED_STEPS {
             return Ok(());
         }
         if time - *since < STALLED_TIME {
-            return Err(SimulationError(format!(
-                "the simulation stalled at t = {time:?} s: the steps have become too short (the friction law is too steep)"
-            )));
+            return Err(SimulationError::TinySteps {
+                time,
+                contact,
+                steps: STALLED_STEPS,
+                advance: STALLED_TIME,
+            });
         }
         self.steps = (0, time);
         Ok(())
@@ -40,19 +50,27 @@ impl Progress {
 
     /// Records the start of a phase at a time, s. Returns the number of phases started within [`CHATTER_TIME`]; fails
     /// if the run has stalled.
-    pub(super) fn record_phase(&mut self, time: f64) -> Result<u32, SimulationError> {
+    pub(super) fn record_phase(
+        &mut self,
+        time: f64,
+        contact: ContactPhase,
+    ) -> Result<u32, SimulationError> {
         let (phases, since) = &mut self.phases;
         if time - *since >= CHATTER_TIME {
             (*phases, *since) = (0, time);
+            self.contacts.clear();
+        }
+        if !self.contacts.contains(&contact) {
+            self.contacts.push(contact);
         }
         *phases += 1;
         if *phases < CHATTER_PHASES {
             Ok(*phases)
         } else {
-            Err(SimulationError(format!(
-                "the simulation stalled at t = {time:?} s: sliding, rolling and flight alternate without end (tolerances \
-                 below 1e-9, integrator.absolute_tolerance and integrator.relative_tolerance, may resolve them)"
-            )))
+            Err(SimulationError::Alternates {
+                time,
+                contacts: std::mem::take(&mut self.contacts),
+            })
         }
     }
 }

@@ -21,7 +21,7 @@ pub(super) struct Queue {
     pub(super) impacts: u32,
     /// Emitted impacts since the peg left the table.
     bounces: u32,
-    /// Time at which a tippe top inverted, s.
+    /// Time of the first emitted inversion of a tippe top, s.
     pub(super) inversion: Option<f64>,
 }
 
@@ -32,11 +32,6 @@ impl Queue {
 
     pub(super) fn extend(&mut self, pending: impl IntoIterator<Item = Record>) {
         self.pending.extend(pending);
-    }
-
-    /// Records the first inversion of a tippe top, at this time, s.
-    pub(super) fn record_inversion(&mut self, time: f64) {
-        self.inversion.get_or_insert(time);
     }
 
     /// Discards records after a time, s.
@@ -56,6 +51,7 @@ impl Queue {
         match &mut record {
             Record::Event(event) => {
                 event.description = event.kind.describe(top, &event.motion);
+                // Only now is it known how many impacts came before.
                 if event.kind == EventKind::Landing {
                     event.description += &match std::mem::take(&mut self.bounces) {
                         1 => " After 1 impact.".to_owned(),
@@ -64,6 +60,9 @@ impl Queue {
                 }
                 event.index = self.events;
                 self.events += 1;
+                if event.kind == EventKind::Inverts {
+                    self.inversion.get_or_insert(event.time);
+                }
             }
             Record::Impact(impact) => {
                 impact.index = self.impacts;
@@ -84,6 +83,9 @@ impl Queue {
             match pending {
                 Record::Event(event) => {
                     self.events += 1;
+                    if event.kind == EventKind::Inverts {
+                        self.inversion.get_or_insert(event.time);
+                    }
                     tally.count(event.kind, event.time);
                     last = Some((event.time, event.motion));
                 }

@@ -1,12 +1,11 @@
-//! Records, errors and end of a simulation.
+//! Records and end of a simulation.
 
 use super::event::{Event, StopReason};
 use super::free::ImpactRecord;
 use super::nutation::NutationCycle;
 use super::sample::Sample;
 use crate::physics::dynamics::Motion;
-use crate::physics::integrate::{IntegrateError, Statistics};
-use thiserror::Error;
+use crate::physics::integrate::Statistics;
 
 /// One record of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,17 +29,6 @@ impl Record {
             Self::Nutation(cycle) => cycle.time_ns,
             Self::Impact(impact) => impact.time_ns,
         }
-    }
-}
-
-/// Error of a simulation, as a text.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("{0}")]
-pub struct SimulationError(pub(super) String);
-
-impl From<IntegrateError> for SimulationError {
-    fn from(error: IntegrateError) -> Self {
-        Self(format!("the motion can't be integrated further: {error}"))
     }
 }
 

@@ -1,11 +1,12 @@
 //! The simulation loop: take a step, locate events, yield records in time order.
 
+use super::error::{ContactPhase, SimulationError};
 use super::event::{EventKind, StopReason, UPRIGHT, consequences};
 use super::free::ImpactRecord;
 use super::nutation::NutationTracker;
 use super::progress::Progress;
 use super::queue::{Queue, event_at};
-use super::record::{Record, RunEnd, SimulationError};
+use super::record::{Record, RunEnd};
 use super::sample::Sample;
 use super::tally::Tally;
 use super::watch::{
@@ -13,7 +14,9 @@ use super::watch::{
 };
 use crate::physics::dynamics::{Entry, Formulation, Guard, Model, Motion, Phase, Transition};
 use crate::physics::friction::Dissipation;
-use crate::physics::integrate::{Crossing, Dense, Dop853, KNOTS, Slope, Tolerances};
+use crate::physics::integrate::{
+    Crossing, Dense, Dop853, IntegrateError, KNOTS, Slope, Tolerances,
+};
 use crate::physics::kinematics::Euler;
 use crate::run::scenario::{Scenario, Stop};
 use crate::run::time::{nanoseconds, seconds};
@@ -49,6 +52,8 @@ pub(super) struct Runner<F, const N: usize> {
     tolerances: Tolerances,
     /// The sense of the precession: +1 or −1.
     sense: f64,
+    /// Whether the precession has turned backward, and not forward again.
+    is_looping: bool,
     watches: Vec<Watch>,
     nutation: NutationTracker,
     /// The current step; `None` before the first.
@@ -95,12 +100,9 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             stop = stop.or(Some(StopReason::SlipStopped));
         }
         let end = stop.map(|reason| (0.0, EarlyEnd::Stop(reason, None)));
-        let integrator = Dop853::new(
-            formulation,
-            0.0,
-            state,
-            F::step_tolerances(scenario.tolerances),
-        )?;
+        let tolerances = F::step_tolerances(scenario.tolerances);
+        let integrator = Dop853::new(formulation, 0.0, state, tolerances)
+            .map_err(|source| integration_error(&formulation, 0.0, source))?;
         let energy_at_start = scenario.model.energy(&motion);
         let sense = if motion.tilt.axial_rate() < 0.0 {
             -1.0
@@ -115,6 +117,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             stop: scenario.stop,
             tolerances: scenario.tolerances,
             sense,
+            is_looping: false,
             nutation: NutationTracker::new(scenario.model, 0.0, motion),
             dense: None,
             reference: scenario.angles,
@@ -136,8 +139,11 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     fn step(&mut self) -> Result<(), SimulationError> {
         let (system, state) = (self.integrator.system(), self.integrator.y());
         self.reference = system.angles(state, self.reference);
-        self.integrator.step_densely()?;
-        self.progress.record_step(self.integrator.t())?;
+        let contact = contact_phase(system);
+        let stepped = self.integrator.step_densely();
+        let time = self.integrator.t();
+        stepped.map_err(|source| integration_error(self.integrator.system(), time, source))?;
+        self.progress.record_step(time, contact)?;
         let dense = self.integrator.dense();
         let mut crossings = self.crossings(&dense);
         self.discard_unfinished_reversal(&dense, &mut crossings);
@@ -166,8 +172,10 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             return;
         };
         // Before an earlier reversal is reversed, it has left the noise.
-        let is_reversal = |crossing: &(f64, ZeroKind, Slope)| crossing.1 == ZeroKind::Precession;
-        let Some(last) = crossings[..end].iter().rposition(is_reversal) else {
+        let Some(last) = crossings[..end]
+            .iter()
+            .rposition(|(_, kind, _)| *kind == ZeroKind::Precession)
+        else {
             return;
         };
         let Some(at) = self
@@ -290,8 +298,16 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
                 self.queue
                     .extend(cycle.map(|cycle| Record::Nutation(Box::new(cycle))));
             }
-            (ZeroKind::Precession, Slope::Falling) => event(EventKind::LoopingBegins),
-            (ZeroKind::Precession, Slope::Rising) => event(EventKind::LoopingEnds),
+            (ZeroKind::Precession, Slope::Falling) => {
+                self.is_looping = true;
+                event(EventKind::LoopingBegins);
+            }
+            (ZeroKind::Precession, Slope::Rising) => {
+                // A precession that starts backward has not begun a loop.
+                if std::mem::take(&mut self.is_looping) {
+                    event(EventKind::LoopingEnds);
+                }
+            }
             (ZeroKind::Strength, Slope::Falling) => event(EventKind::WeakTop),
             (ZeroKind::Strength, Slope::Rising) => event(EventKind::StrongTop),
             (ZeroKind::Risen(_), Slope::Falling) => {
@@ -307,7 +323,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             (ZeroKind::Guard(guard), Slope::Falling) => {
                 return self.end_phase(guard, time, &dense.at(s), motion);
             }
-            (ZeroKind::Inversion, Slope::Rising) => self.queue.record_inversion(time),
+            (ZeroKind::Inversion, Slope::Rising) => event(EventKind::Inverts),
             (ZeroKind::Risen(_) | ZeroKind::Guard(_), Slope::Rising)
             | (ZeroKind::Fallen(_) | ZeroKind::Inversion, Slope::Falling) => {}
         }
@@ -325,10 +341,10 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let stops_at_rest = !self.stop.may_stick;
         let system = *self.integrator.system();
         let entered = system.enter(guard, state, self.reference);
-        let entry = entered.map_err(|_| {
-            SimulationError(format!(
-                "the impact at t = {time:?} s can't be computed: the friction law is too steep"
-            ))
+        let entry = entered.map_err(|reason| SimulationError::Transition {
+            time,
+            guard,
+            reason,
         })?;
         if guard == Guard::Slip && stops_at_rest && stops_slip(&entry) {
             self.queue
@@ -336,6 +352,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             self.end = Some((time, EarlyEnd::Stop(StopReason::SlipStopped, None)));
             return Ok(());
         }
+        // Rates may jump here: both sides are candidates for their extremes.
         self.nutation.record_rates(&motion);
         let at = time + entry.delay;
         self.queue_entry_events(&entry, system.phase(), at);
@@ -354,11 +371,18 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let motion = entry.motion;
         let event = |kind| event_at(kind, time, motion);
         let kind = consequences(&entry.transition).0;
-        let pivots = matches!(entry.transition, Transition::Pivots { .. });
-        if !pivots {
+        // A peg lands, or rolls already, before it rests or pivots.
+        let is_last = matches!(
+            entry.transition,
+            Transition::Pivots { .. } | Transition::Rests
+        );
+        if !is_last {
             self.queue.extend(kind.map(event));
         }
         if !self.model().support.is_free() {
+            if is_last {
+                self.queue.extend(kind.map(event));
+            }
             return;
         }
         let after = entry.formulation.phase();
@@ -368,7 +392,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         if before != Phase::Flying && after == Phase::Flying {
             self.queue.push(event(EventKind::LiftOff));
         }
-        if let Transition::Bounces(hit) | Transition::Lands(hit) = &entry.transition {
+        if let Some(hit) = &entry.impact {
             let impact = ImpactRecord::new(hit, &motion, time, nanoseconds(time));
             self.queue.push(Record::Impact(Box::new(impact)));
         }
@@ -379,8 +403,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         if before != Phase::Sticking && after == Phase::Sticking && !rests {
             self.queue.push(event(EventKind::RollBegins));
         }
-        if pivots {
-            // It rolls already.
+        if is_last {
             self.queue.extend(kind.map(event));
         }
     }
@@ -391,6 +414,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             return;
         };
         let step_end = dense.t0 + dense.h;
+        // What ends the step earlier also ends its equations.
         let earliest = self.end.map_or(step_end, |(time, _)| time);
         if duration <= earliest {
             let after = match &self.end {
@@ -444,12 +468,10 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             &motion,
             system.world_from_body(&state),
         );
-        self.next_sample = self.next_sample.checked_add(1).ok_or_else(|| {
-            SimulationError(format!(
-                "more than {} samples: sampling.period must be larger",
-                u32::MAX
-            ))
-        })?;
+        self.next_sample = self
+            .next_sample
+            .checked_add(1)
+            .ok_or(SimulationError::TooManySamples)?;
         self.last = (time, motion);
         Ok(Record::Sample(Box::new(sample)))
     }
@@ -457,12 +479,17 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     /// Starts another phase within the last step.
     #[cold]
     fn enter(&mut self, time: f64, entry: &Entry<F, N>) -> Result<(), SimulationError> {
-        let phases = self.progress.record_phase(time)?;
+        let phases = self
+            .progress
+            .record_phase(time, contact_phase(&entry.formulation))?;
+        // Samples up to here have been taken from the dense output.
         self.dense = None;
         let phase = self.integrator.system().phase();
         let system = entry.formulation;
         self.reference = system.angles(&entry.state, self.reference);
-        self.integrator.restart(system, time, entry.state)?;
+        self.integrator
+            .restart(system, time, entry.state)
+            .map_err(|source| integration_error(&system, time, source))?;
         // If phases repeat immediately, limit the step.
         let quarters = 4_u32.pow((phases - 1).min(10));
         self.integrator
@@ -482,7 +509,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     /// Continues when all records of a step are emitted: stops, enters the next phase, or takes a step. Returns false
     /// if `carry_on` does.
     fn advance(&mut self, carry_on: &mut dyn FnMut() -> bool) -> Result<bool, SimulationError> {
-        let went_on = match self.end {
+        let advanced = match self.end {
             Some((time, EarlyEnd::Stop(reason, after))) => {
                 self.stop(time, reason, after);
                 Ok(())
@@ -491,7 +518,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             None if carry_on() => self.step(),
             None => return Ok(false),
         };
-        if let Err(error) = went_on {
+        if let Err(error) = advanced {
             self.stopped = Some(StopReason::Failed);
             return Err(error);
         }
@@ -514,8 +541,13 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
 
     /// Ends the run after all records were emitted.
     fn stop(&mut self, time: f64, reason: StopReason, after: Option<Motion>) {
-        let in_step = |dense: &Dense<N>| self.motion(dense, (time - dense.t0) / dense.h);
-        if let Some(motion) = after.or_else(|| self.dense.as_ref().map(in_step)) {
+        let motion = match (after, &self.dense) {
+            (Some(after), _) => Some(after),
+            (None, Some(dense)) => Some(self.motion(dense, (time - dense.t0) / dense.h)),
+            // A run that ends at its start has no step.
+            (None, None) => None,
+        };
+        if let Some(motion) = motion {
             self.last = (time, motion);
         }
         self.stopped = Some(reason);
@@ -530,6 +562,7 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
         while self.stopped.is_none() {
             let sample = self.next_sample_time();
             let event = self.queue.next_time_ns();
+            // A sample precedes an event of the same nanosecond: it shows the motion before it.
             if let Some(time_ns) = sample
                 && event.is_none_or(|event| time_ns <= event)
             {
@@ -561,9 +594,28 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
             events: u64::from(self.queue.events),
             nutations: u64::from(self.queue.cycles),
             impacts: u64::from(self.queue.impacts),
-            inversion_time: self.queue.inversion.filter(|at| *at <= time),
+            inversion_time: self.queue.inversion,
             statistics: *self.integrator.statistics(),
         }
+    }
+}
+
+fn contact_phase<F: Formulation<N>, const N: usize>(system: &F) -> ContactPhase {
+    ContactPhase {
+        phase: system.phase(),
+        is_free: system.model().support.is_free(),
+    }
+}
+
+fn integration_error<F: Formulation<N>, const N: usize>(
+    system: &F,
+    time: f64,
+    source: IntegrateError,
+) -> SimulationError {
+    SimulationError::Integration {
+        time,
+        contact: contact_phase(system),
+        source,
     }
 }
 
@@ -574,11 +626,8 @@ fn ends_phase((_, kind, slope): &(f64, ZeroKind, Slope)) -> bool {
 
 /// The motion after an impact or after coming to rest; `None` if the phase begins without a change.
 fn after_impact<F, const N: usize>(entry: &Entry<F, N>) -> Option<Motion> {
-    matches!(
-        entry.transition,
-        Transition::Bounces(_) | Transition::Lands(_) | Transition::Rests
-    )
-    .then_some(entry.motion)
+    let is_changed = entry.impact.is_some() || entry.transition == Transition::Rests;
+    is_changed.then_some(entry.motion)
 }
 
 /// Whether a run with `stop.on_stick = "stop"` ends where its contact point stops slipping: friction holds the point, or

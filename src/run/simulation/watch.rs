@@ -156,7 +156,7 @@ fn guard_tracker(guard: Guard, is_free: bool) -> SignTracker {
         Guard::Slip if is_free => SignTracker::with_floor(SLIP_FLOOR),
         Guard::Slip => SignTracker::default(),
         Guard::Turning => SignTracker::with_sign(true, TURNING_FLOOR),
-        Guard::TurningGrip => SignTracker::with_sign(true, 0.0),
+        Guard::TurningGrip | Guard::Departure => SignTracker::with_sign(true, 0.0),
         Guard::Grip
         | Guard::NormalForce
         | Guard::Mobility
@@ -183,10 +183,12 @@ pub(super) fn watches<F: Formulation<N>, const N: usize>(
     };
     let model = formulation.model();
     let is_free = model.support.is_free();
+    // The order of simultaneous events: guards last, because they end the phase.
     let guards = formulation.guards().into_iter().map(|guard| Watch {
         kind: ZeroKind::Guard(guard),
         tracker: guard_tracker(guard, is_free),
     });
+    // A fixed peg that sticks has constant θ: nothing else can happen.
     if formulation.phase() == Phase::Sticking && !is_free {
         let mut watches = vec![watch(ZeroKind::Strength, 0.0)];
         watches.extend(guards);

@@ -134,10 +134,15 @@ impl<'a> Regularised<'a> {
             FrictionLaw::Coulomb { k } => -k / speed * slip,
             FrictionLaw::Viscous { k, speed } => -k / speed * slip,
             FrictionLaw::Contensou { k, patch_radius: a } => {
-                let rim = libm::hypot(a * omega.z, eps);
-                couple.z -= 3.0 * PI / 16.0 * k * a * (a * omega.z)
-                    / (rim + 15.0 * PI / 16.0 * speed - eps);
-                -k / (speed + 8.0 / (3.0 * PI) * (rim - eps)) * slip
+                // Force and torque are smoothed together. Smoothed one by one, they would hold loads beyond the limit of
+                // slow motion by creeping.
+                let (sliding, rim) = (slip.norm(), (a * omega.z).abs());
+                let size = libm::hypot(sliding, rim);
+                let share = k * size / libm::hypot(size, eps);
+                let nonzero = |speed: f64| speed.max(f64::MIN_POSITIVE);
+                couple.z -= 3.0 * PI / 16.0 * share * a * (a * omega.z)
+                    / nonzero(rim + 15.0 * PI / 16.0 * sliding);
+                -share / nonzero(sliding + 8.0 / (3.0 * PI) * rim) * slip
             }
             other => panic!("{other:?}"),
         };

@@ -5,10 +5,12 @@ use crate::physics::dynamics::holding::Resting;
 use crate::physics::dynamics::integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, TermIntegrals};
 use crate::physics::dynamics::lean::{Lean, quaternion};
 use crate::physics::dynamics::model::Model;
-use crate::physics::dynamics::motion::{NO_SLIP, is_departing, slip_of_law};
+use crate::physics::dynamics::motion::{DEPARTING, Departing, Motion, NO_SLIP, is_departing};
 use crate::physics::dynamics::reaction::{ContactArm, FreeBody, Inertia, Reaction};
 use crate::physics::dynamics::support::Phase;
-use crate::physics::friction::{Branch, NO_ROLLING, Rocking, Turning};
+use crate::physics::friction::{
+    Branch, FrictionLaw, GIVING_WAY, NO_ROLLING, PatchDirection, Rocking, Turning, Wrench,
+};
 use crate::physics::kinematics::Tilt;
 use crate::physics::math::{atan2, hypot};
 use nalgebra::{Quaternion, Vector3};
@@ -92,6 +94,13 @@ impl FreeRotation {
         FreeBody::new(&self.model.top, &self.model.friction, &self.inertia, tilt)
     }
 
+    /// The body in a motion, with the friction of a beginning slip.
+    #[inline(always)]
+    pub(super) fn body_in(&self, motion: &Motion) -> FreeBody<'_> {
+        self.body(motion.tilt)
+            .departing(motion.peg.departure.as_ref())
+    }
+
     #[inline(always)]
     pub(super) fn parts<const N: usize>(&self, y: &[f64; N]) -> Parts {
         let top = &self.model.top;
@@ -104,7 +113,7 @@ impl FreeRotation {
             omega = self.held_rotation(&lean, &scaled);
         }
         let tilt = Tilt::from_omega(lean.sin, lean.cos, omega);
-        let arm = ContactArm::of(top, lean.sin, lean.cos);
+        let arm = ContactArm::new(top, lean.sin, lean.cos);
         let rolling = arm.cross(&tilt.omega_lean);
         let velocity = match self.phase {
             Phase::Flying => lean.world_to_lean(&vector(y, VELOCITY)),
@@ -147,13 +156,13 @@ impl FreeRotation {
     #[inline(always)]
     pub(super) fn lean<const N: usize>(&self, y: &[f64; N]) -> Lean {
         let top = &self.model.top;
-        Lean::of(&quaternion(y), |cos| {
+        Lean::new(&quaternion(y), |cos| {
             let momentum = vector(y, SCALED_MOMENTUM);
             if momentum.x != 0.0 || momentum.y != 0.0 || self.phase == Phase::Sticking {
                 momentum
             } else {
                 let velocity = vector(y, VELOCITY);
-                ContactArm::of(top, 0.0, cos).up * Vector3::new(velocity.y, -velocity.x, 0.0)
+                ContactArm::new(top, 0.0, cos).up * Vector3::new(velocity.y, -velocity.x, 0.0)
             }
         })
     }
@@ -163,24 +172,76 @@ impl FreeRotation {
         let body = self.body(parts.tilt);
         let velocity = parts.contact_velocity();
         let slip = Vector3::new(velocity.x, velocity.y, 0.0);
-        let departure = self.departure_of(&parts.tilt, &slip);
-        body.reaction(self.phase, &slip_of_law(&slip, departure.as_ref()))
+        match self.departing(&parts.tilt, &slip) {
+            Some(departing) => body
+                .departing(Some(&departing))
+                .reaction(self.phase, &departing.slip),
+            None => body.reaction(self.phase, &slip),
+        }
     }
 
-    /// The direction of a beginning slip, in the lean frame; `None` if friction can hold the point again.
+    /// The motion that a beginning slip has for the friction law; `None` if it is fast enough to define its direction, or
+    /// friction can hold the contact again.
     #[inline(always)]
-    pub(super) fn departure_of(&self, tilt: &Tilt, slip: &Vector3<f64>) -> Option<Vector3<f64>> {
-        let departure = self.departure.filter(|_| is_departing(slip))?;
+    pub(super) fn departing(&self, tilt: &Tilt, slip: &Vector3<f64>) -> Option<Departing> {
+        let departure = self.departure?;
+        let friction = &self.model.friction;
+        let is_patch = self.is_departing_patch();
+        if !is_patch && !is_departing(slip) {
+            return None;
+        }
         let holding = self.holding();
         let body = holding.body(*tilt);
         let held = body.held();
-        let strongest = self.model.friction.law.static_bound_at(held.normal, 0.0);
+        let strongest = friction.law.static_bound_at(held.normal, 0.0);
         if self.grip(&held) > HELD_AGAIN * strongest {
             return None;
         }
-        Some(match departure {
-            Departure::Toward(direction) => direction,
-            Departure::GivingWay => self.body(*tilt).release_direction(),
+        match departure {
+            Departure::GivingWay if is_patch => self.departing_patch(tilt, slip, &held),
+            Departure::GivingWay => Some(Departing {
+                slip: DEPARTING * self.body(*tilt).release_direction(),
+                turning_rate: tilt.omega_lean.z,
+            }),
+            Departure::Toward(direction) => Some(Departing {
+                slip: DEPARTING * direction,
+                turning_rate: tilt.omega_lean.z,
+            }),
+        }
+    }
+
+    /// Whether a contact patch that rested as a whole has given way.
+    #[inline]
+    pub(super) fn is_departing_patch(&self) -> bool {
+        self.departure == Some(Departure::GivingWay) && self.model.friction.rests_as_a_whole()
+    }
+
+    /// The motion of a contact patch that gives way to the load that would still hold it: turned towards the direction
+    /// in which the load moves it, the more the slower it is. Friction depends on its direction only.
+    #[cold]
+    fn departing_patch(
+        &self,
+        tilt: &Tilt,
+        slip: &Vector3<f64>,
+        held: &Reaction,
+    ) -> Option<Departing> {
+        let friction = &self.model.friction;
+        let FrictionLaw::Contensou { patch_radius, .. } = friction.law else {
+            return None;
+        };
+        let Wrench { force, couple } = held.friction;
+        let strength = hypot(force.x, force.y);
+        let bound = friction.law.static_bound_at(held.normal, 0.0);
+        let torque_bound = friction.drilling_bound(held.normal, true);
+        let rate = tilt.omega_lean.z;
+        let share = friction.patch_speed(slip.norm(), rate) / GIVING_WAY;
+        let direction = PatchDirection::under_load(strength / bound, couple.z.abs() / torque_bound);
+        let speed = (1.0 - share) * GIVING_WAY;
+        let along = Vector3::new(force.x, force.y, 0.0) / strength.max(f64::MIN_POSITIVE);
+        let rim = direction.rim.copysign(-couple.z);
+        Some(Departing {
+            slip: slip - speed * direction.slip * along,
+            turning_rate: rate + speed * rim / patch_radius,
         })
     }
 
@@ -218,7 +279,7 @@ impl FreeRotation {
             theta: atan2(lean.sin, lean.cos),
             work_node: torque.component_mul(&tilt.omega_node()),
             slip_work,
-            terms: TermIntegrals::of(&accelerations_about(top, &torque, tilt), tilt),
+            terms: TermIntegrals::new(&accelerations_about(top, &torque, tilt), tilt),
             ..few
         }
     }

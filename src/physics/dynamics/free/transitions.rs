@@ -16,6 +16,15 @@ use nalgebra::Vector3;
 /// rounding.
 const FIRST_TURN: f64 = 0.01;
 
+/// The beginning of a phase after a flying peg has come down to the table.
+pub(super) struct Contact<const N: usize> {
+    pub(super) formulation: FreeRotation,
+    pub(super) state: [f64; N],
+    pub(super) transition: Transition,
+    /// The impact; none if the peg flies on.
+    pub(super) impact: Option<Impact>,
+}
+
 impl FreeRotation {
     /// The next phase after friction releases a rolling peg: sliding or flight.
     pub(super) fn after_release<const N: usize>(&self, y: &[f64; N]) -> Self {
@@ -207,6 +216,7 @@ impl FreeRotation {
         let body = self.body(parts.tilt);
         let slowing = -body.slip_acceleration(&slip).dot(&slip);
         let delay = slip.norm_squared() / slowing;
+        // A slip that grows, or hardly slows down, does not come to rest in this way.
         let delay = if delay > 0.0 && delay < 1e-3 {
             delay
         } else {
@@ -217,13 +227,19 @@ impl FreeRotation {
         (self.with_phase(Phase::Sticking).completed(&state), delay)
     }
 
-    /// The state after an impact, and the next phase.
-    pub(super) fn after_impact<const N: usize>(
+    /// The next phase after a flying peg has come down to the table.
+    pub(super) fn after_contact<const N: usize>(
         &self,
         y: &[f64; N],
-    ) -> Result<(Self, [f64; N], Transition), IntegrateError> {
+    ) -> Result<Contact<N>, IntegrateError> {
         let Support::FreePeg { restitution } = self.model.support else {
-            return Ok((*self, *y, Transition::LiftsOff));
+            // A fixed peg has other equations.
+            return Ok(Contact {
+                formulation: *self,
+                state: *y,
+                transition: Transition::LiftsOff,
+                impact: None,
+            });
         };
         let parts = self.parts(y);
         let body = self.body(parts.tilt);
@@ -245,47 +261,74 @@ impl FreeRotation {
             state[VELOCITY + i] += pushed[i];
         }
         state[CENTER + 2] = -parts.arm.up;
+        // The work of friction and impacts is the first integral.
         state[Self::VARIABLES] -= hit.normal_loss + hit.friction_loss;
         state[CONTROLLED] += hit.normal_loss;
         state[CONTROLLED + 1] += hit.friction_loss;
         let flying = self.with_phase(Phase::Flying);
         if hit.after.z > 0.0 {
-            return Ok((flying, state, Transition::Bounces(hit)));
+            return Ok(Contact {
+                formulation: flying,
+                state,
+                transition: Transition::Bounces,
+                impact: Some(hit),
+            });
         }
         let next = self.on_table(&state, hit.is_held);
-        let transition = if next.phase == Phase::Flying {
-            Transition::Bounces(hit)
-        } else {
-            Transition::Lands(hit)
-        };
         let landed = if hit.is_held {
             Phase::Sticking
         } else {
             Phase::Sliding
         };
-        Ok((next, self.with_phase(landed).completed(&state), transition))
+        let state = self.with_phase(landed).completed(&state);
+        let transition = if next.phase == Phase::Flying {
+            Transition::Bounces
+        } else {
+            next.landing(&state)
+        };
+        Ok(Contact {
+            formulation: next,
+            state,
+            transition,
+            impact: Some(hit),
+        })
+    }
+
+    /// The transition to a phase on the table.
+    fn landing<const N: usize>(&self, y: &[f64; N]) -> Transition {
+        if self.held().rocking {
+            self.pivoting(y)
+        } else {
+            Transition::Lands
+        }
     }
 
     /// The state and next phase after a contact without approach velocity. If the peg stays in flight, the contact was
     /// an error of the dense output.
-    pub(super) fn after_grazing_contact<const N: usize>(
+    fn after_grazing_contact<const N: usize>(
         &self,
         y: &[f64; N],
         velocity: Vector3<f64>,
-    ) -> (Self, [f64; N], Transition) {
+    ) -> Contact<N> {
         let next = if velocity.z > 0.0 {
             *self
         } else {
             self.on_table(y, false)
         };
-        let transition = if next.phase == Phase::Flying {
-            Transition::LiftsOff
-        } else {
-            Transition::Lands(Impact::without_approach(velocity))
-        };
         let mut state = next.completed(y);
         state[CENTER + 2] = -self.parts(y).arm.up;
-        (next, state, transition)
+        let (transition, impact) = if next.phase == Phase::Flying {
+            (Transition::LiftsOff, None)
+        } else {
+            let impact = Impact::without_approach(velocity);
+            (next.landing(&state), Some(impact))
+        };
+        Contact {
+            formulation: next,
+            state,
+            transition,
+            impact,
+        }
     }
 
     /// Maximum length of the first step in flight, s: about the duration of the shortest flight. A long step's error
@@ -298,6 +341,7 @@ impl FreeRotation {
         let rise = parts.contact_velocity().z;
         let body = self.body(parts.tilt);
         let fall = -body.flying_acceleration().z;
+        // The flight of a point that is thrown up takes twice the time of its rise.
         if rise > 0.0 && fall > 0.0 {
             4.0 * rise / fall
         } else {
