@@ -155,7 +155,7 @@ fn compare_runs(
         }
         _ => Vec::new(),
     };
-    let mut report = Report::of_runs(runs, &paired, setup, others, integrations);
+    let mut report = Report::from_runs(runs, &paired, setup, others, integrations);
     if let Some((side, _)) = resampled {
         report.note_resampling(side);
     }
@@ -265,9 +265,8 @@ fn common_topics(
         topics.into_iter().partition(|topic| other.contains(topic))
     });
     let [(mut common, of_a), (_, of_b)]: [(Vec<_>, Vec<_>); 2] = divided;
-    let is_ignored = |topic: &String| options.tolerances.ignores(topic);
     let mut all = a.iter().chain(b).peekable();
-    if all.peek().is_some() && all.all(is_ignored) {
+    if all.peek().is_some() && all.all(|topic| options.tolerances.ignores(topic)) {
         return Err(DiffError::AllIgnored);
     }
     if common.is_empty() {
@@ -279,8 +278,8 @@ fn common_topics(
         return Err(DiffError::Refused(reason));
     }
     if let Some(topic) = options.topics.iter().find(|topic| !common.contains(topic)) {
-        let common = common.join(", ");
-        let reason = format!("topic {topic} can't be compared; common topics: {common}");
+        let names = common.join(", ");
+        let reason = format!("topic {topic} can't be compared; common topics: {names}");
         return Err(DiffError::Refused(reason));
     }
     if options.topics.is_empty() {
@@ -333,5 +332,5 @@ fn compare_files(
         return Err(DiffError::NothingInCommon);
     }
     let setup = setup::compare(runs, only_in);
-    Ok(Report::of_files(runs, setup, others, &losses))
+    Ok(Report::from_files(runs, setup, others, &losses))
 }

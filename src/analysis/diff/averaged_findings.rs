@@ -12,7 +12,7 @@ pub(super) fn crossing(evidence: &Evidence<'_>) -> Option<Finding> {
     let [a, b] = evidence.histories();
     let errors = match evidence.integrations {
         Some(integrations) => integrations
-            .of_averages()
+            .average_errors()
             .map(|errors| combined([errors.largest(nutation::THETA_MEAN), 0.0], [0.0; 2])),
         None => [0.0; 2],
     };
@@ -80,7 +80,7 @@ fn error_of_averages(
     let Some(integrations) = evidence.integrations else {
         return IntegrationError::Unknown;
     };
-    match integrations.of_averages().map(error) {
+    match integrations.average_errors().map(error) {
         [Some(a), Some(b)] => IntegrationError::Within(combined([a, b], values)),
         [None, _] | [_, None] => IntegrationError::Undetermined,
     }

@@ -56,24 +56,12 @@ impl MeanCrossing {
         integrators: [f64; 2],
     ) -> Option<Self> {
         let curves = histories.map(|history| history.curve(|cycle| sign * cycle.means[0]));
-        let ends = histories.map(|history| {
-            let means = || {
-                history
-                    .successive_cycles()
-                    .iter()
-                    .map(|c| sign * c.means[0])
-            };
-            Some((means().next()?, means().reduce(f64::min)?))
-        });
-        let [(start_a, lowest_a), (start_b, lowest_b)] = [ends[0]?, ends[1]?];
+        let (start_a, lowest_a) = start_and_least(histories[0], sign)?;
+        let (start_b, lowest_b) = start_and_least(histories[1], sign)?;
         let (start, farthest) = (start_a.min(start_b), lowest_a.max(lowest_b));
         let descent = start - farthest;
         let level = farthest + part * descent;
-        let reach = |level: f64| {
-            let [a, b] = &curves;
-            Some([a.first_reaches(level)?, b.first_reaches(level)?])
-        };
-        let times = reach(level)?;
+        let times = first_crossings(&curves, level)?;
         let (mut uncertainty, mut integration_error) = (0.0_f64, 0.0);
         for side in 0..2 {
             let (curve, time) = (&curves[side], times[side]);
@@ -93,7 +81,7 @@ impl MeanCrossing {
         }
         let shift = times[1] - times[0];
         for near in [level - NEARBY * descent, level + NEARBY * descent] {
-            let [a, b] = reach(near)?;
+            let [a, b] = first_crossings(&curves, near)?;
             uncertainty = uncertainty.max((b - a - shift).abs());
         }
         uncertainty.is_finite().then_some(Self {
@@ -105,27 +93,37 @@ impl MeanCrossing {
     }
 }
 
+/// The first and the least of sign · mean θ.
+fn start_and_least(history: &RunHistory, sign: f64) -> Option<(f64, f64)> {
+    let cycles = history.successive_cycles();
+    let start = sign * cycles.first()?.means[0];
+    let mut least = start;
+    for cycle in cycles {
+        least = least.min(sign * cycle.means[0]);
+    }
+    Some((start, least))
+}
+
+/// The times at which both curves first cross a level, s.
+fn first_crossings([a, b]: &[Curve; 2], level: f64) -> Option<[f64; 2]> {
+    Some([a.first_reaches(level)?, b.first_reaches(level)?])
+}
+
 /// Truncates both runs to their common cycles if one is a prefix of the other; later averages would change the
 /// interpolation.
 fn common([a, b]: [&RunHistory; 2]) -> [&RunHistory; 2] {
-    let length = |history: &RunHistory| history.successive_cycles().len();
-    let (short, long) = if length(a) <= length(b) {
+    let (short, long) = if a.successive_cycles().len() <= b.successive_cycles().len() {
         (a, b)
     } else {
         (b, a)
-    };
-    let is_same = |(x, y): (&Cycle, &Cycle)| {
-        x.start == y.start && x.period == y.period && x.means[0] == y.means[0]
     };
     let mut pairs = short
         .successive_cycles()
         .iter()
         .zip(long.successive_cycles());
-    if pairs.all(is_same) {
-        [short, short]
-    } else {
-        [a, b]
-    }
+    let is_prefix =
+        pairs.all(|(x, y)| x.start == y.start && x.period == y.period && x.means[0] == y.means[0]);
+    if is_prefix { [short, short] } else { [a, b] }
 }
 
 /// Interpolation error of a curve near a time, by leave-one-out.
@@ -142,12 +140,16 @@ fn averaging_error(history: &RunHistory, time: f64) -> f64 {
     let Some((first, last)) = amplitude.domain() else {
         return 0.0;
     };
-    let period = history.curve(|cycle| cycle.period).at(time);
-    let period = period.unwrap_or_default().min(last - first);
+    let period = history
+        .curve(|cycle| cycle.period)
+        .at(time)
+        .unwrap_or_default()
+        .min(last - first);
     // Equal ends may differ by rounding.
     let end = time.max(first + 0.5 * period).min(last - 0.5 * period);
-    let at = |time: f64| amplitude.at(time).unwrap_or_default();
-    (at(end + 0.5 * period) - at(end - 0.5 * period)).abs() / TAU
+    let [before, after] =
+        [end - 0.5 * period, end + 0.5 * period].map(|time| amplitude.at(time).unwrap_or_default());
+    (after - before).abs() / TAU
 }
 
 /// The amplitude of θ in a nutation, rad: that of θ̇ over the frequency.
@@ -160,24 +162,56 @@ fn amplitude(cycle: &Cycle) -> f64 {
 ///
 /// Amplitude and drift are evaluated at the first crossing, because they can change during a large lead.
 pub(super) fn ripple(history: &RunHistory, time: f64) -> Option<[f64; 2]> {
-    let of_theta = history.curve(amplitude);
-    let of_rate = history.curve(Cycle::amplitude);
-    let (first, last) = of_rate.domain()?;
+    let ripple = Ripple::new(history);
+    let (first, last) = ripple.rate_amplitude.domain()?;
     let crossing = time.clamp(first, last);
-    let mean = history.curve(|cycle| cycle.means[0]);
-    let earlier = |time: f64| Some(of_theta.at(time)? / mean.slope(time)?.abs());
-    let later = |time: f64| {
-        let ratio = of_rate.at(time)? / mean.slope(time)?.abs();
-        Some(earlier(time)? * latest(ratio))
-    };
-    let since = crossing - earlier(crossing)?;
-    let middles = history.successive_cycles().iter().map(Cycle::middle);
-    let times = middles.filter(|middle| (since..crossing).contains(middle));
+    let since = crossing - ripple.earliest(crossing)?;
     let mut range = [0.0_f64, f64::NEG_INFINITY];
-    for time in times.chain([crossing]) {
-        range = [range[0].min(-earlier(time)?), range[1].max(later(time)?)];
+    let middles = history.successive_cycles().iter().map(Cycle::middle);
+    let before = middles.filter(|middle| (since..crossing).contains(middle));
+    for time in before.chain([crossing]) {
+        range = [
+            range[0].min(-ripple.earliest(time)?),
+            range[1].max(ripple.latest(time)?),
+        ];
     }
     range.iter().all(|time| time.is_finite()).then_some(range)
+}
+
+/// Curves that determine the effect of nutation on a first crossing.
+struct Ripple {
+    /// Amplitude of θ, rad.
+    amplitude: Curve,
+    /// Amplitude of θ̇, rad/s.
+    rate_amplitude: Curve,
+    /// Mean of θ, rad.
+    mean: Curve,
+}
+
+impl Ripple {
+    fn new(history: &RunHistory) -> Self {
+        Self {
+            amplitude: history.curve(amplitude),
+            rate_amplitude: history.curve(Cycle::amplitude),
+            mean: history.curve(|cycle| cycle.means[0]),
+        }
+    }
+
+    /// By how much the first crossing can precede that of the mean, s.
+    fn earliest(&self, time: f64) -> Option<f64> {
+        Some(self.amplitude.at(time)? / self.mean.slope(time)?.abs())
+    }
+
+    /// By how much the first crossing can follow that of the mean, s.
+    fn latest(&self, time: f64) -> Option<f64> {
+        let ratio = self.rate_amplitude.at(time)? / self.mean.slope(time)?.abs();
+        Some(self.earliest(time)? * latest(ratio))
+    }
+}
+
+/// θ = −x + r cos x, relative to the drift in a radian of the nutation.
+fn nutating(ratio: f64, x: f64) -> f64 {
+    ratio * cos(x) - x
 }
 
 /// Latest first crossing of a level by θ = −x + r cos x, relative to r (amplitude of θ̇ over its mean).
@@ -188,14 +222,17 @@ fn latest(ratio: f64) -> f64 {
     if ratio <= 1.0 {
         return 1.0;
     }
-    let theta = |x: f64| ratio * cos(x) - x;
     // θ is least in a dip where −1 − r sin x = 0, and greatest before the next descent.
     let angle = atan2(1.0, (ratio * ratio - 1.0).sqrt());
     let (dip, top) = (PI + angle, TAU - angle);
-    let lowest = theta(dip);
-    let above = |s: f64| theta(top + s * (dip + TAU - top)) - lowest;
-    let part = zero(above(0.0), above(1.0), above);
-    let begin = top + part * (dip + TAU - top);
+    let width = dip + TAU - top;
+    let lowest = nutating(ratio, dip);
+    let part = zero(
+        nutating(ratio, top) - lowest,
+        nutating(ratio, dip + TAU) - lowest,
+        |s| nutating(ratio, top + s * width) - lowest,
+    );
+    let begin = top + part * width;
     if begin <= TAU {
         1.0
     } else {

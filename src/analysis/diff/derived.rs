@@ -75,12 +75,12 @@ pub(super) struct Derived {
 
 impl Derived {
     /// The derived numbers of a topic.
-    pub(super) fn of(topic: Topic, tolerances: &Tolerances) -> Vec<Self> {
+    pub(super) fn for_topic(topic: Topic, tolerances: &Tolerances) -> Vec<Self> {
         let mut derived = Vec::new();
         for kind in ANGLES.iter().filter(|kind| kind.topic == topic) {
             let mut sources = Vec::new();
             for field in (kind.sources)() {
-                sources.push((field, tolerances.of(topic.name(), field.path())));
+                sources.push((field, tolerances.for_field(topic.name(), field.path())));
             }
             let first = sources.first().map(|(_, tolerance)| *tolerance);
             derived.push(Self {
@@ -102,10 +102,11 @@ impl Derived {
     pub(super) fn add(&mut self, a: &Message<'_>, b: &Message<'_>) {
         let is_same = a.numbers == b.numbers;
         let angle = if is_same { 0.0 } else { (self.angle)(a, b) };
-        let is_beyond = |(field, tolerance): &(NumberField, Tolerance)| {
-            !tolerance.allows(field.of(a), field.of(b))
-        };
-        let is_beyond = !is_same && self.sources.iter().any(is_beyond);
+        let is_beyond = !is_same
+            && self
+                .sources
+                .iter()
+                .any(|(field, tolerance)| !tolerance.allows(field.of(a), field.of(b)));
         self.tally.add_derived(a.time_ns, angle, is_beyond);
     }
 

@@ -102,13 +102,22 @@ fn action(model: &Model, motion: &Motion) -> [f64; QUANTITIES.len() - 1] {
 
 /// The motion of a top whose peg is at rest in the state of a message.
 fn motion(message: &Message<'_>, radius: f64) -> Option<Motion> {
-    let euler = |[phi, theta, psi]: [f64; 3]| Euler { phi, theta, psi };
-    let angles = [state::PHI, state::THETA, state::PSI].map(|field| field.of(message));
-    let rates = [state::PHI_DOT, state::THETA_DOT, state::PSI_DOT].map(|field| field.of(message));
-    let is_known = angles[1].is_finite() && rates.iter().all(|rate| !rate.is_nan());
-    is_known.then(|| Motion {
-        angles: euler(angles),
-        tilt: Tilt::from_rates(angles[1], euler(rates)),
+    let angles = Euler {
+        phi: state::PHI.of(message),
+        theta: state::THETA.of(message),
+        psi: state::PSI.of(message),
+    };
+    let rates = Euler {
+        phi: state::PHI_DOT.of(message),
+        theta: state::THETA_DOT.of(message),
+        psi: state::PSI_DOT.of(message),
+    };
+    let has_rates = ![rates.phi, rates.theta, rates.psi]
+        .iter()
+        .any(|rate| rate.is_nan());
+    (angles.theta.is_finite() && has_rates).then(|| Motion {
+        angles,
+        tilt: Tilt::from_rates(angles.theta, rates),
         peg: Peg::fixed(radius),
         phase: Phase::Sliding,
         branch: Branch::default(),
@@ -175,21 +184,23 @@ impl Residuals {
 
     /// The result, if there was any state.
     pub(super) fn report(&self) -> Option<Discrepancy> {
-        let residual = |((quantity, unit), sums): ((&str, &str), Sums)| Residual {
-            quantity: quantity.to_owned(),
-            unit: unit.to_owned(),
-            largest: sums.largest,
-            at: seconds(sums.at_ns),
-            rms: rms(sums.difference, self.states),
-            rms_a: rms(sums.a, self.states),
-        };
-        (self.states > 0).then(|| Discrepancy {
+        if self.states == 0 {
+            return None;
+        }
+        let mut quantities = Vec::new();
+        for ((quantity, unit), sums) in QUANTITIES.into_iter().zip(self.sums) {
+            quantities.push(Residual {
+                quantity: quantity.to_owned(),
+                unit: unit.to_owned(),
+                largest: sums.largest,
+                at: seconds(sums.at_ns),
+                rms: rms(sums.difference, self.states),
+                rms_a: rms(sums.a, self.states),
+            });
+        }
+        Some(Discrepancy {
             states: self.states,
-            quantities: QUANTITIES
-                .into_iter()
-                .zip(self.sums)
-                .map(residual)
-                .collect(),
+            quantities,
         })
     }
 }

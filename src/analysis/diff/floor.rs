@@ -140,7 +140,7 @@ impl Integrations {
     }
 
     /// The errors of A's and B's averages.
-    pub(super) fn of_averages(&self) -> [&AverageErrors; 2] {
+    pub(super) fn average_errors(&self) -> [&AverageErrors; 2] {
         self.sides.each_ref().map(|side| &side.averages)
     }
 }

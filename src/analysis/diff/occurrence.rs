@@ -142,20 +142,18 @@ impl Matching<'_> {
     ) -> Ordering {
         let (time_a, time_b) = (self.a[of_a].time_ns, self.b[of_b].time_ns);
         let distance = time_a.abs_diff(time_b);
-        let is_nearer = |after: u64, to: u64| after.abs_diff(to) < distance;
-        if time_a < time_b {
-            let has_nearer = after_a.is_some_and(|&after| is_nearer(self.a[after].time_ns, time_b));
-            return if has_nearer {
-                Ordering::Less
-            } else {
-                Ordering::Equal
-            };
-        }
-        let has_nearer = after_b.is_some_and(|&after| is_nearer(self.b[after].time_ns, time_a));
-        if has_nearer {
-            Ordering::Greater
+        let (next, to, alone) = if time_a < time_b {
+            (after_a.map(|&after| &self.a[after]), time_b, Ordering::Less)
         } else {
-            Ordering::Equal
+            (
+                after_b.map(|&after| &self.b[after]),
+                time_a,
+                Ordering::Greater,
+            )
+        };
+        match next {
+            Some(next) if next.time_ns.abs_diff(to) < distance => alone,
+            _ => Ordering::Equal,
         }
     }
 

@@ -130,12 +130,14 @@ pub(super) fn compare(
     progress: &mut dyn FnMut(u64),
 ) -> (Vec<TopicBytes>, [Vec<String>; 2]) {
     let described = [descriptions(a), descriptions(b)];
-    let of_topic = |topic: &String| TopicBytes {
-        topic: topic.clone(),
-        is_described_differently: described[0].get(&**topic) != described[1].get(&**topic),
-        ..TopicBytes::default()
-    };
-    let mut found: Vec<_> = topics.iter().map(of_topic).collect();
+    let mut found = Vec::new();
+    for topic in topics {
+        found.push(TopicBytes {
+            topic: topic.clone(),
+            is_described_differently: described[0].get(&**topic) != described[1].get(&**topic),
+            ..TopicBytes::default()
+        });
+    }
     let mut losses = [Vec::new(), Vec::new()];
     let [of_a, of_b] = &mut losses;
     let mut a = messages(a, topics, of_a).peekable();

@@ -180,13 +180,16 @@ impl<'o> Pairing<'o> {
             .each_ref()
             .map(|scenario| scenario.as_ref().map(|s| s.sample_period_ns));
         let has_sequences = periods[0] == periods[1];
-        let tally = |topic: Topic| {
+        let mut tallies = Vec::new();
+        for topic in Topic::all() {
             let is_compared = limits.topics.iter().any(|name| topic.name() == name);
-            is_compared
-                .then(|| TopicTally::new(topic, &missing, &options.tolerances, has_sequences))
-        };
+            tallies.push(
+                is_compared
+                    .then(|| TopicTally::new(topic, &missing, &options.tolerances, has_sequences)),
+            );
+        }
         let paired = Paired {
-            topics: Topic::all().map(tally).collect(),
+            topics: tallies,
             runs: scenarios.each_ref().map(|scenario| RunData {
                 history: RunHistory::new(scenario.as_ref(), limits.level),
                 ..RunData::default()
@@ -290,9 +293,11 @@ impl<'o> Pairing<'o> {
         }
         while let Some(order) = self.next(topic) {
             let [a, b] = &mut self.waiting[topic.index()];
-            let a = a.pop_front_if(|_| order != Ordering::Greater);
-            let b = b.pop_front_if(|_| order != Ordering::Less);
-            match (a, b) {
+            let next = (
+                a.pop_front_if(|_| order != Ordering::Greater),
+                b.pop_front_if(|_| order != Ordering::Less),
+            );
+            match next {
                 (Some(a), Some(b)) => self.compare(topic, &a.as_message(), &b.as_message())?,
                 (Some(a), None) => self.count_unmatched(topic, Side::A, a.time_ns),
                 (None, Some(b)) => self.count_unmatched(topic, Side::B, b.time_ns),

@@ -102,7 +102,7 @@ pub struct ComparedRun {
 
 impl Report {
     /// The report of two runs of toprise.
-    pub(super) fn of_runs(
+    pub(super) fn from_runs(
         runs: [Subject<'_>; 2],
         paired: &Paired,
         mut setup: SetupDifferences,
@@ -112,7 +112,6 @@ impl Report {
         let floor = integrations
             .as_ref()
             .map(|integrations| &integrations.floor);
-        let floor_of = |field: &str| floor?.field(field);
         let [a, b] = [0, 1].map(|side| {
             let RunData {
                 history, losses, ..
@@ -121,7 +120,7 @@ impl Report {
                 messages: history.messages,
                 last: history.last_ns.map_or(0.0, seconds),
                 summary: Some(history.summary()),
-                ..ComparedRun::of(runs[side], losses)
+                ..ComparedRun::new(runs[side], losses)
             }
         });
         let averaged = averages::compare(
@@ -143,15 +142,14 @@ impl Report {
             fields.cloned().collect()
         });
         let is_cut = [(0, &a), (1, &b)].map(|(i, run)| runs[i].is_cut() || !run.losses.is_empty());
-        let notes = [(runs[0], "A"), (runs[1], "B")].into_iter();
-        let notes = notes.filter_map(|(run, name)| match run {
-            Subject::Recording(recording) => {
-                let error = recording.scenario().err()?;
-                Some(format!("{name}: {error}."))
+        let mut notes = Vec::new();
+        for (run, name) in [(runs[0], "A"), (runs[1], "B")] {
+            if let Subject::Recording(recording) = run
+                && let Err(error) = recording.scenario()
+            {
+                notes.push(format!("{name}: {error}."));
             }
-            Subject::Scenario(_) => None,
-        });
-        let mut notes: Vec<String> = notes.collect();
+        }
         // Numbers of different events differ as a matter of course.
         let has_equal_values = paired.compared().all(TopicTally::is_identical);
         if has_equal_values && others.iter().all(|topic| topic.other_sequences == 0) {
@@ -166,7 +164,10 @@ impl Report {
             is_complete: is_cut == [false; 2],
             setup,
             findings,
-            channels: paired.compared().map(|t| t.report(&floor_of)).collect(),
+            channels: paired
+                .compared()
+                .map(|t| t.report(&|field| floor?.field(field)))
+                .collect(),
             others,
             averaged,
             discrepancy,
@@ -178,7 +179,7 @@ impl Report {
     }
 
     /// The report of two files, at least one of which is not a toprise recording.
-    pub(super) fn of_files(
+    pub(super) fn from_files(
         runs: [Subject<'_>; 2],
         setup: SetupDifferences,
         others: Vec<TopicBytes>,
@@ -190,7 +191,7 @@ impl Report {
                 .map(|topic| topic.pairs() + topic.unmatched[side]);
             ComparedRun {
                 messages: messages.sum(),
-                ..ComparedRun::of(runs[side], &losses[side])
+                ..ComparedRun::new(runs[side], &losses[side])
             }
         });
         let is_cut = [&a, &b].map(|run| !run.losses.is_empty());
@@ -232,7 +233,7 @@ impl Report {
 }
 
 impl ComparedRun {
-    fn of(subject: Subject<'_>, losses: &[String]) -> Self {
+    fn new(subject: Subject<'_>, losses: &[String]) -> Self {
         let mut run = Self {
             name: subject.name(),
             losses: losses.to_vec(),
@@ -296,11 +297,12 @@ impl Report {
 
     /// The verdict, and a line for each key of the scenarios and each finding that differs.
     pub fn summary(&self) -> Vec<String> {
-        let text = |value: &Option<String>| value.clone().unwrap_or_else(|| "–".to_owned());
-        let keys = self.setup.scenario.iter();
-        let keys = keys.map(|key| format!("{}: A {}, B {}", key.key, text(&key.a), text(&key.b)));
-        let findings = self.findings.iter().filter(|finding| finding.differs());
-        let findings = findings.map(|finding| {
+        let mut lines = vec![self.verdict.title().to_owned()];
+        for key in &self.setup.scenario {
+            let [a, b] = [&key.a, &key.b].map(|value| value.as_deref().unwrap_or("–"));
+            lines.push(format!("{}: A {a}, B {b}", key.key));
+        }
+        for finding in self.findings.iter().filter(|finding| finding.differs()) {
             let [what, a, b, difference] = finding.cells();
             let mut parts = Vec::new();
             if finding.a.is_some() || finding.b.is_some() {
@@ -309,10 +311,9 @@ impl Report {
             if !difference.is_empty() {
                 parts.push(format!("B − A {difference}"));
             }
-            format!("{what}: {}", parts.join(", "))
-        });
-        let title = self.verdict.title().to_owned();
-        [title].into_iter().chain(keys).chain(findings).collect()
+            lines.push(format!("{what}: {}", parts.join(", ")));
+        }
+        lines
     }
 
     /// Whether the scenarios differ (except name and description).

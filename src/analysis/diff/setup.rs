@@ -75,18 +75,27 @@ pub(super) fn compare(
 
 /// The keys that differ: those of a scenario in the order of the table of keys, then others by name.
 fn differences(a: &Flat, b: &Flat) -> Vec<KeyDifference> {
-    let place = |key: &str| KEYS.iter().position(|known| known.path == key);
-    let differ = |key: &&String| a.get(*key) != b.get(*key);
-    let all: BTreeSet<&String> = a.keys().chain(b.keys()).filter(differ).collect();
-    let mut all: Vec<&String> = all.into_iter().collect();
-    all.sort_by_key(|key| place(key).unwrap_or(usize::MAX));
-    let difference = |key: &String| KeyDifference {
-        key: key.clone(),
-        unit: place(key).map_or("", |at| KEYS[at].unit).to_owned(),
-        a: a.get(key).cloned(),
-        b: b.get(key).cloned(),
-    };
-    all.into_iter().map(difference).collect()
+    let keys: BTreeSet<&String> = a
+        .keys()
+        .chain(b.keys())
+        .filter(|key| a.get(*key) != b.get(*key))
+        .collect();
+    let mut differing = Vec::from_iter(keys);
+    differing.sort_by_key(|key| place(key).unwrap_or(usize::MAX));
+    differing
+        .into_iter()
+        .map(|key| KeyDifference {
+            key: key.clone(),
+            unit: place(key).map_or("", |at| KEYS[at].unit).to_owned(),
+            a: a.get(key).cloned(),
+            b: b.get(key).cloned(),
+        })
+        .collect()
+}
+
+/// The place of a key in the table of keys.
+fn place(key: &str) -> Option<usize> {
+    KEYS.iter().position(|known| known.path == key)
 }
 
 /// The scenario keys of a run, even if this version can't run it.

@@ -94,8 +94,13 @@ impl<'de> Visitor<'de> for JsonVisitor {
 
 /// Whether two texts are JSON with the same values.
 pub(super) fn is_same_json(a: &[u8], b: &[u8]) -> bool {
-    let parse = |text| serde_json::from_slice::<Json>(text).ok();
-    parse(a).is_some_and(|a| parse(b) == Some(a))
+    match (
+        serde_json::from_slice::<Json>(a),
+        serde_json::from_slice::<Json>(b),
+    ) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => false,
+    }
 }
 
 #[cfg(test)]

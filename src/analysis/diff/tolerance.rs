@@ -46,25 +46,23 @@ impl Tolerances {
     /// # Errors
     /// [`DiffError`] if the text is invalid.
     pub fn add(&mut self, text: &str) -> Result<(), DiffError> {
-        let malformed = |reason: &str| DiffError::Refused(format!("tolerance {text:?}: {reason}"));
         let (pattern, bounds) = text
             .rsplit_once('=')
             .filter(|(pattern, _)| !pattern.is_empty())
-            .ok_or_else(|| malformed(&format!("must be PATTERN=VALUE, e.g. {THETA}=1e-9")))?;
+            .ok_or_else(|| malformed(text, &format!("must be PATTERN=VALUE, e.g. {THETA}=1e-9")))?;
         let mut tolerance = Tolerance::default();
         for bound in bounds.split(',') {
             let (kind, value) = bound.split_once(':').unwrap_or(("abs", bound));
-            let number = || value.trim().parse::<f64>().ok();
-            let understood = match kind.trim() {
-                "abs" => number().map(|abs| tolerance.abs = abs),
-                "rel" => number().map(|rel| tolerance.rel = rel),
-                _ => None,
-            };
-            understood.ok_or_else(|| {
-                malformed(
-                    "the value must be NUMBER, abs:NUMBER, rel:NUMBER or abs:NUMBER,rel:NUMBER",
-                )
-            })?;
+            match (kind.trim(), value.trim().parse::<f64>()) {
+                ("abs", Ok(number)) => tolerance.abs = number,
+                ("rel", Ok(number)) => tolerance.rel = number,
+                _ => {
+                    return Err(malformed(
+                        text,
+                        "the value must be NUMBER, abs:NUMBER, rel:NUMBER or abs:NUMBER,rel:NUMBER",
+                    ));
+                }
+            }
         }
         self.fields.push((pattern.to_owned(), tolerance));
         self.check()
@@ -84,9 +82,7 @@ impl Tolerances {
             for (kind, value) in [("abs", bound.abs), ("rel", bound.rel)] {
                 if !(value >= 0.0 && value.is_finite()) {
                     let text = format!("{name}: {kind} = {value}");
-                    return Err(DiffError::Refused(format!(
-                        "tolerance {text:?}: must be finite and not negative"
-                    )));
+                    return Err(malformed(&text, "must be finite and not negative"));
                 }
             }
         }
@@ -94,11 +90,13 @@ impl Tolerances {
     }
 
     /// The tolerance of a field.
-    pub fn of(&self, topic: &str, field: &str) -> Tolerance {
+    pub fn for_field(&self, topic: &str, field: &str) -> Tolerance {
         let name = full_name(topic, field);
-        let matching = |(pattern, _): &&(String, Tolerance)| matches(pattern, &name);
-        let last = self.fields.iter().rev().find(matching);
-        last.map_or(self.general, |(_, tolerance)| *tolerance)
+        self.fields
+            .iter()
+            .rev()
+            .find(|(pattern, _)| matches(pattern, &name))
+            .map_or(self.general, |(_, tolerance)| *tolerance)
     }
 
     /// Whether a topic or field is ignored.
@@ -131,6 +129,10 @@ impl Tolerances {
     }
 }
 
+fn malformed(text: &str, reason: &str) -> DiffError {
+    DiffError::Refused(format!("tolerance {text:?}: {reason}"))
+}
+
 fn check_name(pattern: &str, names: &[String]) -> Result<(), DiffError> {
     /// Maximum number of similar names in the message.
     const MAX_SIMILAR: usize = 3;
@@ -140,8 +142,9 @@ fn check_name(pattern: &str, names: &[String]) -> Result<(), DiffError> {
     let mut similar = names.to_vec();
     similar.sort();
     similar.dedup();
-    let likeness = |name: &String| strsim::jaro_winkler(pattern, name);
-    similar.sort_by(|x, y| likeness(y).total_cmp(&likeness(x)));
+    similar.sort_by(|x, y| {
+        strsim::jaro_winkler(pattern, y).total_cmp(&strsim::jaro_winkler(pattern, x))
+    });
     similar.truncate(MAX_SIMILAR);
     let hint = match similar.join(", ").as_str() {
         "" => "there are no fields".to_owned(),
@@ -237,8 +240,8 @@ mod tests {
         let mut tolerances = Tolerances::default();
         tolerances.add("*=1").unwrap();
         tolerances.add("/a.x=rel:0.5").unwrap();
-        assert_eq!(tolerances.of("/a", "y").abs, 1.0);
-        let x = tolerances.of("/a", "x");
+        assert_eq!(tolerances.for_field("/a", "y").abs, 1.0);
+        let x = tolerances.for_field("/a", "x");
         assert_eq!((x.abs, x.rel), (0.0, 0.5));
     }
 

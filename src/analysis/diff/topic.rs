@@ -83,18 +83,18 @@ impl TopicTally {
             match [0, 1].map(|side| missing[side].contains(&name)) {
                 _ if tolerances.ignores(&name) => {}
                 [false, false] => {
-                    let tolerance = tolerances.of(topic.name(), number.path());
+                    let tolerance = tolerances.for_field(topic.name(), number.path());
                     fields.push((number, FieldTally::new(tolerance)));
                 }
                 [true, true] => {}
                 [is_in_b_only, _] => fields_only_in[usize::from(is_in_b_only)].push(name),
             }
         }
-        let mut derived = Derived::of(topic, tolerances);
+        let mut derived = Derived::for_topic(topic, tolerances);
         derived.retain(|derived| {
-            let is_compared =
-                |source: &NumberField| fields.iter().any(|(field, _)| field == source);
-            derived.sources().all(is_compared)
+            derived
+                .sources()
+                .all(|source| fields.iter().any(|(field, _)| field == source))
         });
         Self {
             derived,
@@ -241,14 +241,14 @@ impl TopicTally {
 
     /// The comparison; `floor` returns the integration error of a field.
     pub(super) fn report(&self, floor: &impl Fn(&str) -> Option<f64>) -> ChannelDifference {
-        let own = self.fields.iter().map(|(number, tally)| {
-            let floor = floor(&number.to_string());
-            tally.report(number.path(), number.unit(), floor)
-        });
+        let mut fields = Vec::new();
+        for (number, tally) in &self.fields {
+            let error = floor(&number.to_string());
+            fields.push(tally.report(number.path(), number.unit(), error));
+        }
+        fields.extend(self.derived.iter().map(Derived::report));
         ChannelDifference {
-            fields: own
-                .chain(self.derived.iter().map(Derived::report))
-                .collect(),
+            fields,
             ..self.found.clone()
         }
     }

@@ -252,61 +252,74 @@ impl Fact {
     /// The fact as a sentence.
     #[allow(clippy::too_many_lines, reason = "a template for each fact")]
     pub fn sentence(&self) -> String {
-        let angle = |theta: &f64| quantity(*theta, 4, "rad");
-        let rate = |rate: &f64| quantity(*rate, 4, "rad/s");
-        let joule = |energy: &f64| quantity(*energy, 4, "J");
-        let at = |time: &f64| moment(*time);
         match self {
             Self::Start { theta, psi_dot } => {
-                let (theta, psi_dot) = (angle(theta), rate(psi_dot));
+                let (theta, psi_dot) = (angle(*theta), rate(*psi_dot));
                 format!("The top starts at θ = {theta} with ψ̇ = {psi_dot}.")
             }
             Self::Risen { theta, time } => {
-                format!("The top reaches θ = {} at {}.", angle(theta), at(time))
+                format!(
+                    "The top reaches θ = {} at {}.",
+                    angle(*theta),
+                    moment(*time)
+                )
             }
             Self::Fallen { theta, time } => {
-                format!("The top falls to θ = {} at {}.", angle(theta), at(time))
+                format!(
+                    "The top falls to θ = {} at {}.",
+                    angle(*theta),
+                    moment(*time)
+                )
             }
             Self::Inverted { time } => {
                 format!(
                     "The top inverts (its axis passes the horizontal) at {}.",
-                    at(time)
+                    moment(*time)
                 )
             }
             Self::NotInverted { time } => {
-                format!("The top does not invert before the end at {}.", at(time))
+                format!(
+                    "The top does not invert before the end at {}.",
+                    moment(*time)
+                )
             }
             Self::PassesHorizontal { time } => format!(
                 "The axis passes the horizontal at {}, but the top does not stay inverted.",
-                at(time)
+                moment(*time)
             ),
-            Self::MeanTheta { first, last } if angle(first) == angle(last) => format!(
+            Self::MeanTheta { first, last } if angle(*first) == angle(*last) => format!(
                 "The mean θ stays at {} (change {}).",
-                angle(first),
+                angle(*first),
                 quantity(last - first, 2, "rad")
             ),
             Self::MeanTheta { first, last } => format!(
                 "The mean θ changes from {} (first nutation) to {} (last nutation).",
-                angle(first),
-                angle(last)
+                angle(*first),
+                angle(*last)
             ),
-            Self::ThetaConstant { theta } => format!("The mean θ is constant at {}.", angle(theta)),
+            Self::ThetaConstant { theta } => {
+                format!("The mean θ is constant at {}.", angle(*theta))
+            }
             Self::End {
                 theta,
                 nutation_end: Some(time),
             } => format!(
                 "The nutation ends at {}; at the end (last sample), θ = {}.",
-                at(time),
-                angle(theta)
+                moment(*time),
+                angle(*theta)
             ),
-            Self::End { theta, .. } => format!("At the end (last sample), θ = {}.", angle(theta)),
-            Self::Loops { count: 1, first } => format!("The axis loops once, at {}.", at(first)),
-            Self::Loops { count, first } => {
-                format!("The axis loops {count} times, first at {}.", at(first))
+            Self::End { theta, .. } => format!("At the end (last sample), θ = {}.", angle(*theta)),
+            Self::Loops { count: 1, first } => {
+                format!("The axis loops once, at {}.", moment(*first))
             }
-            Self::Sticks { time } => format!("The contact point stops slipping at {}.", at(time)),
+            Self::Loops { count, first } => {
+                format!("The axis loops {count} times, first at {}.", moment(*first))
+            }
+            Self::Sticks { time } => {
+                format!("The contact point stops slipping at {}.", moment(*time))
+            }
             Self::Hops { count: 1, first } => {
-                format!("The peg is in the air once, from {}.", at(first))
+                format!("The peg is in the air once, from {}.", moment(*first))
             }
             Self::Hops { count, first } if *first <= 0.0 => {
                 format!(
@@ -315,7 +328,11 @@ impl Fact {
                 )
             }
             Self::Hops { count, first } => {
-                format!("The peg hops {}, first at {}.", times(*count), at(first))
+                format!(
+                    "The peg hops {}, first at {}.",
+                    times(*count),
+                    moment(*first)
+                )
             }
             Self::Impacts {
                 count,
@@ -327,18 +344,18 @@ impl Fact {
                     after if after == count => ", after the last sample",
                     _ => ", also after the last sample",
                 };
-                let (count, lost) = (times(*count), joule(lost));
+                let (count, lost) = (times(*count), joule(*lost));
                 format!("The peg hits the table {count}{when}; the impacts dissipate {lost}.")
             }
             Self::Rolls { from, theta } if theta.is_finite() => format!(
                 "The peg rolls from {} to the end, starting at θ = {}.",
-                at(from),
-                angle(theta)
+                moment(*from),
+                angle(*theta)
             ),
-            Self::Rolls { from, .. } => format!("The peg rolls from {} to the end.", at(from)),
+            Self::Rolls { from, .. } => format!("The peg rolls from {} to the end.", moment(*from)),
             Self::RollsAtTimes { first, duration } => format!(
                 "The peg first rolls at {}; it rolls for {} in total.",
-                at(first),
+                moment(*first),
                 quantity(*duration, 3, "s")
             ),
             Self::FollowsRoot { root, within } => format!(
@@ -351,7 +368,7 @@ impl Fact {
             Self::NoRoots => "At the start, the spin is too low for regular precession.".to_owned(),
             Self::FrictionOnPrecession { friction, change } => format!(
                 "The friction term of φ̈ alone would change φ̇ by {}; all terms together change it by {}.",
-                rate(friction),
+                rate(*friction),
                 quantity(*change, 3, "rad/s")
             ),
             Self::NoFrictionOnPrecession => {
@@ -360,8 +377,8 @@ impl Fact {
             }
             Self::TermsCancel { demanded, mean } => format!(
                 "The gyroscopic and Coriolis terms are proportional to θ̇. They balance the friction term at a mean θ̇ of {}; the observed mean is {}.",
-                rate(demanded),
-                rate(mean)
+                rate(*demanded),
+                rate(*mean)
             ),
             Self::HorizontalMomentum { first, last } => format!(
                 "The horizontal part of the angular momentum decreases from {} to {}.",
@@ -403,7 +420,7 @@ impl Fact {
                     "contact point sticks"
                 },
                 significant(*least, 4),
-                angle(greatest)
+                angle(*greatest)
             ),
             Self::ModelPart {
                 dissipation,
@@ -427,7 +444,7 @@ impl Fact {
                 let verb = if is_lost { "decreases" } else { "increases" };
                 let change = (last - first).abs();
                 let change = quantity(change, known_digits(change, *within), "J");
-                let until = at(time);
+                let until = moment(*time);
                 format!("Up to {until} (last sample), energy {verb} by {change}.")
             }
             Self::EnergyConstant { energy, deviation } => format!(
@@ -451,11 +468,11 @@ impl Fact {
             ),
             Self::Sliding { sliding, losses } if *losses > 0.0 => format!(
                 "In this time, sliding dissipates {}; rolling resistance, drilling and air drag dissipate {}.",
-                joule(sliding),
-                joule(losses)
+                joule(*sliding),
+                joule(*losses)
             ),
             Self::Sliding { sliding, .. } => {
-                format!("In this time, sliding dissipates {}.", joule(sliding))
+                format!("In this time, sliding dissipates {}.", joule(*sliding))
             }
             Self::SlipPath { length } => format!(
                 "In this time, the contact point slips {}.",
@@ -485,6 +502,18 @@ impl Fact {
             ),
         }
     }
+}
+
+fn angle(theta: f64) -> String {
+    quantity(theta, 4, "rad")
+}
+
+fn rate(rate: f64) -> String {
+    quantity(rate, 4, "rad/s")
+}
+
+fn joule(energy: f64) -> String {
+    quantity(energy, 4, "J")
 }
 
 /// Number of significant digits, at most 4, of a value with this uncertainty.

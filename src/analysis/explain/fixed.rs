@@ -3,6 +3,7 @@
 use super::evidence::{Evidence, ROUNDED, known_deviations};
 use super::fact::Fact;
 use super::precession;
+use crate::analysis::history::Event;
 use crate::physics::friction::Dissipation;
 use crate::run::simulation::EventKind;
 
@@ -13,21 +14,30 @@ pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
     facts.extend(end(evidence));
     facts.extend(loops(evidence));
     facts.extend(limits(evidence));
-    let first = |kind| evidence.history.first(kind);
-    let sticks = first(EventKind::Stick).or(first(EventKind::SlipStops));
+    let history = &evidence.history;
+    let sticks = history
+        .first(EventKind::Stick)
+        .or_else(|| history.first(EventKind::SlipStops));
     facts.extend(sticks.map(|event| Fact::Sticks { time: event.time }));
     facts
 }
 
 /// The inclinations at which a top has risen or fallen, if it reached them.
-pub(super) fn limits(evidence: &Evidence) -> impl Iterator<Item = Fact> {
-    let first = |kind| {
-        let event = evidence.history.first(kind);
-        event.map(|event| (event.theta, event.time))
-    };
-    let risen = first(EventKind::Risen).map(|(theta, time)| Fact::Risen { theta, time });
-    let fallen = first(EventKind::Fallen).map(|(theta, time)| Fact::Fallen { theta, time });
-    risen.into_iter().chain(fallen)
+pub(super) fn limits(evidence: &Evidence) -> Vec<Fact> {
+    let mut facts = Vec::new();
+    if let Some(Event { theta, time, .. }) = evidence.history.first(EventKind::Risen) {
+        facts.push(Fact::Risen {
+            theta: *theta,
+            time: *time,
+        });
+    }
+    if let Some(Event { theta, time, .. }) = evidence.history.first(EventKind::Fallen) {
+        facts.push(Fact::Fallen {
+            theta: *theta,
+            time: *time,
+        });
+    }
+    facts
 }
 
 /// The start of the run.
@@ -40,11 +50,7 @@ pub(super) fn start(evidence: &Evidence) -> Fact {
 
 /// The inclination in the first and the last nutation.
 pub(super) fn mean_theta(evidence: &Evidence) -> Option<Fact> {
-    let cycles = &evidence.history.cycles;
-    let [first, .., last] = &cycles[..] else {
-        return None;
-    };
-    let (first, last) = (first.means[0], last.means[0]);
+    let [first, last] = evidence.mean_theta()?;
     let is_constant = (last - first).abs() <= evidence.floor(first.abs().max(last.abs()));
     Some(if is_constant {
         Fact::ThetaConstant { theta: last }
@@ -59,10 +65,10 @@ pub(super) fn end(evidence: &Evidence) -> Option<Fact> {
     const NUTATIONS: f64 = 2.0;
     let history = &evidence.history;
     let [_, last] = history.states?;
-    let is_at_limit = limits(evidence).any(|fact| match fact {
-        Fact::Risen { time, .. } | Fact::Fallen { time, .. } => Some(time) == history.stop_time(),
-        _ => false,
-    });
+    let is_at_limit = [EventKind::Risen, EventKind::Fallen]
+        .into_iter()
+        .filter_map(|kind| history.first(kind))
+        .any(|event| Some(event.time) == history.stop_time());
     let mut nutation_end = None;
     if let [_, .., cycle] = &history.cycles[..] {
         let is_in_nutation = last.time <= cycle.end() + NUTATIONS * cycle.period;
@@ -91,7 +97,8 @@ pub(super) fn loops(evidence: &Evidence) -> Option<Fact> {
 /// The causes of the motion of the axis.
 pub(super) fn cause(evidence: &Evidence) -> Vec<Fact> {
     let friction = &evidence.scenario.model.friction;
-    let mut facts: Vec<Fact> = precession::regular(evidence).into_iter().collect();
+    let mut facts = Vec::new();
+    facts.extend(precession::regular(evidence));
     facts.extend(precession::friction(evidence));
     if let Some(Fact::FrictionOnPrecession { .. }) = facts.last() {
         facts.extend(precession::cancelling(evidence));
@@ -112,14 +119,16 @@ pub(super) fn energy(evidence: &Evidence) -> Vec<Fact> {
     let mut facts = balance(evidence);
     let path = evidence.summary.slip_path.filter(|path| *path > 0.0);
     facts.extend(path.map(|length| Fact::SlipPath { length }));
-    let deviation = evidence.summary.vertical_momentum_deviation;
     let friction = &evidence.scenario.model.friction;
     let is_constant = !friction.turns_about_vertical() || evidence.scenario.is_frictionless();
-    let deviation = deviation.filter(|deviation| known_deviations(is_constant).contains(deviation));
-    facts.extend(deviation.map(|deviation| Fact::VerticalMomentum {
-        deviation,
-        is_constant,
-    }));
+    if let Some(deviation) = evidence.summary.vertical_momentum_deviation
+        && known_deviations(is_constant).contains(&deviation)
+    {
+        facts.push(Fact::VerticalMomentum {
+            deviation,
+            is_constant,
+        });
+    }
     facts
 }
 

@@ -48,15 +48,17 @@ pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
 
 /// The causes of the motion of the axis.
 pub(super) fn cause(evidence: &Evidence) -> Vec<Fact> {
-    let peg = evidence.summary.peg.as_ref();
     let is_constant = !evidence.scenario.model.friction.has_losses();
-    let deviation = peg.and_then(|peg| peg.jellett_deviation);
-    let deviation = deviation.filter(|deviation| known_deviations(is_constant).contains(deviation));
-    let jellett = deviation.map(|deviation| Fact::Jellett {
-        deviation,
-        is_constant,
-    });
-    jellett.into_iter().collect()
+    let peg = evidence.summary.peg.as_ref();
+    match peg.and_then(|peg| peg.jellett_deviation) {
+        Some(deviation) if known_deviations(is_constant).contains(&deviation) => {
+            vec![Fact::Jellett {
+                deviation,
+                is_constant,
+            }]
+        }
+        _ => Vec::new(),
+    }
 }
 
 /// The losses of energy.

@@ -43,42 +43,50 @@ pub struct Stage {
 pub(super) fn stages(evidence: &Evidence) -> Vec<Stage> {
     let cycles = &evidence.history.cycles;
     let size = cycles.len().div_ceil(STAGES).max(1);
-    let parts = cycles.chunks(size);
-    parts.map(|part| stage(evidence, part)).collect()
+    cycles
+        .chunks(size)
+        .map(|part| stage(evidence, part))
+        .collect()
 }
 
 fn stage(evidence: &Evidence, part: &[Cycle]) -> Stage {
     let duration: f64 = part.iter().map(|cycle| cycle.period).sum();
-    let mean = |at: usize| {
-        let weighted = part.iter().map(|cycle| cycle.period * cycle.means[at]);
-        weighted.sum::<f64>() / duration
-    };
-    let slow = part
+    let [theta, theta_dot, phi_dot, psi_dot] =
+        [0, 1, 2, 3].map(|at| weighted_sum(part, |cycle| cycle.means[at]) / duration);
+    // The slow rate of a stage is known if that of each of its cycles is.
+    let slow_sum: Option<f64> = part
         .iter()
-        .map(|cycle| Some(cycle.period * roots(evidence, cycle)?[0]));
-    let slow: Option<f64> = slow.sum();
+        .map(|cycle| Some(cycle.period * roots(evidence, cycle)?[0]))
+        .sum();
     Stage {
         from: part[0].start,
         to: part[part.len() - 1].end(),
         nutations: part.len() as u64,
-        theta: mean(0),
-        theta_dot: mean(1),
-        phi_dot: mean(2),
-        slow_root: slow.map(|sum| sum / duration),
-        psi_dot: mean(3),
+        theta,
+        theta_dot,
+        phi_dot,
+        slow_root: slow_sum.map(|sum| sum / duration),
+        psi_dot,
     }
+}
+
+/// The sum of a quantity over cycles, weighted with their periods.
+fn weighted_sum(cycles: &[Cycle], quantity: impl Fn(&Cycle) -> f64) -> f64 {
+    cycles
+        .iter()
+        .map(|cycle| cycle.period * quantity(cycle))
+        .sum()
 }
 
 /// The mean motion of a cycle; none near the vertical, where precession and spin can hardly be distinguished.
 fn mean_motion(cycle: &Cycle) -> Option<Tilt> {
     let [theta, theta_dot, phi_dot, psi_dot] = cycle.means;
-    let is_vertical = theta < UPRIGHT || PI - theta < UPRIGHT;
     let rates = Euler {
         phi: phi_dot,
         theta: theta_dot,
         psi: psi_dot,
     };
-    (!is_vertical).then(|| Tilt::from_rates(theta, rates))
+    is_inclined(theta).then(|| Tilt::from_rates(theta, rates))
 }
 
 /// The phase of the peg in a cycle; `None` if it changes, or the peg is in the air.
@@ -106,37 +114,70 @@ fn roots(evidence: &Evidence, cycle: &Cycle) -> Option<[f64; 2]> {
     Some([roots.slow, roots.fast])
 }
 
+/// The mean φ̇ of a cycle, and the rates of regular precession then, rad/s.
+struct Comparison {
+    phi_dot: f64,
+    /// The slow and the fast rate.
+    roots: [f64; 2],
+}
+
+impl Comparison {
+    /// The distance from a rate of regular precession, if φ̇ is near it.
+    fn near(&self, root: usize) -> Option<f64> {
+        let difference = (self.phi_dot - self.roots[root]).abs();
+        (difference <= NEAR * self.roots[root].abs()).then_some(difference)
+    }
+}
+
+/// The largest distance from a rate of regular precession, if φ̇ is always near it.
+fn follows(cycles: &[Comparison], root: usize) -> Option<f64> {
+    let mut largest = 0.0_f64;
+    for cycle in cycles {
+        largest = largest.max(cycle.near(root)?);
+    }
+    Some(largest)
+}
+
 /// Comparison of the averaged precession with regular precession.
 pub(super) fn regular(evidence: &Evidence) -> Option<Fact> {
-    let top = evidence.scenario.model.nutating_top();
-    let start = Tilt::from_rates(evidence.scenario.angles.theta, evidence.scenario.rates);
     let cycles = &evidence.history.cycles;
-    let known = |cycle: &Cycle| Some((cycle.means[2], roots(evidence, cycle)?));
-    let known: Vec<(f64, [f64; 2])> = cycles.iter().filter_map(known).collect();
-    if !known.is_empty() && known.len() < cycles.len() {
-        // Only report findings that hold for the whole run.
+    let mut known = Vec::new();
+    for cycle in cycles {
+        if let Some(roots) = roots(evidence, cycle) {
+            let phi_dot = cycle.means[2];
+            known.push(Comparison { phi_dot, roots });
+        }
+    }
+    // Only report findings that hold for the whole run.
+    if known.len() < cycles.len() {
         return None;
     }
     if known.is_empty() {
-        let spin = top.axial_moment * start.rates.psi;
-        let quadratic = (top.transverse_moment - top.axial_moment) * start.cos;
-        let is_weak = spin * spin < 4.0 * quadratic * top.gravity_moment();
-        return (cycles.is_empty() && is_weak).then_some(Fact::NoRoots);
+        return is_weak_at_start(evidence).then_some(Fact::NoRoots);
     }
-    let near = |at: usize, (rate, roots): &(f64, [f64; 2])| {
-        let difference = (rate - roots[at]).abs();
-        (difference <= NEAR * roots[at].abs()).then_some(difference)
-    };
-    let follows = |at: usize| {
-        let differences: Option<Vec<f64>> = known.iter().map(|cycle| near(at, cycle)).collect();
-        differences.map(|all| all.into_iter().fold(0.0, f64::max))
-    };
-    let mut roots = ["slow", "fast"].into_iter().enumerate();
-    if let Some((root, within)) = roots.find_map(|(at, root)| Some((root, follows(at)?))) {
-        return Some(Fact::FollowsRoot { root, within });
+    for (at, root) in ["slow", "fast"].into_iter().enumerate() {
+        if let Some(within) = follows(&known, at) {
+            return Some(Fact::FollowsRoot { root, within });
+        }
     }
-    let is_near = |cycle| near(0, cycle).or(near(1, cycle)).is_some();
-    (!known.iter().any(is_near)).then_some(Fact::FollowsNoRoot)
+    let is_ever_near = known
+        .iter()
+        .any(|cycle| cycle.near(0).or(cycle.near(1)).is_some());
+    (!is_ever_near).then_some(Fact::FollowsNoRoot)
+}
+
+/// Whether there are no real rates of regular precession at the start.
+fn is_weak_at_start(evidence: &Evidence) -> bool {
+    let top = evidence.scenario.model.nutating_top();
+    let start = Tilt::from_rates(evidence.scenario.angles.theta, evidence.scenario.rates);
+    let spin = top.axial_moment * start.rates.psi;
+    let quadratic = (top.transverse_moment - top.axial_moment) * start.cos;
+    spin * spin < 4.0 * quadratic * top.gravity_moment()
+}
+
+/// Whether precession and spin can be distinguished.
+fn is_inclined(theta: f64) -> bool {
+    theta >= UPRIGHT && PI - theta >= UPRIGHT
 }
 
 /// Friction's part in the change of φ̇ between the first and the last sample; `None` where that isn't known.
@@ -147,12 +188,11 @@ pub(super) fn friction(evidence: &Evidence) -> Option<Fact> {
     let [gyroscopic, coriolis, friction] = changes;
     let size = changes
         .iter()
-        .fold(change.abs(), |most, c| most.max(c.abs()));
+        .fold(change.abs(), |largest, term| largest.max(term.abs()));
     let missed = (gyroscopic + coriolis + friction - change).abs();
     // Near the vertical the terms diverge.
     let adds_up = missed <= 5e-4 * size + evidence.floor(size);
-    let is_real = |theta: f64| theta >= UPRIGHT && PI - theta >= UPRIGHT;
-    if !adds_up || !is_real(first.theta) || !is_real(last.theta) {
+    if !adds_up || !is_inclined(first.theta) || !is_inclined(last.theta) {
         return None;
     }
     Some(if friction.abs() <= evidence.floor(size) {
@@ -162,25 +202,28 @@ pub(super) fn friction(evidence: &Evidence) -> Option<Fact> {
     })
 }
 
+fn mean_friction_term(cycle: &Cycle) -> f64 {
+    cycle.field(nutation::PHI_DDOT_FRICTIONAL_MEAN)
+}
+
 /// The mean θ̇ at which the gyroscopic and Coriolis terms cancel friction's, and the mean θ̇, if φ̇ hardly changes.
 pub(super) fn cancelling(evidence: &Evidence) -> Option<Fact> {
     let top = evidence.scenario.model.nutating_top();
     let cycles = &evidence.history.cycles;
     let (first, last) = (cycles.first()?, cycles.last()?);
-    let frictional = |cycle: &Cycle| cycle.field(nutation::PHI_DDOT_FRICTIONAL_MEAN);
-    let demanded = |cycle: &Cycle| {
-        let tilt = mean_motion(cycle)?;
+    let (mut time, mut angle, mut demanded_angle) = (0.0, 0.0, 0.0);
+    for cycle in cycles {
+        let Some(tilt) = mean_motion(cycle) else {
+            continue;
+        };
         let gyroscopic = top.axial_moment / top.transverse_moment * tilt.axial_rate();
-        let answer = (gyroscopic - 2.0 * tilt.rates.phi * tilt.cos) / tilt.sin;
-        Some(-cycle.period * frictional(cycle) / answer)
-    };
-    let known = cycles.iter().filter(|cycle| mean_motion(cycle).is_some());
-    let known: Vec<&Cycle> = known.collect();
-    let time: f64 = known.iter().map(|cycle| cycle.period).sum();
-    let demanded = known.iter().filter_map(|cycle| demanded(cycle));
-    let demanded = demanded.sum::<f64>() / time;
-    let mean = known.iter().map(|c| c.period * c.means[1]).sum::<f64>() / time;
-    let friction: f64 = cycles.iter().map(|c| c.period * frictional(c)).sum();
+        let acceleration_per_rate = (gyroscopic - 2.0 * tilt.rates.phi * tilt.cos) / tilt.sin;
+        time += cycle.period;
+        angle += cycle.period * cycle.means[1];
+        demanded_angle -= cycle.period * mean_friction_term(cycle) / acceleration_per_rate;
+    }
+    let (demanded, mean) = (demanded_angle / time, angle / time);
+    let friction = weighted_sum(cycles, mean_friction_term);
     let change = (last.means[2] - first.means[2]).abs();
     let is_steady = change < STEADY * friction.abs() && friction.abs() > evidence.floor(change);
     // In large nutations the terms of the mean motion are not the mean of the terms.
