@@ -137,7 +137,7 @@ fn data(name: &str) -> PathBuf {
 // Runs that are the same.
 
 #[test]
-fn a_run_is_identical_to_itself_in_any_encoding_and_simulated_now() {
+fn run_is_identical_to_itself_in_any_encoding() {
     let folder = Folder::new();
     let scenario = short(&[]);
     let json = recorded(&folder, "a.mcap", &scenario, Encoding::Json);
@@ -159,7 +159,7 @@ fn a_run_is_identical_to_itself_in_any_encoding_and_simulated_now() {
 }
 
 #[test]
-fn a_finer_run_agrees_at_the_times_that_both_have() {
+fn finer_sampling_agrees_at_common_times() {
     let (coarse, fine) = (short(&[("sampling.period", "0.004")]), short(&[]));
     for (a, b, between) in [(&coarse, &fine, [0, 1500]), (&fine, &coarse, [1500, 0])] {
         let report = compare(a, b, &quick()).unwrap();
@@ -199,7 +199,7 @@ fn simulates_a_run_with_the_sample_times_of_the_other() {
 }
 
 #[test]
-fn simulates_no_recording_that_its_scenario_does_not_give() {
+fn rejects_resampling_of_altered_recordings() {
     let folder = Folder::new();
     let a = recorded(&folder, "a.mcap", &short(&[]), Encoding::Json);
     let b = short(&[("sampling.period", "0.0007")]);
@@ -214,7 +214,7 @@ fn simulates_no_recording_that_its_scenario_does_not_give() {
 }
 
 #[test]
-fn a_cut_recording_agrees_as_far_as_it_goes() {
+fn cut_recording_agrees_up_to_the_cut() {
     let folder = Folder::new();
     let whole = recorded(&folder, "a.mcap", &short(&[]), Encoding::Json);
     let bytes = fs::read(whole.path()).unwrap();
@@ -232,7 +232,7 @@ fn a_cut_recording_agrees_as_far_as_it_goes() {
 }
 
 #[test]
-fn a_flipped_bit_costs_a_chunk_and_no_more() {
+fn flipped_bit_loses_one_chunk() {
     let folder = Folder::new();
     let whole = recorded(&folder, "a.mcap", &short(&[]), Encoding::Json);
     let bytes = fs::read(whole.path()).unwrap();
@@ -371,7 +371,7 @@ fn derived_angles_agree_with_the_verdict() {
 }
 
 #[test]
-fn what_matches_nothing_is_an_error() {
+fn rejects_patterns_without_match() {
     let scenario = short(&[("stop.duration", "0.1")]);
     let refused = |options: &Options| compare(&scenario, &scenario, options).unwrap_err();
     for options in [ignoring("/top/torq"), tolerating("/top/stat.*=1")] {
@@ -445,7 +445,7 @@ fn swapping_the_runs_mirrors_the_report() {
 }
 
 #[test]
-fn differences_below_the_integrators_errors_are_marked() {
+fn marks_differences_below_the_integration_error() {
     // Two ways of integrating the same motion.
     let body = short(&[("formulation", "body")]);
     let report = compare(&short(&[]), &body, &Options::default()).unwrap();
@@ -467,7 +467,7 @@ fn differences_below_the_integrators_errors_are_marked() {
 
 /// Errors are numbers or absent, as the schema has it.
 #[test]
-fn reports_are_those_of_the_schema() {
+fn reports_match_the_schema() {
     let changes = [("stop.duration", "2"), ("friction.k", "0.05")];
     let b = scenario("free-paper", &changes);
     let a = scenario("free-paper", &[("stop.duration", "2")]);

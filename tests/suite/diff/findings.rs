@@ -42,7 +42,7 @@ fn val_means_cross_levels_that_both_runs_cross() {
 
 /// The time of inversion is exact, not interpolated between samples.
 #[test]
-fn an_inversion_does_not_depend_on_the_sampling() {
+fn inversion_time_is_independent_of_sampling() {
     let runs =
         ["0.001", "0.02"].map(|period| scenario("tippe-top", &[("sampling.period", period)]));
     let report = compare(&runs[0], &runs[1], &quick()).unwrap();
@@ -71,7 +71,7 @@ fn val_tippe_tops_invert_when_the_axis_passes_the_horizontal() {
 
 /// Where only one run does something, nothing stands for the other.
 #[test]
-fn what_only_one_run_did_is_absent_in_the_other() {
+fn event_of_one_run_is_absent_in_the_other() {
     let (paper, free) = (scenario("paper", &[]), scenario("free-paper", &[]));
     let report = compare(&paper, &free, &quick()).unwrap();
     for what in [
@@ -142,7 +142,7 @@ fn a_regularised_law_is_compared_after_the_rise() {
 
 /// Counts agree with the events and impacts of the simulation.
 #[test]
-fn val_counts_are_those_of_the_events() {
+fn val_counts_match_the_events() {
     let mut counted = 0.0;
     for scenario in free_tops(Random(17)).take(12) {
         let report = compare(&scenario, &scenario, &quick()).unwrap();
@@ -246,7 +246,7 @@ fn events_of_two_kinds_have_no_differences() {
 
 /// A turn about the symmetry axis changes nothing but the rounding, a little more friction the motion.
 #[test]
-fn val_what_rounding_makes_is_no_finding() {
+fn val_rounding_is_no_finding() {
     let differing = |name, change| {
         let short = ("stop.duration", "2.0");
         let [a, b] = [&[short][..], &[short, change]].map(|set| scenario(name, set));
@@ -270,7 +270,7 @@ fn val_what_rounding_makes_is_no_finding() {
 
 /// Samples that are farther apart than a nutation don't show where θ first reaches a level; a run's own event does.
 #[test]
-fn val_a_first_crossing_is_resolved_or_not_told() {
+fn val_unresolved_first_crossing_is_omitted() {
     let coarse = |key, value| scenario("full-coulomb", &[("sampling.period", "0.5"), (key, value)]);
     let (nods, b) = (
         coarse("initial.phi_dot", "20"),
@@ -311,7 +311,7 @@ fn compares_only_what_both_runs_record() {
 
 /// An event or a count is compared as far as both runs go.
 #[test]
-fn val_counts_are_those_of_the_common_span() {
+fn val_counts_cover_the_common_span() {
     let [long, short] = ["24.6", "24.4"].map(|end| scenario("paper", &[("stop.duration", end)]));
     let loops = |scenario: &Scenario, end: f64| {
         let times = Run::of(scenario).times_of(EventKind::LoopingBegins);
@@ -331,7 +331,7 @@ fn val_counts_are_those_of_the_common_span() {
 
 /// Times of one instant are one row, in runs of all kinds.
 #[test]
-fn an_instant_has_one_row() {
+fn simultaneous_events_share_a_row() {
     let slipping = [("friction.k", "0.1"), ("stop.duration", "1")];
     let more = [("friction.k", "0.11"), ("stop.duration", "1")];
     for (a, b) in [
@@ -417,7 +417,7 @@ fn leaves_out_the_precession_near_the_vertical() {
 
 /// The uncertainty of a phase lead is that of both runs together.
 #[test]
-fn a_phase_lead_has_one_uncertainty() {
+fn phase_lead_uncertainty_is_symmetric() {
     let [a, b] = ["full-coulomb", "viscous"].map(|name| scenario(name, &[("stop.duration", "3")]));
     let [there, back] = [(&a, &b), (&b, &a)].map(|(a, b)| {
         let report = compare(a, b, &Options::default()).unwrap();

@@ -38,7 +38,7 @@ fn other<'r>(report: &'r Report, topic: &str) -> &'r TopicBytes {
 }
 
 #[test]
-fn files_of_others_are_compared_byte_by_byte() {
+fn compares_foreign_files_byte_by_byte() {
     const WHOLE: [Text<'_>; 4] = [
         ("/x", 0, "1"),
         ("/x", 10, "2"),
@@ -473,7 +473,7 @@ fn copied(
 
 /// What others left of a recording, or changed in it, is never passed over.
 #[test]
-fn what_differs_in_any_message_is_not_identical() {
+fn any_different_message_prevents_identical() {
     let folder = Folder::new();
     let scenario = short(&[("stop.duration", "0.1")]);
     let ours = recorded(&folder, "a.mcap", &scenario, Encoding::Json);

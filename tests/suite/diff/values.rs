@@ -75,7 +75,9 @@ fn val_findings(report: &Report, runs: [&Value; 2], expected: &Value) {
     let crossing = finding(report, "mean θ crosses").unwrap();
     let (shift, within) = (crossing.difference.unwrap(), crossing.uncertainty.unwrap());
     assert!(shift - within < 0.0, "{crossing:?}");
-    let torque = finding(report, "max. friction torque").unwrap().difference;
+    let torque = finding(report, "largest difference of friction torques")
+        .unwrap()
+        .difference;
     let expected = number(&expected["discrepancy"]["torque"]["max_abs"]);
     assert_near("torque", torque.unwrap(), expected, 1e-12);
 }
@@ -184,7 +186,7 @@ fn val_floor(report: &Report) {
 }
 
 #[test]
-fn val_the_whole_friction_torque_against_the_paper_s() {
+fn val_full_friction_torque_against_the_paper() {
     val_pair("A_B1", "B1", &scenario("full-coulomb", &[]));
 }
 

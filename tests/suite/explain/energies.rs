@@ -12,7 +12,7 @@ use toprise::telemetry::Telemetry;
 use toprise::telemetry::fields::ENERGY;
 
 #[test]
-fn impacts_after_the_last_sample_are_called_so() {
+fn names_impacts_after_the_last_sample() {
     let explanation = explain(&scenario("drop", &[("stop.duration", "0.0318")])).unwrap();
     let sentences: Vec<String> = facts(&explanation).map(Fact::sentence).collect();
     let sentence =
@@ -50,7 +50,7 @@ fn energy_with_a_forged_sample_is_not_constant() {
 }
 
 #[test]
-fn rolling_that_ends_with_the_run_does_not_last_to_its_end() {
+fn rolling_ended_by_the_last_event_is_not_final() {
     let explanation = explain(&scenario("free-rolls", &[("friction.k", "10")])).unwrap();
     assert!(!facts(&explanation).any(|fact| matches!(fact, Fact::Rolls { .. })));
     assert!(facts(&explanation).any(|fact| matches!(fact, Fact::RollsAtTimes { .. })));

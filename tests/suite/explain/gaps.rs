@@ -180,7 +180,7 @@ fn diff_does_not_compare_counts_of_a_cut_recording() {
 }
 
 #[test]
-fn interrupted_runs_are_parts() {
+fn interrupted_runs_are_compared_in_part() {
     let folder = Folder::new();
     let path = folder.at("run.mcap");
     let run = scenario("paper", &[("stop.duration", "1")]);

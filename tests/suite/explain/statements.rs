@@ -92,7 +92,7 @@ fn val_swing_past_the_horizontal_is_no_inversion() {
 
 /// The causes that act are named: friction at the contact, air drag, impacts.
 #[test]
-fn work_is_that_of_what_acts() {
+fn names_the_causes_of_work() {
     let no_contact: Keys<'_> = &[
         ("friction.k", "0"),
         ("air.axial", "1e-6"),
@@ -118,7 +118,7 @@ fn work_is_that_of_what_acts() {
 
 /// Without sliding friction, nothing of it is omitted.
 #[test]
-fn no_part_of_no_friction_is_omitted() {
+fn frictionless_model_omits_no_friction() {
     for (k, is_omitted) in [("0", false), ("0.03", true)] {
         let keys = [
             ("friction.k", k),
@@ -153,7 +153,7 @@ fn change_of_energy_has_no_digits_below_its_error() {
 
 /// Without weight there is hardly any friction: the change of energy is less than the error of the balance.
 #[test]
-fn change_of_energy_below_its_error_is_none() {
+fn energy_change_below_its_error_is_constant() {
     for preset in ["paper", "full-coulomb", "viscous"] {
         let keys = [("gravity", "1e-12"), ("stop.duration", "2")];
         let explanation = explanation(preset, &keys);
@@ -174,7 +174,7 @@ fn with_a_hole(folder: &Folder) -> Recording {
 }
 
 #[test]
-fn nothing_is_counted_in_a_recording_with_a_hole() {
+fn counts_nothing_in_a_recording_with_a_hole() {
     let folder = Folder::new();
     let explanation = explain(&with_a_hole(&folder)).unwrap();
     assert!(!explanation.losses.is_empty());
@@ -208,7 +208,7 @@ fn rolls_to_the_end_only_if_there_is_an_end() {
 
 /// That the peg starts in the air follows from the scenario, where no event or sample shows it.
 #[test]
-fn flight_at_the_start_is_known_without_its_topics() {
+fn start_in_the_air_follows_from_the_scenario() {
     let folder = Folder::new();
     let drop = scenario(
         "drop",
