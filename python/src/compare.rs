@@ -129,7 +129,10 @@ pub fn explain(py: Python<'_>, run: RunArgument<'_>) -> PyResult<(String, Vec<St
         .iter()
         .flat_map(|chapter| &chapter.facts);
     let title = format!("{}.", explanation.title);
-    let sentences = [title].into_iter().chain(facts.map(Fact::sentence));
+    let sentences = [title]
+        .into_iter()
+        .chain(explanation.story.text())
+        .chain(facts.map(Fact::sentence));
     Ok((json(&explanation)?, sentences.collect()))
 }
 

@@ -36,16 +36,10 @@ impl Story {
 pub(super) fn story(evidence: &Evidence) -> Story {
     let mut claims = Vec::new();
     claims.extend(conserves(evidence));
-    let bounces = bounces(evidence);
-    let starts_in_air = matches!(
-        bounces,
-        Some(Claim::Bounces {
-            starts_in_air: true,
-            ..
-        })
-    );
+    // In the order of time: a top that starts in the air bounces first, others hop while they rise.
+    let starts_in_air = starts_in_air(evidence);
     if starts_in_air {
-        claims.extend(bounces.clone());
+        claims.extend(bounces(evidence));
     }
     let raises = friction_raises(evidence);
     let rises = raises.is_some();
@@ -53,7 +47,7 @@ pub(super) fn story(evidence: &Evidence) -> Story {
     claims.extend(friction_speeds_precession(evidence));
     claims.extend(losses_align(evidence));
     if !starts_in_air {
-        claims.extend(bounces);
+        claims.extend(bounces(evidence));
     }
     claims.extend(inverts(evidence));
     claims.extend(slip_ends(evidence, rises));
@@ -263,7 +257,7 @@ fn slip_ends(evidence: &Evidence, rises: bool) -> Option<Claim> {
         return None;
     }
     let is_upright_tippe_top = evidence.history.is_of_tippe_top() && theta_range[1] < FRAC_PI_2;
-    let stops = if rises && theta_at_start < evidence.scenario.angles.theta {
+    let stops = if rises && theta_range[1] < evidence.scenario.angles.theta {
         Stopped::Rise
     } else if is_upright_tippe_top {
         Stopped::Inversion
@@ -278,6 +272,11 @@ fn slip_ends(evidence: &Evidence, rises: bool) -> Option<Claim> {
         stops,
         rolls,
     })
+}
+
+fn starts_in_air(evidence: &Evidence) -> bool {
+    let peg = evidence.summary.peg.as_ref();
+    peg.is_some_and(|peg| peg.first_flight == Some(0.0))
 }
 
 fn bounces(evidence: &Evidence) -> Option<Claim> {
@@ -295,7 +294,7 @@ fn bounces(evidence: &Evidence) -> Option<Claim> {
         hops: peg.hops?,
         impacts: peg.impacts?,
         lost: peg.impact_loss?,
-        starts_in_air: peg.first_flight == Some(0.0),
+        starts_in_air: starts_in_air(evidence),
         lands: Some(lands).filter(|_| !in_air_at_end),
     })
 }

@@ -239,7 +239,7 @@ fn total_duration(intervals: &[Interval]) -> f64 {
 /// A summary of the motion of a free peg. Values derived from events are absent in recordings without events.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct PegSummary {
-    /// Number of flights, from lift-off to landing; bounces in between don't count.
+    /// Number of hops, from lift-off to landing; bounces in between don't count.
     pub hops: Option<u64>,
     /// Number of impacts; absent if they were not recorded.
     pub impacts: Option<u64>,
