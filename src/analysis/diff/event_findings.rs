@@ -33,7 +33,10 @@ pub(super) fn events(evidence: &Evidence<'_>) -> Vec<Finding> {
         found.extend(evidence.compare_times(Quantity::FirstLoop, |run| {
             first_time(run, EventKind::LoopingBegins)
         }));
-        found.extend(evidence.compare_counts(|until| Quantity::Loops { until }, count_loops));
+        found.extend(evidence.compare_counts(
+            |until| Quantity::Loops { until },
+            |run, until| Some(count_loops(run, until)),
+        ));
     }
     found.extend(peg(evidence));
     for event in FIRST_EVENTS {
@@ -50,9 +53,10 @@ fn first_time(run: &RunHistory, kind: EventKind) -> Option<f64> {
 }
 
 /// Number of loops that begin by a time (s).
-fn count_loops(run: &RunHistory, until: f64) -> Option<usize> {
-    let loops = run.events_of(EventKind::LoopingBegins);
-    Some(loops.filter(|event| event.time <= until).count())
+fn count_loops(run: &RunHistory, until: f64) -> usize {
+    run.events_of(EventKind::LoopingBegins)
+        .filter(|event| event.time <= until)
+        .count()
 }
 
 /// Whether the first events of a kind, if they are at a level of θ, are at the same.

@@ -199,7 +199,7 @@ impl PendingSample {
     /// are missing or numbers are not finite.
     fn evaluate(&self, is_free: bool) -> Option<(MomentumState, f64)> {
         let (phi, theta, axis) = (self.phi?, self.theta?, self.axis?);
-        let torque_about_peg = self.world_from_node(self.torque_node?, phi, axis);
+        let torque_about_peg = world_from_node(self.torque_node?, phi, axis);
         let (momentum, torque) = if is_free {
             let lever = self.peg_position? - self.center?;
             (
@@ -226,11 +226,11 @@ impl PendingSample {
         let is_known = state.angle_to_axis.is_finite() && shortening.is_finite();
         is_known.then_some((state, shortening))
     }
+}
 
-    /// A vector of the node frame (line of nodes, n × e_N, n) in the world frame.
-    fn world_from_node(&self, vector: Vector3<f64>, phi: f64, axis: Vector3<f64>) -> Vector3<f64> {
-        let (sin, cos) = sin_cos(phi);
-        let nodes = Vector3::new(cos, sin, 0.0);
-        vector.x * nodes + vector.y * axis.cross(&nodes) + vector.z * axis
-    }
+/// A vector of the node frame (line of nodes, n × e_N, n) in the world frame.
+fn world_from_node(vector: Vector3<f64>, phi: f64, axis: Vector3<f64>) -> Vector3<f64> {
+    let (sin, cos) = sin_cos(phi);
+    let nodes = Vector3::new(cos, sin, 0.0);
+    vector.x * nodes + vector.y * axis.cross(&nodes) + vector.z * axis
 }

@@ -6,7 +6,7 @@ use super::fact::Fact;
 use super::fixed;
 use super::observations::{Ends, GripSpan};
 use super::precession;
-use crate::analysis::history::{Constancy, PegPhase};
+use crate::analysis::history::{Constancy, PegPhase, in_phase};
 use crate::run::simulation::{EventKind, StopReason};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -285,10 +285,7 @@ fn bounces(evidence: &Evidence) -> Option<Claim> {
     // Otherwise the end is that of a recording, and not of the run.
     evidence.history.stop_reason()?;
     let in_air_at_end = last.phase == PegPhase::Flying;
-    let flights = evidence
-        .peg_intervals
-        .iter()
-        .filter(|interval| interval.phase == PegPhase::Flying);
+    let flights = in_phase(&evidence.peg_intervals, PegPhase::Flying);
     let lands = flights.last()?.to;
     Some(Claim::Bounces {
         hops: peg.hops?,
