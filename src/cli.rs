@@ -233,9 +233,9 @@ pub fn main() -> ExitCode {
     match dispatch(arguments.command, signals.drafts()) {
         Ok(status) => status.into(),
         Err(error) => {
-            let error = output::with_causes(&error);
-            output::error(&error);
-            report::print_error(&error);
+            let text = output::with_causes(&error);
+            output::error(&text);
+            report::print_error(&text, report::wrong_key(&error));
             Status::Failed.into()
         }
     }
@@ -277,7 +277,7 @@ fn print_usage(usage: &clap::Error) -> ExitCode {
         // If standard error can't be written to, the message is lost.
         let _ = usage.print();
         let text = usage.render().to_string();
-        report::print_error(text.trim_start_matches("error: ").trim_end());
+        report::print_error(text.trim_start_matches("error: ").trim_end(), None);
         return Status::Failed.into();
     }
     match output::print_styled(&usage.render().ansi().to_string()) {

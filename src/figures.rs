@@ -36,7 +36,7 @@ pub use self::data::{MissingData, RunData};
 #[cfg(feature = "sweep")]
 pub use self::error::FigureError;
 #[cfg(feature = "sweep")]
-pub use self::map::{Map, MapAxis, MapRun};
+pub use self::map::{CONTEXT_COLUMNS, Map, MapAxis, MapRun};
 pub use self::plot::drawing::Drawing;
 pub use self::plot::png::PngError;
 pub use self::report::{FigureFile, FiguresReport, Lacking, LeftOut, RunLoss};

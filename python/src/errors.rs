@@ -2,11 +2,12 @@
 
 use pyo3::exceptions::{PyFileNotFoundError, PyPermissionError};
 use pyo3::{PyErr, import_exception};
-use std::fmt::Display;
 use std::io;
 use std::path::Path;
 use toprise::archive::input::InputError;
 use toprise::archive::recording::RecordingError as CannotRead;
+use toprise::run::scenario::ScenarioError as WrongScenario;
+use toprise::sweep::{SweepError as WrongSweep, TableError};
 
 import_exception!(toprise._errors, DiffError);
 import_exception!(toprise._errors, InternalError);
@@ -16,9 +17,40 @@ import_exception!(toprise._errors, ScenarioError);
 import_exception!(toprise._errors, SimulationError);
 import_exception!(toprise._errors, SweepError);
 
-/// The reason with a scenario.
-pub fn scenario(error: impl Display) -> PyErr {
-    ScenarioError::new_err(error.to_string())
+/// Error of a scenario, with its key and value as attributes.
+pub fn scenario(error: WrongScenario) -> PyErr {
+    scenario_with_text(&error, error.to_string())
+}
+
+/// Error of a scenario, with a text that also says where the scenario comes from.
+fn scenario_with_text(error: &WrongScenario, text: String) -> PyErr {
+    ScenarioError::new_err((text, error.key.clone(), error.value.clone()))
+}
+
+/// Error of a sweep.
+pub fn sweep(error: WrongSweep) -> PyErr {
+    let text = error.to_string();
+    match error {
+        WrongSweep::Scenario(error) => scenario(error),
+        WrongSweep::Base { source, .. } => scenario_with_text(&source, text),
+        WrongSweep::Input(error) => input(error),
+        WrongSweep::Spec(_)
+        | WrongSweep::Axis { .. }
+        | WrongSweep::Table { .. }
+        | WrongSweep::Unusable { .. }
+        | WrongSweep::Row(_)
+        | WrongSweep::Parquet(_)
+        | WrongSweep::Threads(_)
+        | WrongSweep::Sink(_) => SweepError::new_err(text),
+    }
+}
+
+/// Error of a table of runs.
+pub fn table(error: TableError) -> PyErr {
+    match error {
+        TableError::Key(error) => scenario(error),
+        error => ScenarioError::new_err(error.to_string()),
+    }
 }
 
 /// Error for an argument that is not a scenario.
@@ -27,7 +59,9 @@ pub fn input(error: InputError) -> PyErr {
     match error {
         InputError::Io { reason, .. } => io(&reason, text),
         InputError::Recording { reason, .. } => of_recording(&reason, text),
-        InputError::UnknownPreset(_) | InputError::Scenario { .. } => ScenarioError::new_err(text),
+        InputError::UnknownPreset(reason) | InputError::Scenario { reason, .. } => {
+            scenario_with_text(&reason, text)
+        }
     }
 }
 

@@ -9,8 +9,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::path::PathBuf;
 use toprise::archive::publish::{self, Existing};
-use toprise::figures::{Drawing, FIGURES, Figure as Kind, Map, MapAxis, MapRun, RunData};
-use toprise::sweep::{Columns, SweepError as TableError};
+use toprise::figures::{CONTEXT_COLUMNS, Drawing, FIGURES, Figure as Kind, Map, RunData};
+use toprise::sweep::Columns;
 
 /// A figure; see `toprise.figures` and `toprise.map`.
 #[pyclass(frozen, module = "toprise")]
@@ -108,50 +108,18 @@ pub fn map(
     let mut names = vec![x, show];
     names.extend(y);
     let columns = if let Ok(path) = table.extract::<PathBuf>() {
-        names.extend(["scenario", "stop_reason", "loops"]);
+        names.extend(CONTEXT_COLUMNS);
         Columns::read(&path, &names)
     } else {
         let ArrowTable { schema, batches } = table.extract()?;
         Columns::from_batches("the table", &names, schema, batches)
     };
     columns
-        .and_then(|columns| outcomes(&columns, x, y, show))
+        .and_then(|columns| Map::from_columns(&columns, x, y, show))
         .map_err(|error| SweepError::new_err(error.to_string()))?
         .draw(width)
         .map(Figure)
         .map_err(|error| PyValueError::new_err(error.to_string()))
-}
-
-/// The outcomes that a map shows. A table may lack the columns that say why a run stopped, whether it looped, and from
-/// which scenario it started.
-fn outcomes(columns: &Columns, x: &str, y: Option<&str>, show: &str) -> Result<Map, TableError> {
-    let axis = |name: &str| MapAxis {
-        name: name.replace('.', "_"),
-        unit: columns.unit(name).to_owned(),
-    };
-    let xs = columns.numbers(x)?;
-    let ys = y.map(|y| columns.numbers(y)).transpose()?;
-    let colors = columns.numbers(show)?;
-    let stops = columns.texts("stop_reason")?;
-    let loops = columns.numbers("loops")?;
-    let scenarios = columns.texts("scenario")?;
-    let runs = xs.iter().enumerate().map(|(row, x)| MapRun {
-        x: *x,
-        y: ys.as_ref().map_or(f64::NAN, |ys| ys[row]),
-        color: colors[row],
-        stop: stops.get(row).cloned().flatten(),
-        loops: loops
-            .get(row)
-            .filter(|loops| !loops.is_nan())
-            .map(|loops| *loops > 0.0),
-        scenario: scenarios.get(row).cloned().flatten().unwrap_or_default(),
-    });
-    Ok(Map {
-        x: axis(x),
-        y: y.map(axis),
-        color: axis(show),
-        runs: runs.collect(),
-    })
 }
 
 /// The figures that are asked for, or all that show this number of runs.

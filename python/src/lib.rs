@@ -33,7 +33,7 @@ mod _toprise {
     #[pymodule_export]
     use crate::sweep::{design, outcome_columns, outcomes, rows, sweep};
     #[pymodule_export]
-    use crate::table::Table;
+    use crate::table::{Table, table};
 
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -13,7 +13,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toprise::analysis::subject::Subject;
-use toprise::archive::format::CONTENT_DIGEST;
+use toprise::archive::format::{CONTENT_DIGEST, STOP_REASON, STOP_TIME};
 use toprise::archive::pipeline::McapSink;
 use toprise::archive::publish::Existing;
 use toprise::archive::recording::Recording;
@@ -27,7 +27,7 @@ use toprise::telemetry::digest::ContentDigest;
 use toprise::telemetry::fields::{EVENTS, NUTATION};
 use toprise::telemetry::{Message, RunMessages, Topic, Topics};
 
-/// The width of the curves in a notebook, mm.
+/// Width of the curves in a notebook, mm.
 const CURVES_WIDTH: f64 = 130.0;
 
 /// Origin of a run.
@@ -45,6 +45,8 @@ pub enum Origin {
 pub struct Run {
     pub origin: Origin,
     tables: Vec<(Topic, Py<Table>)>,
+    /// The end record of a recording.
+    end: End,
     content_digest: Option<String>,
     losses: Vec<String>,
 }
@@ -88,7 +90,7 @@ pub fn run(
     let tables = tables.columns.into_iter().filter(made);
     let tables = tables.map(|columns| (columns, Vec::new())).collect();
     let origin = Origin::Scenario(Box::new(scenario), Box::new(outcome));
-    Run::new(py, origin, tables, Some(digest), losses)
+    Run::new(py, origin, tables, None, Some(digest), losses)
 }
 
 /// Reads a toprise recording (MCAP).
@@ -124,8 +126,17 @@ pub fn read(py: Python<'_>, path: PathBuf, topics: Option<Vec<String>>) -> PyRes
         (columns, lacking)
     });
     let tables = tables.collect();
-    let digest = end.and_then(|end| end.get(CONTENT_DIGEST).cloned());
-    Run::new(py, Origin::Recording(recording), tables, digest, losses)
+    let digest = end
+        .as_ref()
+        .and_then(|end| end.get(CONTENT_DIGEST).cloned());
+    Run::new(
+        py,
+        Origin::Recording(recording),
+        tables,
+        end,
+        digest,
+        losses,
+    )
 }
 
 /// Opens a recording, or any other MCAP file.
@@ -194,13 +205,18 @@ fn simulate(
 }
 
 /// Simulates a run and records it in a new file.
-fn save(scenario: &Checked, path: &Path, interrupt: Interrupt) -> Result<(), String> {
+fn save(
+    scenario: &Checked,
+    path: &Path,
+    existing: Existing,
+    interrupt: Interrupt,
+) -> Result<(), String> {
     let reported = |error: &dyn std::error::Error| format!("{}: {error}", path.display());
     let mut run = RunMessages::new(scenario, &Topics::All)
         .map_err(|error| reported(&error))?
         .continue_while(move || !interrupt.is_asked());
     let form = Form::default();
-    let mut sink = McapSink::create(path, Existing::Keep, scenario, run.telemetry(), form)
+    let mut sink = McapSink::create(path, existing, scenario, run.telemetry(), form)
         .map_err(|error| reported(&error))?;
     let recorded = record_all(&mut run, &mut [&mut sink]).map_err(|error| reported(&error))?;
     if let Some(error) = recorded.error {
@@ -232,6 +248,7 @@ impl Run {
         py: Python<'_>,
         origin: Origin,
         tables: Vec<(Columns, Vec<String>)>,
+        end: End,
         content_digest: Option<String>,
         losses: Vec<String>,
     ) -> PyResult<Self> {
@@ -242,6 +259,7 @@ impl Run {
         let run = Self {
             tables: tables.collect::<PyResult<_>>()?,
             origin,
+            end,
             content_digest,
             losses,
         };
@@ -287,6 +305,35 @@ impl Run {
                 let recording = recording.clone();
                 compute(py, move |_| draw(Subject::Recording(&recording)))
             }
+        }
+    }
+
+    /// The scenario with its changes, and how the run ended.
+    fn headline(&self) -> String {
+        match &self.origin {
+            Origin::Scenario(scenario, outcome) => {
+                format!("{}: {}", scenario.title(), outcome.sentence())
+            }
+            Origin::Recording(recording) => {
+                let title = match recording.scenario() {
+                    Ok(scenario) => scenario.title(),
+                    Err(_) => self.name(),
+                };
+                format!("{title}: {}", self.recorded_end())
+            }
+        }
+    }
+
+    /// How a recorded run ended, by its end record.
+    fn recorded_end(&self) -> String {
+        let Some(end) = &self.end else {
+            return "interrupted".to_owned();
+        };
+        let reason = end.get(STOP_REASON).and_then(|name| StopReason::find(name));
+        let time = end.get(STOP_TIME).and_then(|time| time.parse::<f64>().ok());
+        match (reason, time) {
+            (Some(reason), Some(time)) => format!("{} at t = {time:.6} s", reason.sentence()),
+            (Some(_), None) | (None, _) => "end unknown".to_owned(),
         }
     }
 
@@ -382,11 +429,34 @@ impl Run {
     /// Writes the whole run as a recording (MCAP), with the bytes that `toprise run` writes. The file
     /// contains all topics, even if this run has only some; the scenario is simulated again for it.
     ///
+    /// A name that ends with `.rrd` writes a recording for the Rerun viewer, converted by it (`pip install rerun-sdk`).
+    /// With `force`, an existing file is replaced.
+    ///
     /// Raises `RecordingError` if the file exists or can't be written.
-    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        let Scenario(scenario) = self.scenario()?;
-        let saved = compute(py, move |interrupt| save(&scenario, &path, interrupt))?;
-        saved.map_err(RecordingError::new_err)
+    #[pyo3(signature = (path, *, force=false))]
+    fn save(slf: &Bound<'_, Self>, path: PathBuf, force: bool) -> PyResult<()> {
+        let py = slf.py();
+        if !force && path.symlink_metadata().is_ok() {
+            return Err(RecordingError::new_err(format!(
+                "{} exists: choose another name, or pass force=True to replace it",
+                path.display()
+            )));
+        }
+        if path.extension().is_some_and(|extension| extension == "rrd") {
+            py.import("toprise._viewer")?
+                .call_method1("save_rrd", (slf, path))?;
+            return Ok(());
+        }
+        let existing = if force {
+            Existing::Replace
+        } else {
+            Existing::Keep
+        };
+        let Scenario(scenario) = slf.get().scenario()?;
+        compute(py, move |interrupt| {
+            save(&scenario, &path, existing, interrupt)
+        })?
+        .map_err(RecordingError::new_err)
     }
 
     /// Opens the run in the Rerun viewer, and returns the viewer process. `pip install rerun-sdk` installs the viewer.
@@ -412,7 +482,7 @@ impl Run {
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let mut text = format!("<toprise.Run {}", self.name().escape_debug());
+        let mut text = format!("<toprise.Run {}", self.headline().escape_debug());
         for (topic, table) in &self.tables {
             let rows = table.bind(py).len()?;
             text += &format!("\n  {:20} {rows:>9} rows", topic.name());

@@ -1,14 +1,13 @@
 //! Scenarios in Python.
 
 use crate::errors;
-use crate::sweep::refused_sweep;
 use crate::table::escaped;
 use pyo3::exceptions::{PyKeyError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyMapping, PyString};
 use std::path::PathBuf;
 use toprise::archive::input::values;
-use toprise::run::scenario::{Scenario as Checked, Value, Values};
+use toprise::run::scenario::{Scenario as Checked, ScenarioError, Value, Values};
 use toprise::sweep::{find_key, values_of_row};
 
 /// A validated definition of a run: keys and values, in SI units and radians.
@@ -58,7 +57,7 @@ impl Base<'_> {
             let text = "row: a scenario has none; name the file of a sweep's table";
             return Err(PyTypeError::new_err(text));
         };
-        let values = values_of_row(&table, row).map_err(refused_sweep)?;
+        let values = values_of_row(&table, row).map_err(errors::sweep)?;
         Checked::new(with(values, overrides)?).map_err(errors::scenario)
     }
 
@@ -80,12 +79,12 @@ fn with(mut values: Values, overrides: Option<&Bound<'_, PyMapping>>) -> PyResul
         let mut seen = Vec::new();
         for item in overrides.items()?.iter() {
             let (name, value): (String, Bound<'_, PyAny>) = item.extract()?;
-            let key = path(&name);
-            if seen.iter().any(|earlier| earlier == key) {
-                return Err(errors::scenario(format!("{key}: set twice, remove one")));
+            let key = find_key(&name).map_err(errors::scenario)?;
+            if seen.contains(&key.path) {
+                return Err(errors::scenario(ScenarioError::set_twice(key)));
             }
-            set(&mut values, key, &value)?;
-            seen.push(key.to_owned());
+            set(&mut values, key.path, &value)?;
+            seen.push(key.path);
         }
     }
     Ok(values)

@@ -154,7 +154,7 @@ fn beside(kept: &RecordBatch, computed: &RecordBatch) -> Result<RecordBatch, Arr
 #[pyfunction]
 pub fn outcome_columns(keys: Vec<String>) -> PyResult<Table> {
     let kind = |name: &String| {
-        let key = sweeps::find_key(name).map_err(refused_sweep)?;
+        let key = sweeps::find_key(name).map_err(errors::scenario)?;
         let kind = if key.kind.is_text() {
             DataType::Utf8
         } else {
@@ -192,9 +192,9 @@ fn sweep_over(keys: &RecordBatch, values: &Values, max_steps: Option<u64>) -> Py
     };
     let values = values.clone();
     let table = sweeps::Table::from_batches(keys.schema_ref(), std::slice::from_ref(keys));
-    let table = table.map_err(errors::scenario)?;
+    let table = table.map_err(errors::table)?;
     let bases = vec![sweeps::Base::new(name, values)];
-    let spec = Spec::new(bases, Design::Table(table), max_steps).map_err(refused_sweep)?;
+    let spec = Spec::new(bases, Design::Table(table), max_steps).map_err(errors::sweep)?;
     Ok(Sweep::new(spec))
 }
 
@@ -205,7 +205,7 @@ fn named(rows: RecordBatch) -> Table {
 
 /// Reads the spec of a sweep; relative file names are resolved in `folder`.
 fn read_spec(text: &str, folder: &Path) -> PyResult<Sweep> {
-    let spec = Spec::from_toml(text, folder, &[]).map_err(refused_sweep)?;
+    let spec = Spec::from_toml(text, folder, &[]).map_err(errors::sweep)?;
     Ok(Sweep::new(spec))
 }
 
@@ -259,7 +259,7 @@ pub fn sweep(
         fail_fast,
     };
     let runs = sweep.spec().rows();
-    let left = sweeps::left_to_do(&sweep, &out, shard).map_err(refused_sweep)?;
+    let left = sweeps::left_to_do(&sweep, &out, shard).map_err(errors::sweep)?;
     let done = Arc::new(AtomicU64::new(0));
     let counted = done.clone();
     let tell = |_: Python<'_>| match &progress {
@@ -279,7 +279,7 @@ pub fn sweep(
         sweeps::run(&sweep, &out, &options, &watch)
     })?;
     tell(py)?;
-    let finished = finished.map_err(refused_sweep)?;
+    let finished = finished.map_err(errors::sweep)?;
     let answer = json!({
         "runs": runs,
         "computed": finished.computed,
@@ -291,15 +291,6 @@ pub fn sweep(
         "first_error": finished.counts.first_error,
     });
     Ok(answer.to_string())
-}
-
-/// The error of Python for one of a sweep.
-pub fn refused_sweep(error: sweeps::SweepError) -> PyErr {
-    match error {
-        sweeps::SweepError::Scenario(error) => errors::scenario(error),
-        sweeps::SweepError::Input(error) => errors::input(error),
-        error => SweepError::new_err(error.to_string()),
-    }
 }
 
 fn refused(error: ArrowError) -> PyErr {

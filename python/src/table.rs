@@ -7,7 +7,7 @@ use arrow_array::{
 };
 use arrow_schema::ffi::FFI_ArrowSchema;
 use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef};
-use pyo3::exceptions::{PyKeyError, PyValueError};
+use pyo3::exceptions::{PyKeyError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict};
 use std::collections::HashMap;
@@ -27,14 +27,20 @@ const UNIT: &str = "unit";
 /// Key of the metadata of a field and of a schema.
 const MEANING: &str = "meaning";
 
-/// Number of rows at either end that `_repr_html_` shows.
+/// Number of rows at either end that are shown.
 const SHOWN: usize = 4;
+
+/// Width of a printed table, columns of the terminal.
+const WIDTH: usize = 100;
+
+/// Number of significant digits of a printed number.
+const DIGITS: usize = 6;
 
 /// Rows and columns, in SI units and radians: the messages of a topic, one a row, or the outcomes of many runs.
 ///
 /// Implements the Arrow PyCapsule interface: `polars.DataFrame(table)`, `pyarrow.table(table)`,
 /// `pandas.DataFrame.from_arrow(table)` and DuckDB's `FROM table` read it without a copy.
-/// `table.numpy("theta")` is one column for NumPy.
+/// `table["theta"]` is one column for NumPy, and `numpy.asarray(table)` all columns of a table without texts.
 ///
 /// Columns of every topic's table are `time_ns` (exact simulation time, ns), `sequence` (number of the sample, event or nutation)
 /// and `time` (s). The others are the fields of the topic, with `_` in place of dots: `omega_body_x`. Unit, frame and
@@ -70,6 +76,60 @@ impl Table {
 
     fn about<'a>(field: &'a Field, key: &str) -> &'a str {
         field.metadata().get(key).map_or("", String::as_str)
+    }
+
+    /// The rows that are shown, if not all are: some at either end. `None` stands for those between.
+    fn shown_rows(&self) -> Vec<Option<usize>> {
+        let rows = self.rows.num_rows();
+        if rows <= 2 * SHOWN {
+            return (0..rows).map(Some).collect();
+        }
+        (0..SHOWN)
+            .map(Some)
+            .chain([None])
+            .chain((rows - SHOWN..rows).map(Some))
+            .collect()
+    }
+
+    /// A column as printed: name, unit, and the values of the shown rows.
+    fn printed_column(&self, index: usize) -> Vec<String> {
+        let field = self.rows.schema_ref().field(index);
+        let mut lines = vec![field.name().clone(), Self::about(field, UNIT).to_owned()];
+        for row in self.shown_rows() {
+            lines.push(match row {
+                Some(row) => short_cell(self.rows.column(index), row),
+                None => "…".to_owned(),
+            });
+        }
+        lines
+    }
+
+    /// Values of the first and last rows, in as many columns as fit, and the names of the other columns.
+    fn printed_values(&self) -> String {
+        let mut lines = vec![String::new(); 2 + self.shown_rows().len()];
+        let mut shown = 0;
+        for index in 0..self.rows.num_columns() {
+            let column = self.printed_column(index);
+            let width = column.iter().map(|cell| cell.chars().count()).max();
+            let width = width.unwrap_or_default() + 2;
+            if index > 0 && lines[0].chars().count() + width > WIDTH {
+                break;
+            }
+            for (line, cell) in lines.iter_mut().zip(column) {
+                *line += &format!("{cell:>width$}");
+            }
+            shown += 1;
+        }
+        let mut text = String::new();
+        for line in lines {
+            text += line.trim_end();
+            text.push('\n');
+        }
+        let rest = self.column_names().split_off(shown);
+        if !rest.is_empty() {
+            text += &format!("and {} more columns: {}\n", rest.len(), rest.join(", "));
+        }
+        text
     }
 
     /// A value as text.
@@ -112,6 +172,22 @@ impl Table {
         fields.map(|field| field.name().clone()).collect()
     }
 
+    /// The names of the columns, as pandas and Polars call them.
+    #[getter]
+    fn columns(&self) -> Vec<String> {
+        self.column_names()
+    }
+
+    /// The description of each column.
+    #[getter]
+    fn meanings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let meanings = PyDict::new(py);
+        for field in self.rows.schema_ref().fields() {
+            meanings.set_item(field.name(), Self::about(field, MEANING))?;
+        }
+        Ok(meanings)
+    }
+
     /// The unit of each column; empty for pure numbers and texts.
     #[getter]
     fn units<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -129,6 +205,76 @@ impl Table {
     /// `omega_body.x`.
     fn numpy<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         view::numpy(py, self.rows.column(self.index(name)?))
+    }
+
+    /// A column, as `numpy` returns it.
+    fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        self.numpy(py, name)
+    }
+
+    /// Whether there is a column of this name.
+    fn __contains__(&self, name: &str) -> bool {
+        self.index(name).is_ok()
+    }
+
+    /// The names of the columns, as for a pandas data frame.
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(self
+            .column_names()
+            .into_pyobject(py)?
+            .try_iter()?
+            .into_any())
+    }
+
+    /// All columns as one array of shape (rows, columns), float64: a copy, for NumPy.
+    ///
+    /// Raises `TypeError` if a column has texts, and `ValueError` if no copy is allowed.
+    #[pyo3(signature = (dtype=None, copy=None))]
+    fn __array__<'py>(
+        &self,
+        py: Python<'py>,
+        dtype: Option<Bound<'py, PyAny>>,
+        copy: Option<bool>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        if copy == Some(false) {
+            return Err(PyValueError::new_err(
+                "the columns of a table are not contiguous: an array of all of them is a copy",
+            ));
+        }
+        let mut columns = Vec::new();
+        for (field, column) in self
+            .rows
+            .schema_ref()
+            .fields()
+            .iter()
+            .zip(self.rows.columns())
+        {
+            if field.data_type().is_string() {
+                return Err(PyTypeError::new_err(format!(
+                    "{}: the column {} has texts; choose columns of numbers, as in table[\"time\"]",
+                    self.name,
+                    field.name()
+                )));
+            }
+            columns.push(view::numpy(py, column)?);
+        }
+        let numpy = py.import("numpy")?;
+        let array = numpy.call_method1("column_stack", (columns,))?;
+        array.call_method1("astype", (dtype.unwrap_or(numpy.getattr("float64")?),))
+    }
+
+    /// The table as a `pandas.DataFrame`. Missing numbers are NaN.
+    fn to_pandas<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let columns = PyDict::new(py);
+        for name in self.column_names() {
+            columns.set_item(&name, self.numpy(py, &name)?)?;
+        }
+        py.import("pandas")?.call_method1("DataFrame", (columns,))
+    }
+
+    /// The table as a `polars.DataFrame`, without a copy.
+    fn to_polars<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("polars")?.call_method1("DataFrame", (slf,))
     }
 
     /// The number of rows.
@@ -158,26 +304,21 @@ impl Table {
 
     fn __repr__(&self) -> String {
         let (rows, columns) = (self.rows.num_rows(), self.rows.num_columns());
-        let mut text = format!(
-            "Table {}: {}\n{rows} rows × {columns} columns",
-            self.name, self.meaning
+        let text = format!(
+            "Table {}: {}\n{rows} rows × {columns} columns; table.meanings describes them\n\n{}",
+            self.name,
+            self.meaning,
+            self.printed_values()
         );
-        let names = self.column_names();
-        let widest = names.iter().map(String::len).max().unwrap_or_default();
-        for (field, name) in self.rows.schema_ref().fields().iter().zip(names) {
-            let (unit, meaning) = (Self::about(field, UNIT), Self::about(field, MEANING));
-            let line = format!("\n  {name:widest$}  {unit:8}  {meaning}");
-            text.push_str(line.trim_end());
-        }
-        text
+        text.trim_end().to_owned()
     }
 
     fn _repr_html_(&self) -> String {
-        let rows = self.rows.num_rows();
         let mut html = format!(
-            "<table><caption>{}: {} ({rows} rows)</caption><thead><tr>",
+            "<table><caption>{}: {} ({} rows)</caption><thead><tr>",
             escaped(&self.name),
-            escaped(&self.meaning)
+            escaped(&self.meaning),
+            self.rows.num_rows()
         );
         for field in self.rows.schema_ref().fields() {
             let (unit, meaning) = (Self::about(field, UNIT), Self::about(field, MEANING));
@@ -189,19 +330,77 @@ impl Table {
             );
         }
         html += "</tr></thead><tbody>";
-        for row in 0..rows {
-            if row == SHOWN && rows > 2 * SHOWN {
-                html += &format!("<tr>{}</tr>", "<td>…</td>".repeat(self.rows.num_columns()));
+        for row in self.shown_rows() {
+            html += "<tr>";
+            for column in self.rows.columns() {
+                let cell = row.map_or_else(|| "…".to_owned(), |row| Self::cell(column, row));
+                html += &format!("<td>{}</td>", escaped(&cell));
             }
-            if row < SHOWN || row + SHOWN >= rows {
-                html += "<tr>";
-                for column in self.rows.columns() {
-                    html += &format!("<td>{}</td>", escaped(&Self::cell(column, row)));
-                }
-                html += "</tr>";
-            }
+            html += "</tr>";
         }
         html + "</tbody></table>"
+    }
+}
+
+/// A value as text, numbers with few digits.
+fn short_cell(column: &ArrayRef, row: usize) -> String {
+    let text = Table::cell(column, row);
+    let Some(numbers) = column.as_any().downcast_ref::<Float64Array>() else {
+        return text;
+    };
+    if numbers.is_null(row) {
+        return "null".to_owned();
+    }
+    // Rounding in decimal, as people do.
+    let rounded: Result<f64, _> = format!("{:.*e}", DIGITS - 1, numbers.value(row)).parse();
+    rounded.map_or(text, |number| format!("{number:?}"))
+}
+
+/// A table of the columns of a dictionary: numbers or texts, `None` for missing ones.
+#[pyfunction]
+pub fn table(columns: Vec<(String, Vec<Option<Cell>>)>) -> PyResult<Table> {
+    let mut fields = Vec::new();
+    let mut arrays: Vec<ArrayRef> = Vec::new();
+    for (name, cells) in columns {
+        let (kind, array) = column_of(&name, cells)?;
+        fields.push(Field::new(name, kind, true));
+        arrays.push(array);
+    }
+    let rows = RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays).map_err(refused)?;
+    Ok(Table::new("table", "columns of a dictionary", rows))
+}
+
+/// A value of a column of a dictionary.
+#[derive(FromPyObject)]
+pub enum Cell {
+    /// A number.
+    Number(f64),
+    /// A text.
+    Text(String),
+}
+
+/// The type and values of a column; all are numbers or all are texts.
+fn column_of(name: &str, cells: Vec<Option<Cell>>) -> PyResult<(DataType, ArrayRef)> {
+    let mut numbers = Vec::new();
+    let mut texts = Vec::new();
+    for cell in &cells {
+        match cell {
+            Some(Cell::Number(number)) => numbers.push(Some(*number)),
+            Some(Cell::Text(text)) => texts.push(Some(text.as_str())),
+            None => {
+                numbers.push(None);
+                texts.push(None);
+            }
+        }
+    }
+    if numbers.len() == cells.len() {
+        Ok((DataType::Float64, Arc::new(Float64Array::from(numbers))))
+    } else if texts.len() == cells.len() {
+        Ok((DataType::Utf8, Arc::new(StringArray::from(texts))))
+    } else {
+        Err(PyTypeError::new_err(format!(
+            "{name}: a column has either numbers or texts"
+        )))
     }
 }
 

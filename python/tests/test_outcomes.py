@@ -1,5 +1,8 @@
 """The outcome of a run."""
 
+import typing
+
+import numpy as np
 import pytest
 
 import toprise
@@ -28,3 +31,16 @@ def test_a_free_peg_has_more_to_tell():
 def test_wrong_scenarios_have_no_outcome():
     with pytest.raises(toprise.ScenarioError, match="friction.k"):
         toprise.outcome("paper", {"friction.k": -1.0})
+
+
+def test_outcome_type_has_every_column():
+    assert list(typing.get_type_hints(toprise.Outcome)) == list(toprise.outcome("frictionless", {"stop.duration": 0.1}))
+
+
+def test_outcomes_take_dictionaries():
+    columns = {"friction.k": np.array([0.02, 0.03]), "friction_law": ["coulomb", None], "stop.duration": (0.1, 0.2)}
+    outcomes = toprise.outcomes(columns, base="paper")
+    assert outcomes["stop_time"].tolist() == [0.1, 0.2]
+    assert outcomes["friction_k"].tolist() == [0.02, 0.03]
+    with pytest.raises(TypeError, match="either numbers or texts"):
+        toprise.outcomes({"friction.k": [0.1, "a"]}, base="paper")

@@ -72,9 +72,32 @@ def test_a_run_is_saved_as_the_program_records_it(brief, tmp_path):
     assert toprise.verify(path).verdict == "verified"
     assert toprise.read(path).content_digest == brief.content_digest
     before = path.read_bytes()
-    with pytest.raises(toprise.RecordingError, match="saved.mcap"):
+    with pytest.raises(toprise.RecordingError, match="saved.mcap exists: .*force=True"):
         brief.save(path)
     assert path.read_bytes() == before
+    path.write_bytes(b"old")
+    brief.save(path, force=True)
+    assert path.read_bytes() == before
+
+
+def test_rrd_files_are_converted_by_rerun(brief, tmp_path, monkeypatch):
+    package = tmp_path / "rerun"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "__main__.py").write_text(
+        "import shutil, sys\n"
+        "command, action, source, option, target = sys.argv[1:]\n"
+        "assert (command, action, option) == ('mcap', 'convert', '-o'), sys.argv\n"
+        "if 'bad' in target: sys.exit('no space left')\n"
+        "shutil.copy(source, target)\n"
+    )
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.syspath_prepend(tmp_path)
+    path = tmp_path / "a.rrd"
+    brief.save(path)
+    assert path.read_bytes()[1:5] == b"MCAP"
+    with pytest.raises(toprise.RecordingError, match="bad.rrd: no space left"):
+        brief.save(tmp_path / "bad.rrd")
 
 
 def test_a_run_opens_in_the_viewer(brief, tmp_path, monkeypatch, reference):

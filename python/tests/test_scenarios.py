@@ -118,3 +118,21 @@ def test_presets_are_scenarios():
     assert presets["paper"].startswith("The paper's rise")
     for name in presets:
         assert toprise.Scenario(name).name == name
+
+
+def test_errors_have_key_and_value():
+    for overrides, key, value in [
+        ({"friction.k": -1}, "friction.k", "-1"),
+        ({"friction_law": "glue"}, "friction.law", "glue"),
+        ({"friction.kk": 1}, "friction.kk", None),
+        ({"friction.k": None}, "friction.k", None),
+        ({"top.mass": 1}, "top.transverse_moment", "8.52e-5"),
+    ]:
+        with pytest.raises(toprise.ScenarioError) as caught:
+            toprise.run("paper", overrides)
+        assert (caught.value.key, caught.value.value) == (key, value)
+        again = pickle.loads(pickle.dumps(caught.value))
+        assert (str(again), again.key) == (str(caught.value), key)
+    with pytest.raises(toprise.ScenarioError) as caught:
+        toprise.run("papr")
+    assert caught.value.key is None

@@ -91,14 +91,54 @@ def test_a_stream_can_be_left_unread_and_read_once(brief):
         pa.RecordBatchReader._import_from_c_capsule(capsule)
 
 
-def test_what_is_shown_names_columns_and_units(brief):
+def test_print_shows_values_and_units(brief):
     state = brief["/top/state"]
-    assert "theta_dot   rad/s     nutation rate θ̇" in repr(state)
+    lines = repr(state).splitlines()
+    assert lines[1].startswith("101 rows")
+    assert lines[3].split()[:3] == ["time_ns", "sequence", "time"]
+    assert "rad/s" in lines[4]
+    assert lines[5].split()[0] == "0" and "0.5" in lines[5].split()
+    assert lines[9].split()[0] == "…" and len(lines) in (14, 15)
+    assert all(len(line) <= 100 for line in lines[3:14])
+    assert state.meanings["theta_dot"].startswith("nutation rate")
     html = state._repr_html_()
     assert html.count("<tr>") == 1 + 4 + 1 + 4
     assert "<td>0.5</td>" in html and "rad/s²" in html
     assert brief.nutations._repr_html_().count("<tr>") == 1 + len(brief.nutations)
     assert "/top/state                 101 rows" in repr(brief)
+
+
+def test_indexing_returns_columns(brief):
+    state = brief["/top/state"]
+    assert np.shares_memory(state["theta"], state.numpy("theta"))
+    assert state.columns == state.column_names == list(state)
+    assert "theta" in state and "phi" in state and "x" not in state
+    with pytest.raises(KeyError, match="no column thet"):
+        state["thet"]
+
+
+def test_tables_become_frames(brief):
+    for table in (brief["/top/state"], brief.events):
+        for frame in (table.to_pandas(), table.to_polars()):
+            assert list(frame.columns) == table.columns and len(frame) == len(table)
+            assert list(frame["time_ns"]) == table["time_ns"].tolist()
+
+
+def test_numeric_tables_are_arrays(brief):
+    state = brief["/top/state"]
+    array = np.asarray(state)
+    assert array.shape == (101, len(state.columns)) and array.dtype == np.float64
+    assert (array[:, state.columns.index("theta")] == state["theta"]).all()
+    assert np.asarray(state, dtype=np.float32).dtype == np.float32
+    with pytest.raises(TypeError, match="the column name has texts"):
+        np.asarray(brief.events)
+
+
+def test_run_repr_has_changes_and_outcome(brief, reference):
+    assert repr(brief).startswith("<toprise.Run paper, stop.duration = 0.1: ")
+    assert "at t = 0.100000 s" in repr(brief).splitlines()[0]
+    recorded = toprise.read(reference / "paper.mcap", topics=["/events"])
+    assert "risen at t = 24.719386 s" in repr(recorded).splitlines()[0]
 
 
 def test_duckdb_and_pandas_read_tables(brief):

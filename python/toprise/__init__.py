@@ -3,7 +3,7 @@
     import toprise
 
     run = toprise.run("paper", {"friction.k": 0.02})
-    run["/top/state"].numpy("theta")        # NumPy view; Polars, pyarrow, pandas and DuckDB can read the Table, too
+    run["/top/state"]["theta"]              # NumPy view; Polars, pyarrow, pandas and DuckDB can read the Table, too
     print(toprise.diff(run, "paper").summary)
 
 Units are SI and radians throughout.
@@ -20,6 +20,7 @@ from ._errors import (
     SweepError,
 )
 from ._figures import figures, map
+from ._outcome import Outcome
 from ._reports import (
     AnyRun,
     DiffReport,
@@ -41,6 +42,7 @@ __all__ = [
     "DiffReport",
     "Error",
     "InternalError",
+    "Outcome",
     "Outcomes",
     "RecordingError",
     "RecordingWarning",

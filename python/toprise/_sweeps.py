@@ -58,7 +58,9 @@ class Outcomes:
         return _toprise.outcome_columns(self.keys)
 
     def table(self, table: Any) -> Table:
-        """The outcomes for a table that supports the Arrow PyCapsule interface."""
+        """The outcomes for a table that supports the Arrow PyCapsule interface, or a dictionary of columns."""
+        if isinstance(table, Mapping):
+            table = _toprise.table([(str(name), list(cells)) for name, cells in table.items()])
         return _toprise.outcomes(
             table, self.base, keep=self.keep, threads=self.threads, max_steps=self.max_steps
         )
@@ -97,8 +99,8 @@ def outcomes(
 ) -> Table:
     """Runs one scenario per row of a table, on all processors, and returns the outcomes.
 
-    See `Outcomes` for the table formats. A run that takes more than `max_steps` integrator steps has an error instead
-    of an outcome. To pass NumPy arrays, wrap them: `pyarrow.table({"friction_k": array})`.
+    See `Outcomes` for the table formats; a dictionary of columns is a table, too, as in `{"friction.k": [0.02, 0.03]}`.
+    A run that takes more than `max_steps` integrator steps has an error instead of an outcome.
     """
     return Outcomes(base, keep=keep, threads=threads, max_steps=max_steps).table(table)
 

@@ -41,6 +41,16 @@ pub enum InputError {
     },
 }
 
+impl InputError {
+    /// The error of the scenario itself, if the file or preset could be read.
+    pub fn scenario_error(&self) -> Option<&ScenarioError> {
+        match self {
+            Self::UnknownPreset(reason) | Self::Scenario { reason, .. } => Some(reason),
+            Self::Io { .. } | Self::Recording { .. } => None,
+        }
+    }
+}
+
 /// Whether an argument means standard input. A file of this name is `./-`.
 fn is_standard_input(word: &Path) -> bool {
     word.as_os_str() == "-"

@@ -5,8 +5,12 @@ use super::numbers::bytes;
 use super::output;
 use super::page::{self, Section};
 use super::text::sanitized_json;
+use crate::archive::input::InputError;
 use crate::archive::publish::Draft;
 use crate::archive::sink::SinkError;
+use crate::run::scenario::ScenarioError;
+#[cfg(feature = "sweep")]
+use crate::sweep::SweepError;
 use anyhow::Error;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -27,12 +31,34 @@ pub(super) fn print(
     Ok(())
 }
 
-/// With --format json, prints an error as JSON on standard output.
-pub(super) fn print_error(error: &str) {
+/// With --format json, prints an error as JSON on standard output, with the key of the scenario that is wrong, if any.
+pub(super) fn print_error(error: &str, key: Option<&str>) {
     if output::format() == Format::Json {
+        let mut report = json!({ "error": error });
+        if let Some(key) = key {
+            report["key"] = json!(key);
+        }
         // The error is on standard error, too.
-        let _ = print(&json!({ "error": error }), Vec::new);
+        let _ = print(&report, Vec::new);
     }
+}
+
+/// The key of the scenario that an error is about.
+pub(super) fn wrong_key(error: &Error) -> Option<&str> {
+    error.chain().find_map(|cause| {
+        let scenario_error = if let Some(error) = cause.downcast_ref::<InputError>() {
+            error.scenario_error()
+        } else {
+            cause.downcast_ref::<ScenarioError>()
+        };
+        #[cfg(feature = "sweep")]
+        let scenario_error = scenario_error.or_else(|| {
+            cause
+                .downcast_ref::<SweepError>()
+                .and_then(SweepError::scenario_error)
+        });
+        scenario_error?.key.as_deref()
+    })
 }
 
 /// A file that a command wrote.

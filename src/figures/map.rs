@@ -7,8 +7,10 @@ mod curves;
 mod grid;
 mod plane;
 mod runs;
+mod table;
 
 pub use self::runs::{Map, MapAxis, MapRun};
+pub use self::table::CONTEXT_COLUMNS;
 
 use super::error::FigureError;
 use crate::figures::plot::drawing::Drawing;

@@ -299,6 +299,25 @@ pub enum FileProblem {
 }
 
 impl SweepError {
+    /// The error of a scenario, if it is one.
+    pub fn scenario_error(&self) -> Option<&ScenarioError> {
+        match self {
+            Self::Scenario(error) | Self::Base { source: error, .. } => Some(error),
+            Self::Input(error) => error.scenario_error(),
+            Self::Table { source, .. } => match source {
+                TableError::Key(error) => Some(error),
+                _ => None,
+            },
+            Self::Spec(_)
+            | Self::Axis { .. }
+            | Self::Unusable { .. }
+            | Self::Row(_)
+            | Self::Parquet(_)
+            | Self::Threads(_)
+            | Self::Sink(_) => None,
+        }
+    }
+
     /// An error for an existing file or directory that can't be used.
     pub(super) fn unusable(path: &Path, problem: FileProblem) -> Self {
         Self::Unusable {

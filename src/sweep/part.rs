@@ -97,12 +97,11 @@ impl Sweep {
     /// Never; the columns match the schema.
     pub fn batch(&self, rows: Range<u64>, watch: &Watch<'_>) -> Option<(RecordBatch, Counts)> {
         // Rows are distributed individually for load balancing.
-        let computed: Option<Vec<Row>> = (0..rows.clone().count())
+        let computed = (0..rows.clone().count())
             .into_par_iter()
             .with_max_len(1)
             .map(|index| self.row(rows.start + index as u64, watch))
-            .collect();
-        let computed = computed?;
+            .collect::<Option<Vec<Row>>>()?;
         let mut counts = Counts::default();
         for (run, Row { result, .. }) in rows.clone().zip(&computed) {
             match result {
@@ -111,13 +110,17 @@ impl Sweep {
             }
         }
         let mut columns = self.design_columns(rows);
-        let results = || computed.iter().map(|row| row.result.as_ref());
-        let outcomes = || results().map(Result::ok);
-        columns.extend(COLUMNS.iter().map(|c| outcome_column(c, outcomes())));
-        let digests = computed.iter().map(|row| row.digest.as_ref());
-        let errors = results().map(|result| result.err().map(ToString::to_string));
-        columns.push(Arc::new(digests.collect::<StringArray>()));
-        columns.push(Arc::new(errors.collect::<StringArray>()));
+        for column in COLUMNS {
+            let outcomes = computed.iter().map(|row| row.result.as_ref().ok());
+            columns.push(outcome_column(column, outcomes));
+        }
+        let digests: StringArray = computed.iter().map(|row| row.digest.as_ref()).collect();
+        let errors: StringArray = computed
+            .iter()
+            .map(|row| row.result.as_ref().err().map(ToString::to_string))
+            .collect();
+        columns.push(Arc::new(digests));
+        columns.push(Arc::new(errors));
         Some((self.batch_of(columns), counts))
     }
 
@@ -152,10 +155,14 @@ impl Sweep {
     }
 
     fn design_columns(&self, rows: Range<u64>) -> Vec<ArrayRef> {
-        let runs = Int64Array::from_iter_values(rows.clone().map(|row| row as i64));
-        let names = rows.clone().map(|row| &self.spec.base(row).name);
-        let names = StringArray::from_iter_values(names);
-        let mut columns: Vec<ArrayRef> = vec![Arc::new(runs), Arc::new(names)];
+        let mut columns: Vec<ArrayRef> = vec![
+            Arc::new(Int64Array::from_iter_values(
+                rows.clone().map(|row| row as i64),
+            )),
+            Arc::new(StringArray::from_iter_values(
+                rows.clone().map(|row| &self.spec.base(row).name),
+            )),
+        ];
         let mut values: Vec<_> = rows.map(|row| self.spec.values(row)).collect();
         for (index, key) in self.spec.keys().iter().enumerate() {
             let cells = values.iter_mut().map(|row| row[index].take());

@@ -102,9 +102,11 @@ impl Spec {
                 let mut rest = row;
                 let mut values = vec![None; axes.len()];
                 for (value, axis) in values.iter_mut().zip(axes).rev() {
-                    let count = axis.count().unwrap_or(1);
-                    *value = Some(axis.at(rest % count));
-                    rest /= count;
+                    // `Design::rows` has refused axes without a number of values.
+                    if let Some(count) = axis.count() {
+                        *value = Some(axis.at(rest % count));
+                        rest /= count;
+                    }
                 }
                 values
             }

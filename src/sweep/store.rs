@@ -71,18 +71,20 @@ impl<'a> Store<'a> {
             table,
             parts: parts_directory(table),
         };
-        let is_in_place = |input: &&Path| {
-            let name = input.file_name().unwrap_or_default();
-            let is_part = || is_same_file(input, &store.parts.join(name));
-            is_same_file(input, table) || store.is_own(&name.to_string_lossy()) && is_part()
-        };
-        match sweep.spec().inputs().find(is_in_place) {
-            Some(input) => {
+        for input in sweep.spec().inputs() {
+            if store.would_replace(input) {
                 let path = input.to_owned();
-                Err(SinkError::IsInUse { path }.into())
+                return Err(SinkError::IsInUse { path }.into());
             }
-            None => Ok(store),
         }
+        Ok(store)
+    }
+
+    /// Whether an input is the table, or in the place of a part.
+    fn would_replace(&self, input: &Path) -> bool {
+        let name = input.file_name().unwrap_or_default();
+        is_same_file(input, self.table)
+            || self.is_own(&name.to_string_lossy()) && is_same_file(input, &self.parts.join(name))
     }
 
     /// The counts of the complete table; `None` if there is no table yet.
@@ -181,15 +183,10 @@ impl<'a> Store<'a> {
     /// # Errors
     /// [`SweepError::File`] for a missing or damaged part.
     pub(super) fn merge(&self) -> Result<(), SweepError> {
-        let merge = |mut draft: Draft| -> Result<(), SweepError> {
-            self.copy(&mut draft)
-                .map_err(|error| cannot_write(self.table, error))?;
-            draft.publish()?;
-            Ok(())
-        };
-        match merge(self.draft()?) {
+        match self.merge_into(self.draft()?) {
+            // The directory of parts may be a link to another disk, from which a file can't be renamed.
             Err(SweepError::Sink(error)) if is_on_another_disk(&error) => {
-                merge(Draft::new(self.table, Existing::Keep)?)
+                self.merge_into(Draft::new(self.table, Existing::Keep)?)
             }
             merged => merged,
         }?;
@@ -197,13 +194,24 @@ impl<'a> Store<'a> {
         Ok(())
     }
 
+    fn merge_into(&self, mut draft: Draft) -> Result<(), SweepError> {
+        self.copy(&mut draft)
+            .map_err(|error| cannot_write(self.table, error))?;
+        draft.publish()?;
+        Ok(())
+    }
+
     /// Removes leftovers of other processes after the table is complete.
     pub(super) fn clear_rest(&self) {
         let is_claimed = self.spec_file().exists();
-        let is_ours = |part| self.whole(part).is_ok() || !self.path(part).exists();
-        if self.check_parts().is_ok() && (is_claimed || (0..self.sweep.parts()).all(is_ours)) {
+        if self.check_parts().is_ok() && (is_claimed || self.has_only_own_parts()) {
             self.clear();
         }
+    }
+
+    /// Whether no part belongs to another sweep, or is damaged.
+    fn has_only_own_parts(&self) -> bool {
+        (0..self.sweep.parts()).all(|part| self.whole(part).is_ok() || !self.path(part).exists())
     }
 
     /// Removes parts and leftovers, and the directory if it is empty. Failures are harmless. The file identifying the
@@ -231,12 +239,11 @@ impl<'a> Store<'a> {
 
     /// Copies the parts into a draft of the table.
     fn copy(&self, draft: &mut Draft) -> Result<(), SweepError> {
-        let first = self.whole(0)?.metadata;
-        let first = first.file_metadata();
-        let entries = first.key_value_metadata().into_iter().flatten();
-        let is_general =
-            |entry: &&KeyValue| ![COUNTS_ENTRY, PART_ENTRY].contains(&entry.key.as_str());
-        let mut entries: Vec<_> = entries.filter(is_general).cloned().collect();
+        let first_part = self.whole(0)?.metadata;
+        let first = first_part.file_metadata();
+        let mut entries = first.key_value_metadata().cloned().unwrap_or_default();
+        // These two describe a part; the others, such as the Arrow schema, are the table's.
+        entries.retain(|entry| ![COUNTS_ENTRY, PART_ENTRY].contains(&entry.key.as_str()));
         let spec = self.identity.to_string();
         entries.push(KeyValue::new(SPEC_ENTRY.to_owned(), spec));
         let schema = first.schema_descr().root_schema_ptr();

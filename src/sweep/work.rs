@@ -39,9 +39,9 @@ pub struct Options {
 /// The number of threads for some runs: the requested number (0: all), but no more than there are processors and runs.
 pub fn threads(wanted: usize, runs: u64) -> usize {
     let processors = thread::available_parallelism().map_or(1, usize::from);
-    let wanted = if wanted == 0 { processors } else { wanted };
-    let runs = usize::try_from(runs).unwrap_or(usize::MAX);
-    wanted.min(processors).min(runs).max(1)
+    let requested = if wanted == 0 { processors } else { wanted };
+    let useful = usize::try_from(runs).unwrap_or(usize::MAX).max(1);
+    requested.min(processors).min(useful)
 }
 
 /// The result of a computation.
@@ -165,8 +165,11 @@ pub fn left_to_do(sweep: &Sweep, table: &Path, shard: Option<Shard>) -> Result<u
 
 /// The number of rows of some parts.
 fn rows_in(sweep: &Sweep, parts: &[u64]) -> u64 {
-    let rows = parts.iter().map(|part| sweep.rows_of(*part));
-    rows.map(|rows| rows.end - rows.start).sum()
+    parts
+        .iter()
+        .map(|part| sweep.rows_of(*part))
+        .map(|rows| rows.end - rows.start)
+        .sum()
 }
 
 /// The missing parts of a shard, or of all, in order. With `fail_fast` it ends at the first part with a failed
@@ -180,8 +183,10 @@ fn survey(
     fail_fast: bool,
 ) -> Result<(Vec<u64>, Option<RowError>), SweepError> {
     let mut missing = Vec::new();
-    let is_own = |part: &u64| shard.is_none_or(|shard| shard.has(*part));
-    for part in (0..store.sweep.parts()).filter(is_own) {
+    for part in 0..store.sweep.parts() {
+        if shard.is_some_and(|shard| !shard.has(part)) {
+            continue;
+        }
         match store.counts(part)? {
             None => missing.push(part),
             Some(counts) if fail_fast && counts.first_error.is_some() => {

@@ -374,16 +374,29 @@ fn accepts_file_names_that_are_not_utf8() {
 }
 
 #[test]
-fn prints_errors_as_json() {
+fn json_errors_have_text_and_key() {
     let folder = recorded();
-    for (line, part) in [
-        ("info missing.mcap --format json", "missing.mcap"),
-        ("run papr --format json", "papr"),
-        ("run --nope --format=json", "--nope"),
+    folder.write("mine.toml", "name = \"mine\"\ngravty = 1.0\n");
+    for (line, part, key) in [
+        ("info missing.mcap --format json", "missing.mcap", None),
+        ("run papr --format json", "papr", None),
+        ("run --nope --format=json", "--nope", None),
+        (
+            "run --set friction.k=-1 --format json",
+            "friction.k = -1",
+            Some("friction.k"),
+        ),
+        (
+            "run --set friction.law=none --format json",
+            "friction.k",
+            Some("friction.k"),
+        ),
+        ("explain mine.toml --format json", "gravty", Some("gravty")),
     ] {
         let failed = folder.refuses(line, part);
         let answer: Value = serde_json::from_str(&failed.stdout).unwrap();
         assert_contains(answer["error"].as_str().unwrap(), part);
+        assert_eq!(answer["key"].as_str(), key, "{line}");
     }
     assert_eq!(folder.toprise("info missing.mcap", 2).stdout, "");
 }

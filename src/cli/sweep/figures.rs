@@ -1,7 +1,7 @@
 //! Figures of sweeps: their columns and runs.
 
 use crate::cli::arguments::{Override, parse_override};
-use crate::figures::{Map, MapAxis, MapRun};
+use crate::figures::{CONTEXT_COLUMNS, Map};
 use crate::sweep::Columns;
 use anyhow::{Error, bail};
 use clap::Args;
@@ -89,35 +89,18 @@ impl SweepPlan {
 
     /// Reads what the figure shows.
     pub(in crate::cli) fn read(&self) -> Result<Map, Error> {
-        let mut names = vec!["scenario", "stop_reason", "loops", &self.x, &self.show];
+        let mut names = CONTEXT_COLUMNS.to_vec();
+        names.extend([self.x.as_str(), &self.show]);
         names.extend(self.y.as_deref());
         names.extend(self.chosen.iter().map(|(name, _)| name.as_str()));
         let columns = Columns::read(&self.table, &names)?;
         let chosen = self.chosen(&columns)?;
-        let (scenarios, stops) = (columns.texts("scenario")?, columns.texts("stop_reason")?);
-        let (loops, colors) = (columns.numbers("loops")?, columns.numbers(&self.show)?);
-        let xs = columns.numbers(&self.x)?;
-        let ys = match &self.y {
-            Some(y) => Some(columns.numbers(y)?),
-            None => None,
-        };
-        let mut runs = Vec::new();
-        for row in chosen {
-            runs.push(MapRun {
-                x: xs[row],
-                y: ys.as_ref().map_or(f64::NAN, |ys| ys[row]),
-                color: colors[row],
-                stop: stops[row].clone(),
-                loops: (!loops[row].is_nan()).then_some(loops[row] > 0.0),
-                scenario: scenarios[row].clone().unwrap_or_default(),
-            });
-        }
-        Ok(Map {
-            x: axis(&columns, &self.x),
-            y: self.y.as_ref().map(|y| axis(&columns, y)),
-            color: axis(&columns, &self.show),
-            runs,
-        })
+        let mut map = Map::from_columns(&columns, &self.x, self.y.as_deref(), &self.show)?;
+        map.runs = chosen
+            .into_iter()
+            .map(|row| map.runs[row].clone())
+            .collect();
+        Ok(map)
     }
 
     /// The rows selected by --where.
@@ -142,12 +125,6 @@ impl SweepPlan {
     }
 }
 
-/// An axis with the unit of its column.
-fn axis(columns: &Columns, name: &str) -> MapAxis {
-    MapAxis {
-        name: name.to_owned(),
-        unit: columns.unit(name).to_owned(),
-    }
 }
 
 /// Whether a cell equals the --where value (numbers are compared numerically).

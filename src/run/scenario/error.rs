@@ -230,7 +230,7 @@ impl fmt::Display for ScenarioError {
                 unit,
                 hint,
             } => write_not_allowed(f, *allowed, unit, hint.as_ref()),
-            Problem::SetTwice => write!(f, "{key}: set twice"),
+            Problem::SetTwice => write!(f, "{key}: set twice, remove one"),
             Problem::Missing { keys, typical } => write_missing(f, keys, *typical),
             Problem::Inapplicable {
                 other,
