@@ -83,7 +83,7 @@ impl Values {
     /// Removes the cause of an error, but leaves the changed key alone. Returns whether anything was done.
     fn mend(&mut self, changed: &Key, error: &ScenarioError) -> bool {
         let path = error.key.as_deref().unwrap_or_default();
-        match &error.problem {
+        match &*error.problem {
             Problem::Missing { keys, .. } => {
                 let mut is_mended = false;
                 for key in keys {
@@ -329,8 +329,7 @@ fn last_valid(start: f64, limit: f64, kind: Kind, is_valid: impl Fn(f64) -> bool
     }
     let (mut valid, mut invalid) = (rank(start, kind), rank(limit, kind));
     while valid.abs_diff(invalid) > 1 {
-        // The sum of two ranks overflows.
-        let middle = valid / 2 + invalid / 2 + (valid % 2 + invalid % 2) / 2;
+        let middle = i64::midpoint(valid, invalid);
         if is_valid(number_of_rank(middle, kind)) {
             valid = middle;
         } else {

@@ -14,8 +14,8 @@ pub struct ScenarioError {
     pub key: Option<String>,
     /// The value of the key in `--set` notation, truncated if it is long. `None` if the value is not the problem.
     pub value: Option<String>,
-    /// The problem.
-    pub problem: Problem,
+    /// The problem; boxed, because results with this error are returned everywhere.
+    pub problem: Box<Problem>,
 }
 
 /// What is wrong with a scenario, or with the value of a key.
@@ -162,7 +162,7 @@ impl ScenarioError {
         Self {
             key: None,
             value: None,
-            problem,
+            problem: Box::new(problem),
         }
     }
 
@@ -207,7 +207,7 @@ impl fmt::Display for ScenarioError {
             write!(f, "{key} = {value}: ")?;
         }
         let key = self.path();
-        match &self.problem {
+        match &*self.problem {
             Problem::Syntax(message) => write!(f, "not valid TOML: {message}"),
             Problem::UnknownPreset {
                 name,
@@ -261,13 +261,7 @@ impl fmt::Display for ScenarioError {
                 short_number(*offset)
             ),
             Problem::TooLargeMoment { limit, is_central } => {
-                write!(f, "must be at most {} kg m² = ", short_number(*limit))?;
-                f.write_str(if *is_central {
-                    "2 · (top.transverse_moment − top.mass · top.center_distance²), twice the transverse moment about the centre of mass"
-                } else {
-                    "2 · top.transverse_moment"
-                })?;
-                write!(f, " (limit for a rigid body)")
+                write_too_large_moment(f, *limit, *is_central)
             }
             Problem::AlreadyPassed { theta } => write!(
                 f,
@@ -323,6 +317,19 @@ fn write_not_allowed(
         Some(Hint::DecimalPoint(number)) => write!(f, ", with a decimal point, e.g. {number}"),
         Some(Hint::Degrees { text, radians }) => write!(f, " ({text} is {radians:.4} rad)"),
     }
+}
+
+fn write_too_large_moment(f: &mut fmt::Formatter<'_>, limit: f64, is_central: bool) -> fmt::Result {
+    let formula = if is_central {
+        "2 · (top.transverse_moment − top.mass · top.center_distance²), twice the transverse moment about the centre of mass"
+    } else {
+        "2 · top.transverse_moment"
+    };
+    let limit = short_number(limit);
+    write!(
+        f,
+        "must be at most {limit} kg m² = {formula} (limit for a rigid body)"
+    )
 }
 
 fn write_missing(f: &mut fmt::Formatter<'_>, keys: &[&Key], typical: Option<&str>) -> fmt::Result {

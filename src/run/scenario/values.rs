@@ -228,7 +228,7 @@ fn missing_keys(paths: &[&'static str]) -> ScenarioError {
     ScenarioError {
         key: keys.first().map(|key| key.path.to_owned()),
         value: None,
-        problem: Problem::Missing { keys, typical },
+        problem: Box::new(Problem::Missing { keys, typical }),
     }
 }
 
