@@ -204,7 +204,7 @@ listed! {
 }
 
 /// The event of a transition, if it has one, and the reason for which it ends the run, if it does.
-pub(super) fn consequences(transition: &Transition) -> (Option<EventKind>, Option<StopReason>) {
+pub(super) fn consequences(transition: Transition) -> (Option<EventKind>, Option<StopReason>) {
     match transition {
         Transition::Sticks => (Some(EventKind::Stick), None),
         Transition::SlipStops => (Some(EventKind::SlipStops), None),

@@ -88,7 +88,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let motion = formulation.motion(&state, scenario.angles);
         let mut queue = Queue::default();
         queue.push(event_at(EventKind::Start, 0.0, motion));
-        let (kind, mut stop) = transition.as_ref().map_or((None, None), consequences);
+        let (kind, mut stop) = transition.map_or((None, None), consequences);
         let rests = transition == Some(Transition::Rests);
         let sticks = motion.phase == Phase::Sticking && scenario.model.support.is_free();
         if sticks && !rests {
@@ -357,7 +357,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let at = time + entry.delay;
         self.queue_entry_events(&entry, system.phase(), at);
         let sticks = entry.formulation.phase() == Phase::Sticking;
-        let stop = consequences(&entry.transition).1;
+        let stop = consequences(entry.transition).1;
         let end = match stop.or((stops_at_rest && sticks).then_some(StopReason::SlipStopped)) {
             None => EarlyEnd::Enter(entry),
             Some(reason) => EarlyEnd::Stop(reason, after_impact(&entry)),
@@ -370,7 +370,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     fn queue_entry_events(&mut self, entry: &Entry<F, N>, before: Phase, time: f64) {
         let motion = entry.motion;
         let event = |kind| event_at(kind, time, motion);
-        let kind = consequences(&entry.transition).0;
+        let kind = consequences(entry.transition).0;
         // A peg lands, or rolls already, before it rests or pivots.
         let is_last = matches!(
             entry.transition,
