@@ -125,8 +125,6 @@ impl SweepPlan {
     }
 }
 
-}
-
 /// Whether a cell equals the --where value (numbers are compared numerically).
 fn is_value(cell: Option<&str>, value: &str) -> bool {
     cell.is_some_and(|cell| {
