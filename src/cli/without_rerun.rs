@@ -1,5 +1,11 @@
 //! In place of `rerun.rs` in a program without the feature `rerun`: no arguments, and nothing is shown.
 
+#![expect(
+    clippy::unused_self,
+    clippy::unnecessary_wraps,
+    reason = "the signatures are those of the modules that show runs"
+)]
+
 /// The Rerun side of `toprise run`.
 pub(super) mod run {
     use crate::archive::publish::Drafts;

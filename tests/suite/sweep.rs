@@ -175,7 +175,7 @@ fn table_bytes_do_not_depend_on_part_size() {
     for size in [20, 500] {
         let sweep = Sweep::new(spec(AXES)).with_part_rows(size);
         assert_eq!(sweep.parts(), 2400_u64.div_ceil(size));
-        let table = folder.at(&format!("{size}.parquet"));
+        let table = folder.at(format!("{size}.parquet"));
         compute(&sweep, &table, &shard(1, 3)).unwrap();
         complete(&sweep, &table).unwrap();
         assert_eq!(digest(&table), digest(&default), "{size}");

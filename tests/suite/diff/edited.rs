@@ -59,7 +59,7 @@ fn rise_has_its_uncertainty_without_recorded_nutations() {
     let folder = Folder::new();
     let runs = ["paper", "full-coulomb"].map(|name| {
         let run = scenario(name, &[]);
-        let path = folder.at(&format!("{name}.mcap"));
+        let path = folder.at(format!("{name}.mcap"));
         let topics = ["/top/state", "/top/energy", "/events"];
         archive(&path, &run, &topics, Form::default()).unwrap();
         (run, Recording::open(&path).unwrap())

@@ -9,7 +9,7 @@ use toprise::analysis::explain::{Claim, Explainer, Explanation, Stopped, explain
 use toprise::analysis::subject::ReadEnd;
 use toprise::archive::format::end_entries;
 use toprise::archive::sink::Sink as _;
-use toprise::physics::math::sin_cos;
+use toprise::physics::math::{atan2, sin_cos};
 use toprise::run::scenario::{PRESETS, Scenario};
 use toprise::run::simulation::{EventKind, Simulation};
 use toprise::telemetry::fields::{
@@ -40,7 +40,7 @@ impl Told {
         let mut telemetry = Telemetry::default();
         let mut messages = MemorySink::default();
         let mut explainer = Explainer::new(scenario);
-        while let Some(record) = simulation.next() {
+        for record in simulation.by_ref() {
             let sent = telemetry.messages(&record.ok()?, |message| {
                 explainer.take(message);
                 messages.write(message)?;
@@ -267,7 +267,7 @@ fn check_momentum(told: &Told, part: [f64; 2], vertical: [f64; 2], until: f64) {
     assert_same("vertical", vertical, recorded.map(|l| l.z));
     assert!(part[1] < part[0]);
     // The axis must have followed the angular momentum.
-    let inclinations = recorded.map(|l| l.z.atan2(horizontal(&l).norm()));
+    let inclinations = recorded.map(|l| atan2(l.z, horizontal(&l).norm()));
     let mut largest = 0.0_f64;
     for (momentum, axis) in momenta[..=at].iter().zip(told.axes()) {
         largest = largest.max(momentum.angle(&axis));
