@@ -8,6 +8,7 @@ mod check;
 mod choice;
 mod definition;
 mod error;
+mod file_stem;
 mod key;
 mod keys;
 mod laws;

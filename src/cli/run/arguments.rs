@@ -1,6 +1,6 @@
 //! The arguments of `toprise run`.
 
-use super::plan::{FilePlan, RunPlan, stem};
+use super::plan::{FilePlan, RunPlan};
 use crate::archive::input::{self, RunInput, file_stem, has_extension};
 use crate::archive::publish::Existing;
 use crate::cli::arguments::{OUTPUT, Override, VIEWER, parse_override, parse_positive};
@@ -76,7 +76,7 @@ impl RunArguments {
             files: FilePlan {
                 input: self.scenario.clone(),
                 mcap: self.output.clone(),
-                stem: stem(&name, &scenario, &base),
+                stem: scenario.file_stem(&name, &base),
                 existing: Existing::forced(self.force),
             },
             show: self

@@ -6,14 +6,12 @@ use crate::archive::sink::SinkError;
 use crate::archive::writer::{Form, Header};
 use crate::cli::output::warn_of_link;
 use crate::cli::rerun::run::ShowPlan;
-use crate::run::scenario::{Scenario, Value, Values};
+use crate::run::scenario::{Scenario, Values};
 use crate::telemetry::Topics;
 use std::path::{Path, PathBuf};
 
 /// The directory for recordings, unless the arguments name a file.
 const DIRECTORY: &str = "recordings";
-/// Maximum length of a file stem that lists the changed keys.
-const MAX_STEM: usize = 60;
 
 /// A run and what becomes of it.
 #[derive(Debug)]
@@ -95,20 +93,3 @@ fn is_free(path: &Path) -> bool {
     !path.exists() && !partial_name(path).exists()
 }
 
-/// A name with the changed keys appended, e.g. `paper_k0.02`. If it is too long, the start of the scenario digest
-/// replaces the changes.
-pub(super) fn stem(name: &str, scenario: &Scenario, base: &Values) -> String {
-    let mut stem = name.to_owned();
-    for (key, value) in scenario.changes(base) {
-        let name = key.short_name();
-        stem += &match value {
-            None => format!("_no-{name}"),
-            Some(Value::Number(number)) => format!("_{name}{number}"),
-            Some(Value::Text(word)) => format!("_{name}-{word}"),
-        };
-    }
-    if stem != name && stem.len() > MAX_STEM {
-        return format!("{name}_{:.8}", scenario.digest());
-    }
-    stem
-}
