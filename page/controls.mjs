@@ -1,34 +1,52 @@
-// Form controls for the scenario keys, generated from the program's key table.
+// All keys of a scenario as controls, made from the program's list of the keys that apply.
 
-const STEPS = 1000;
+import { element } from "./elements.mjs";
+import { imagined, typed } from "./numbers.mjs";
+
+const SLIDER_STEPS = 1000;
 const SECTIONS = [
-  ["Friction", ["friction"], true],
-  ["Start", ["initial"], true],
+  ["Friction", ["friction"]],
+  ["Start", ["initial"]],
   ["Top", ["top", "gravity"]],
   ["Support", ["support"]],
   ["Other losses", ["rolling", "drilling", "air"]],
   ["Stop conditions and integrator", ["stop", "sampling", "integrator", "formulation"]],
 ];
 
-export function element(name, properties = {}, ...children) {
-  const made = Object.assign(document.createElement(name), properties);
-  made.append(...children);
-  return made;
+/** The positions of a slider: the usual values of a key, as far as they are valid. */
+export function sliderRange({ typical, range }) {
+  const [low, high] = typical;
+  if (!range) return [low, high];
+  const valid = [Math.max(low, range[0]), Math.min(high, range[1])];
+  return valid[0] < valid[1] ? valid : range;
 }
 
-/** Formats a number for an input field. */
-const typed = (value) => String(Number(value.toPrecision(4)));
+/** Whether a slider's positions are spaced by factors. */
+const isLogarithmic = (key) => key.is_logarithmic && sliderRange(key)[0] > 0;
 
-/** Convert between a value and its slider position (0 to 1). */
-const placeOf = ({ typical: [low, high], logarithmic }, value) =>
-  logarithmic ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
-const valueAt = ({ typical: [low, high], logarithmic }, place) =>
-  logarithmic ? low * (high / low) ** place : low + place * (high - low);
+/** The position of a value on a slider, from 0 to 1, and the value at a position. */
+export function placeOf(key, value) {
+  const [low, high] = sliderRange(key);
+  return isLogarithmic(key) ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
+}
+export function valueAt(key, place) {
+  const [low, high] = sliderRange(key);
+  return isLogarithmic(key) ? low * (high / low) ** place : low + place * (high - low);
+}
+
+/** A short number within the valid range: rounding must not leave it. */
+export function validText(key, value) {
+  for (const digits of [3, 5, 8]) {
+    const text = typed(value, digits);
+    if (!key.range || (Number(text) >= key.range[0] && Number(text) <= key.range[1])) return text;
+  }
+  return String(value);
+}
 
 /** The label of a key: its symbol (or its name, for a number without a symbol) and a short description. */
-function label({ path, symbol, meaning, typical }) {
+function labelOf({ path, symbol, meaning, words: choices }) {
   const [letter, index] = (symbol ?? "").split("_");
-  const name = typical ? [`${path.split(".").at(-1).replaceAll("_", " ")} `] : [];
+  const name = choices ? [] : [`${path.split(".").at(-1).replaceAll("_", " ")} `];
   const sign = symbol ? [element("i", { textContent: letter }), element("sub", { textContent: index ?? "" }), " "] : name;
   const words = meaning.split(/[;:(]/)[0].split(" ").filter((word) => word !== symbol).join(" ");
   return element("span", { className: "label", title: `${path}: ${meaning}` }, ...sign, element("small", { textContent: words }));
@@ -36,43 +54,93 @@ function label({ path, symbol, meaning, typical }) {
 
 function choice(scenario, key, changed) {
   const options = key.words.map((word) => element("option", { textContent: word }));
-  if (!key.required) options.unshift(element("option", { value: "", textContent: "default" }));
-  const select = element("select", { onchange: () => changed(key.path, select.value, true) }, ...options);
-  select.value = scenario.values[key.path] ?? "";
+  if (!key.is_required) options.unshift(element("option", { value: "", textContent: "default" }));
+  const select = element("select", { onchange: () => changed(key, select.value) }, ...options);
+  select.value = scenario.value(key.path) ?? "";
   return [select];
 }
 
+/** A number's text in its field: exact, unless it has more digits than people write. */
+const fieldText = (value) => (value && value.length > 8 && Number.isFinite(Number(value)) ? typed(Number(value), 5) : (value ?? ""));
+
 function number(scenario, key, changed) {
-  const value = () => scenario.values[key.path];
-  const slider = element("input", { type: "range", min: 0, max: STEPS, ariaLabel: key.path });
-  const box = element("input", { type: "text", inputMode: "decimal", value: value() ?? "", placeholder: "none", ariaLabel: `${key.path}, ${key.unit || "a number"}`, title: key.range });
-  const move = () => (slider.value = value() === undefined ? 0 : STEPS * placeOf(key, Number(value())));
-  move();
+  const value = () => scenario.value(key.path);
+  const slider = element("input", { type: "range", min: 0, max: SLIDER_STEPS, ariaLabel: key.path });
+  const label = `${key.path}, ${key.unit || "a number"}`;
+  const box = element("input", { type: "text", inputMode: "decimal", value: fieldText(value()), placeholder: "none", ariaLabel: label, title: value() ?? "" });
+  const unit = element("small");
+  const update = () => {
+    slider.value = value() === undefined ? 0 : SLIDER_STEPS * placeOf(key, Number(value()));
+    const also = value() === undefined ? "" : imagined(Number(value()), key.unit);
+    unit.replaceChildren(key.unit, ...(also ? [element("br"), also] : []));
+  };
+  update();
   slider.oninput = () => {
-    box.value = typed(valueAt(key, slider.value / STEPS));
-    changed(key.path, box.value);
+    box.value = validText(key, valueAt(key, slider.value / SLIDER_STEPS));
+    changed(key, box.value);
+    update();
   };
   box.oninput = () => {
-    changed(key.path, box.value.trim());
-    move();
+    changed(key, box.value.trim());
+    update();
   };
-  return [slider, box, element("small", { textContent: key.unit })];
+  return { parts: [slider, box, unit], update, box };
 }
 
-/** Renders the controls of a scenario into `place`. `changed(path, value, follows)` is called on input; `follows` is true if other keys may change too. */
-export function controls(place, scenario, changed) {
-  const open = new Map([...place.querySelectorAll("details")].map((section) => [section.dataset.name, section.open]));
-  const sections = SECTIONS.map(([name, prefixes, isOpen]) => {
-    const keys = scenario.keys.filter((key) => prefixes.includes(key.path.split(".")[0]) && scenario.applies(key));
-    const rows = keys.map((key) => {
-      const parts = key.words ? choice(scenario, key, changed) : number(scenario, key, changed);
-      const row = element("label", { className: "key" }, label(key), ...parts);
-      row.dataset.path = key.path;
-      return row;
+/** The controls of a scenario in `place`. `changed(key, value)` is called on input. */
+export class Controls {
+  constructor(place, changed) {
+    this.place = place;
+    this.changed = changed;
+  }
+
+  /** Shows the keys that apply. Controls that are there already only get their new ranges and values. */
+  show(scenario, keys) {
+    const shape = JSON.stringify(keys.map(({ path, words }) => [path, words, words && scenario.value(path)]));
+    if (this.scenario === scenario && this.shape === shape) {
+      for (const key of keys) Object.assign(this.keys.get(key.path), key);
+    } else {
+      this.scenario = scenario;
+      this.shape = shape;
+      this.keys = new Map(keys.map((key) => [key.path, { ...key }]));
+      this.build();
+    }
+    this.update();
+  }
+
+  build() {
+    const focused = document.activeElement?.closest?.(".key")?.dataset.path;
+    const open = new Set([...this.place.querySelectorAll("details[open]")].map((section) => section.dataset.name));
+    this.numbers = new Map();
+    const sections = SECTIONS.map(([name, prefixes]) => {
+      const keys = [...this.keys.values()].filter(({ path }) => prefixes.includes(path.split(".")[0]));
+      const rows = keys.map((key) => this.row(key));
+      const section = element("details", { open: open.has(name) }, element("summary", { textContent: name }), ...rows);
+      section.dataset.name = name;
+      return section;
     });
-    const section = element("details", { open: open.get(name) ?? Boolean(isOpen) }, element("summary", { textContent: name }), ...rows);
-    section.dataset.name = name;
-    return section;
-  });
-  place.replaceChildren(...sections);
+    this.place.replaceChildren(...sections);
+    if (focused) this.place.querySelector(`[data-path="${focused}"] :is(select, input)`)?.focus();
+  }
+
+  row(key) {
+    const row = element("label", { className: "key" }, labelOf(key));
+    row.dataset.path = key.path;
+    if (key.words) row.append(...choice(this.scenario, key, this.changed));
+    else {
+      const made = number(this.scenario, key, this.changed);
+      row.append(...made.parts);
+      this.numbers.set(key.path, made);
+    }
+    return row;
+  }
+
+  /** Takes over values that were changed elsewhere, and marks the keys that differ from the preset. */
+  update() {
+    for (const row of this.place.querySelectorAll(".key")) row.classList.toggle("changed", row.dataset.path in this.scenario.set);
+    for (const [path, { box, update }] of this.numbers) {
+      update();
+      if (box !== document.activeElement) box.value = fieldText(this.scenario.value(path));
+    }
+  }
 }

@@ -1,52 +1,32 @@
 // Curves over time. Each pixel column shows the minimum and maximum of its samples, so no nutation is lost.
 
-const LEFT = 64;
+import { axisRange, constantOf, indexAt, scaleOf, ticks } from "./axes.mjs";
+import { gestures } from "./gestures.mjs";
+import { degrees, fixed, imagined, written } from "./numbers.mjs";
+
+const LEFT = 58;
 const RIGHT = 12;
-const HEAD = 16; // above each panel, for its label and values
+const HEAD = 18; // above each panel, for its label and values
 const FOOT = 30;
-const TICKS = [1, 2, 5, 10];
+const SMALL = "12px system-ui, sans-serif";
 
-/** Curves for fixed and free pegs: column, label, unit, index of its mean in a nutation cycle. */
-const FIXED = [
-  ["theta", "θ", "rad", 1],
-  ["phi_dot", "φ̇", "rad/s", 2],
-  ["theta_dot", "θ̇", "rad/s", 3],
-  ["psi_dot", "ψ̇", "rad/s", 4],
-  ["slip_speed", "slip", "m/s"],
-  ["energy", "energy", "J"],
-];
-const FREE = [
-  ["theta", "θ", "rad", 1],
-  ["theta_dot", "θ̇", "rad/s", 3],
-  ["axial_rate", "ω·n", "rad/s"],
-  ["slip_speed", "slip", "m/s"],
-  ["height", "height", "m"],
-  ["energy", "energy", "J"],
-];
+/**
+ * The curves for fixed and free pegs: column, label, unit, index of its mean in a nutation cycle, the quantity by whose
+ * size its changes are judged. Angles are drawn in degrees. Euler rates have spikes where the axis passes the vertical.
+ */
+const TILT = { name: "theta", label: "tilt θ", unit: "rad", mean: 1, ofAxis: degrees, axisUnit: "°" };
+const PRECESSION = { name: "phi_dot", label: "precession φ̇", unit: "rad/s", mean: 2, isSpiky: true };
+const NUTATION = { name: "theta_dot", label: "change of tilt θ̇", unit: "rad/s", inDegrees: true, mean: 3, like: { name: "phi_dot", part: 1 } };
+const FREE_NUTATION = { ...NUTATION, like: { name: "axial_rate", part: 0.01 } };
+const SPIN = { name: "psi_dot", label: "spin ψ̇", unit: "rad/s", mean: 4, isSpiky: true };
+const AXIAL = { name: "axial_rate", label: "spin about the axis ω·n", unit: "rad/s" };
+const SLIP = { name: "slip_speed", label: "slip speed", unit: "m/s" };
+const HEIGHT = { name: "height", label: "height of the peg above the table", unit: "m" };
+const ENERGY = { name: "energy", label: "energy", unit: "J" };
+const FIXED = [TILT, PRECESSION, NUTATION, SPIN, SLIP, ENERGY];
+const FREE = [TILT, FREE_NUTATION, AXIAL, SLIP, HEIGHT, ENERGY];
 
-export const quantities = (run) => (run.is_free ? FREE : FIXED).filter(([name]) => name !== "height" || run.flies);
-
-/** The first index whose time is not before `time`. */
-export function indexAt(times, time) {
-  let low = 0;
-  let high = times.length - 1;
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if (times[middle] < time) low = middle + 1;
-    else high = middle;
-  }
-  return low;
-}
-
-/** About `wanted` round numbers between `low` and `high`. */
-function ticks(low, high, wanted) {
-  const rough = (high - low) / wanted;
-  const power = 10 ** Math.floor(Math.log10(rough));
-  const step = TICKS.find((tick) => tick * power >= rough) * power;
-  const first = Math.ceil(low / step);
-  const count = Math.floor(high / step) - first + 1;
-  return Array.from({ length: Math.max(count, 0) }, (_, index) => Number(((first + index) * step).toPrecision(12)));
-}
+export const quantities = (run) => (run.is_free ? FREE : FIXED).filter((quantity) => quantity !== HEIGHT || run.flies);
 
 /** The minimum and maximum of a quantity in each pixel column of a time window. */
 function envelope(run, name, [from, to], width) {
@@ -73,91 +53,107 @@ function envelope(run, name, [from, to], width) {
   return { low, high };
 }
 
-/** Euler rates, which have spikes where the axis passes the vertical. */
-const SPIKY = ["phi_dot", "psi_dot"];
-
-/** The y range of the envelopes with padding. For spiky quantities, rare spikes are ignored. */
-function range(envelopes, isSpiky) {
-  const lows = envelopes.flatMap(({ low }) => [...low].filter(Number.isFinite)).sort((a, b) => a - b);
-  const highs = envelopes.flatMap(({ high }) => [...high].filter(Number.isFinite)).sort((a, b) => a - b);
-  if (lows.length === 0) return [0, 1];
-  const robust = (sorted, part, end) => {
-    const usual = sorted[Math.round(part * (sorted.length - 1))];
-    const spread = sorted[Math.round(0.98 * (sorted.length - 1))] - sorted[Math.round(0.02 * (sorted.length - 1))];
-    return isSpiky && Math.abs(end - usual) > 3 * spread && spread > 0 ? usual : end;
-  };
-  const low = robust(lows, 0.02, lows[0]);
-  const high = robust(highs, 0.98, highs.at(-1));
-  const air = 0.06 * (high - low) || 0.05 * Math.abs(high) || 1;
-  return [low - air, high + air];
+/** A value in its unit and in the one that people imagine; a constant has one digit more. */
+function valueText(value, { unit, inDegrees }, { isShort, isConstant }) {
+  const also = inDegrees ? `${written(degrees(value), 3)}°/s` : imagined(value, unit);
+  if (unit === "rad") return `${isConstant ? "constant: " : ""}${also}${isShort ? "" : ` = ${fixed(value, 4)} rad`}`;
+  return `${isConstant ? "constant: " : ""}${written(value, isConstant ? 5 : 4)} ${unit}${also && !isShort ? ` = ${also}` : ""}`;
 }
 
-export class Curves {
-  /** Draws on a canvas; `choose` is called with a time, `zoom` with a window of time. */
+/** A canvas whose picture is kept until its content changes, and whose horizontal axis is time. */
+export class TimeCanvas {
+  /** `choose` is called with a time, `zoom` with a window of time. */
   constructor(canvas, { choose, zoom }) {
     this.canvas = canvas;
     this.window = [0, 1];
-    const timeAt = (event) => {
-      const { left, width } = canvas.getBoundingClientRect();
-      const part = (event.clientX - left - LEFT) / (width - LEFT - RIGHT);
-      return this.window[0] + Math.min(Math.max(part, 0), 1) * (this.window[1] - this.window[0]);
-    };
-    const scale = (event) => {
-      if (!event.ctrlKey && !event.metaKey) return; // let the page scroll; a pinch gesture sets ctrlKey
-      event.preventDefault();
-      const at = timeAt(event);
-      const factor = Math.exp(event.deltaY / 400);
-      zoom(this.window.map((end) => at + (end - at) * factor));
-    };
-    canvas.addEventListener("pointerdown", (event) => {
-      canvas.setPointerCapture(event.pointerId);
-      choose(timeAt(event));
+    gestures(canvas, {
+      press: (event) => event.shiftKey || choose(this.timeAt(event)),
+      drag: (event, dx) => (event.shiftKey ? this.move(1, 0, dx, zoom) : choose(this.timeAt(event))),
+      pinch: ({ factor, x, dx }) => this.move(factor, x, dx, zoom),
     });
-    canvas.addEventListener("pointermove", (event) => event.buttons && choose(timeAt(event)));
-    canvas.addEventListener("wheel", scale, { passive: false });
     canvas.addEventListener("dblclick", () => zoom(null));
   }
 
-  /** Draws the curves of runs, each in its colour, the last on top, with a cursor at `time`. */
-  draw(runs, window, time) {
+  get across() {
+    return Math.max(Math.round(this.canvas.clientWidth - LEFT - RIGHT), 1);
+  }
+
+  timeAt(event) {
+    const part = (event.clientX - this.canvas.getBoundingClientRect().left - LEFT) / this.across;
+    return this.window[0] + Math.min(Math.max(part, 0), 1) * (this.window[1] - this.window[0]);
+  }
+
+  xOf(time) {
+    return LEFT + ((time - this.window[0]) / (this.window[1] - this.window[0])) * this.across;
+  }
+
+  /** Zooms by a factor about a place, and pans. */
+  move(factor, x, dx, zoom) {
+    const width = this.window[1] - this.window[0];
+    const place = Math.min(Math.max((x - LEFT) / this.across, 0), 1);
+    const from = this.window[0] + place * width * (1 - 1 / factor) - (dx / this.across) * (width / factor);
+    zoom([from, from + width / factor]);
+  }
+
+  /** Draws `paint(pen)` if `key` has changed, the cursor at `time`, and `over(pen)`. */
+  show(key, time, paint, over) {
     const { canvas } = this;
     const ratio = devicePixelRatio || 1;
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
-    const key = JSON.stringify([width, height, ratio, window, runs.map(({ run, color }) => [run.digest, color])]);
-    this.window = window;
-    if (key !== this.key) {
-      this.key = key;
+    const whole = JSON.stringify([width, height, ratio, this.window, key]);
+    if (whole !== this.key) {
+      this.key = whole;
       this.image = document.createElement("canvas");
-      [this.image.width, this.image.height] = [width * ratio, height * ratio];
+      [this.image.width, this.image.height] = [Math.max(width * ratio, 1), Math.max(height * ratio, 1)];
       const pen = this.image.getContext("2d");
       pen.scale(ratio, ratio);
-      this.panels(pen, runs, width, height);
+      pen.font = SMALL;
+      paint(pen, width, height);
     }
     [canvas.width, canvas.height] = [width * ratio, height * ratio];
     const pen = canvas.getContext("2d");
     pen.drawImage(this.image, 0, 0);
     pen.scale(ratio, ratio);
-    const x = LEFT + ((time - window[0]) / (window[1] - window[0])) * (width - LEFT - RIGHT);
+    pen.font = SMALL;
+    const x = this.xOf(time);
     pen.fillStyle = getComputedStyle(canvas).color;
-    if (x >= LEFT && x <= width - RIGHT) pen.fillRect(x - 0.5, 0, 1, height - FOOT);
-    this.values(pen, runs, time, width, height);
+    if (x >= LEFT - 0.5 && x <= width - RIGHT + 0.5) pen.fillRect(x - 0.5, HEAD, 1, height - HEAD - (this.foot ?? 0));
+    over(pen, width, height);
+  }
+}
+
+export class Curves extends TimeCanvas {
+  foot = FOOT;
+
+  /** Draws the curves of runs, each in its colour, the last on top, with a cursor at `time`. */
+  draw(runs, window, isZoomed, time) {
+    this.window = window;
+    this.isZoomed = isZoomed;
+    const key = runs.map(({ run, color }) => [run.digest, color]);
+    this.show(
+      key,
+      time,
+      (pen, width, height) => this.panels(pen, runs, width, height),
+      (pen, width, height) => this.values(pen, runs, time, width, height),
+    );
   }
 
   /** The values at the cursor, in the upper right corner of each panel. */
   values(pen, runs, time, width, height) {
     const shown = quantities(runs.at(-1).run);
     const each = (height - FOOT) / shown.length;
-    pen.font = "12px system-ui";
     pen.textAlign = "right";
-    shown.forEach(([name], panel) => {
-      runs.forEach(({ run, color }, index) => {
-        const column = run.columns[name];
-        const end = run.columns.time.at(-1);
-        if (!column || time > end) return;
+    shown.forEach((quantity, panel) => {
+      let x = width - RIGHT;
+      for (const { run, color } of [...runs].reverse()) {
+        const constant = constantOf(run, quantity);
+        if (time > run.end && constant === null) continue;
+        const value = constant ?? run.columns[quantity.name][indexAt(run.columns.time, time)];
+        const text = valueText(value, quantity, { isShort: runs.length > 1, isConstant: constant !== null });
         pen.fillStyle = color;
-        const value = column[indexAt(run.columns.time, time)];
-        pen.fillText(Number(value.toPrecision(5)), width - RIGHT - 84 * (runs.length - 1 - index), panel * each + HEAD - 4);
-      });
+        pen.fillText(text, x, panel * each + HEAD - 5);
+        x -= pen.measureText(text).width + 14;
+      }
     });
   }
 
@@ -165,53 +161,58 @@ export class Curves {
     const style = getComputedStyle(this.canvas);
     const shown = quantities(runs.at(-1).run);
     const each = (height - FOOT) / shown.length;
-    const across = Math.max(Math.round(width - LEFT - RIGHT), 1);
-    const x = (time) => LEFT + ((time - this.window[0]) / (this.window[1] - this.window[0])) * across;
-    pen.font = "12px system-ui";
-    const grid = style.getPropertyValue("--line");
-    const times = ticks(...this.window, Math.max(width / 110, 2));
-    shown.forEach(([name, label, unit, mean], panel) => {
-      const [top, bottom] = [panel * each + HEAD, (panel + 1) * each - 4];
-      const drawn = runs.filter(({ run }) => run.columns[name]);
-      const envelopes = drawn.map(({ run }) => envelope(run, name, this.window, across));
-      const [low, high] = range(envelopes, SPIKY.includes(name));
-      const y = (value) => bottom - ((value - low) / (high - low)) * (bottom - top);
-      pen.fillStyle = grid;
-      for (const time of times) pen.fillRect(x(time), top, 1, bottom - top);
-      for (const value of ticks(low, high, 3)) {
-        pen.fillStyle = grid;
-        pen.fillRect(LEFT, y(value), across, 1);
-        pen.fillStyle = style.color;
-        pen.textAlign = "right";
-        pen.fillText(value, LEFT - 6, y(value) + 4, LEFT - 8);
-      }
-      pen.save();
-      pen.beginPath();
-      pen.rect(LEFT, top, across, bottom - top);
-      pen.clip();
-      drawn.forEach(({ run, color }, index) => {
-        const { low: lows, high: highs } = envelopes[index];
-        const means = mean && run.cycles.length > 3 ? run.cycles : [];
-        pen.fillStyle = color;
-        pen.globalAlpha = means.length > 0 ? 0.45 : 1;
-        lows.forEach((least, pixel) => {
-          const [upper, lower] = [y(highs[pixel]), y(least)];
-          if (lower >= upper) pen.fillRect(LEFT + pixel, upper - 0.6, 1, lower - upper + 1.2);
-        });
-        pen.globalAlpha = 1;
-        pen.strokeStyle = color;
-        pen.lineWidth = 1.6;
-        pen.beginPath();
-        for (const cycle of means) pen.lineTo(x(cycle[0]), y(cycle[mean]));
-        pen.stroke();
-      });
-      pen.restore();
-      pen.fillStyle = style.color;
-      pen.textAlign = "left";
-      pen.fillText(`${label} (${unit})`, LEFT, top - 4);
-    });
+    const times = ticks(...this.window, Math.max(width / 90, 2));
+    shown.forEach((quantity, panel) => this.panel(pen, runs, quantity, [panel * each + HEAD, (panel + 1) * each - 5], times, style));
     pen.textAlign = "center";
-    for (const time of times) pen.fillText(time, x(time), height - FOOT + 4);
-    pen.fillText("time (s)", LEFT + across / 2, height - 6);
+    pen.fillStyle = style.color;
+    for (const time of times) pen.fillText(written(time), this.xOf(time), height - FOOT + 8);
+    pen.fillText("time (s)", LEFT + this.across / 2, height - 6);
+  }
+
+  panel(pen, runs, quantity, [top, bottom], times, style) {
+    const { name, label, unit, axisUnit = unit, ofAxis = (value) => value } = quantity;
+    const { across } = this;
+    const envelopes = runs.map(({ run }) => envelope(run, name, this.window, across));
+    const scale = Math.max(...runs.map(({ run }) => scaleOf(run, quantity)));
+    const [low, high] = axisRange(envelopes, quantity, scale, this.isZoomed);
+    const y = (value) => bottom - ((value - low) / (high - low)) * (bottom - top);
+    const yOfAxis = (value) => bottom - ((value - ofAxis(low)) / (ofAxis(high) - ofAxis(low))) * (bottom - top);
+    pen.fillStyle = style.getPropertyValue("--line");
+    for (const time of times) pen.fillRect(this.xOf(time), top, 1, bottom - top);
+    for (const value of ticks(ofAxis(low), ofAxis(high), Math.max((bottom - top) / 22, 2.5))) {
+      pen.fillStyle = style.getPropertyValue("--line");
+      pen.fillRect(LEFT, yOfAxis(value), across, 1);
+      pen.fillStyle = style.color;
+      pen.textAlign = "right";
+      pen.fillText(written(value), LEFT - 6, yOfAxis(value) + 4, LEFT - 8);
+    }
+    pen.save();
+    pen.beginPath();
+    pen.rect(LEFT, top, across, bottom - top);
+    pen.clip();
+    runs.forEach(({ run, color }, index) => this.curve(pen, run, color, quantity.mean, envelopes[index], y));
+    pen.restore();
+    pen.fillStyle = style.color;
+    pen.textAlign = "left";
+    pen.fillText(`${label} (${axisUnit})`, LEFT - 46, top - 5);
+  }
+
+  /** A band of the samples' values, and a line of the averages over nutations. */
+  curve(pen, run, color, mean, { low, high }, y) {
+    const means = mean && run.cycles.length > 3 ? run.cycles : [];
+    pen.fillStyle = color;
+    pen.globalAlpha = means.length > 0 ? 0.4 : 1;
+    low.forEach((least, pixel) => {
+      const [upper, lower] = [y(high[pixel]), y(least)];
+      if (lower >= upper) pen.fillRect(LEFT + pixel, upper - 0.8, 1, lower - upper + 1.6);
+    });
+    pen.globalAlpha = 1;
+    pen.strokeStyle = color;
+    pen.lineWidth = 1.8;
+    pen.beginPath();
+    for (const cycle of means) pen.lineTo(this.xOf(cycle[0]), y(cycle[mean]));
+    pen.stroke();
   }
 }
+
+export const CURVE_MARGINS = { left: LEFT, right: RIGHT, head: HEAD };

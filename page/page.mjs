@@ -1,286 +1,288 @@
-// Page state: the edited scenario, its run, and a pinned run for comparison.
+// The page's state: the edited scenario, its run, and a pinned run for comparison.
 
-import { controls, element } from "./controls.mjs";
+import { ARROWS } from "./arrows.mjs";
+import { Controls } from "./controls.mjs";
 import { Curves } from "./curves.mjs";
-import { Scenario } from "./scenario.mjs";
+import { at, element } from "./elements.mjs";
+import { EnergyAreas, PARTS, changeTexts } from "./energy.mjs";
+import { Engine, compiled } from "./engine.mjs";
+import { Knobs } from "./knobs.mjs";
+import { Lesson, STEPS_OF_LESSON } from "./lesson.mjs";
+import { EventList, showComparison, showExplanation } from "./reading.mjs";
+import { Scenario, linkOf, parseLink, scenarioFrom } from "./scenario.mjs";
 import { View } from "./top.mjs";
+import { KEYS, showKeys } from "./keys.mjs";
+import { showWorksheet } from "./worksheet.mjs";
 
-const LONGEST = 25; // maximum playback time of a run, s
-const at = (id) => document.getElementById(id);
+/** The presets that have buttons. */
+const TITLES = { paper: "The paper's rise", "tippe-top": "Tippe top", frictionless: "No friction", drop: "Dropped on the table" };
+const PAUSE_AT_END = 1.5; // s, before playback starts again
+const DEFAULT = "paper";
 
-/** A web worker that handles requests to toprise. A newer simulation supersedes an older one. */
-class Asker {
-  constructor(module) {
-    this.worker = new Worker(URL.createObjectURL(new Blob([at("worker").textContent], { type: "text/javascript" })));
-    this.answers = new Map();
-    this.id = 0;
-    this.worker.onmessage = ({ data }) => {
-      this.answers.get(data.id)?.(data.answer);
-      this.answers.delete(data.id);
-    };
-    this.tables = this.send({ module });
-  }
-
-  send(message) {
-    const id = ++this.id;
-    return new Promise((resolve) => {
-      this.answers.set(id, resolve);
-      this.worker.postMessage({ id, ...message });
-    });
-  }
-}
-
-/** The WebAssembly in this file. */
-async function compiled() {
-  const packed = Uint8Array.from(atob(at("wasm").textContent.trim()), (letter) => letter.charCodeAt(0));
-  const bytes = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return WebAssembly.compile(await new Response(bytes).arrayBuffer());
-}
+if (window.isTooOld) throw new Error("too old"); // the page says so
 
 const module = await compiled();
-const runner = new Asker(module);
-const helper = new Asker(module);
+const runner = new Engine(module);
+const helper = new Engine(module);
 const tables = await runner.tables;
 
-let scenario;
-let run = null;
-let items = []; // of the list of events
-let pinned = null;
-let time = 0;
-let window_ = null;
-let speed = 1;
-let isPlaying = false;
+const state = {
+  scenario: null,
+  run: null,
+  pinned: null,
+  time: 0,
+  window: null, // of time, if the curves are zoomed in
+  speed: 1,
+  isPlaying: false,
+  frictionBefore: null, // the keys of friction and stop conditions, while friction is off
+};
 
-/** URL-decodes a part of a link; returns it unchanged if it is malformed. */
-function decoded(text) {
-  try {
-    return decodeURIComponent(text);
-  } catch {
-    return text;
-  }
+/** The scenario of a link. */
+const scenarioOf = (text) => new Scenario(tables.presets, ...scenarioFrom(text));
+
+/** The link of the state. */
+function link() {
+  const pinned = state.pinned ? `&vs=${linkOf(state.pinned.scenario)}` : "";
+  const step = lesson.step ? `&lesson=${lesson.step}` : "";
+  return `#${linkOf(state.scenario.request)}${pinned}${step}`;
 }
 
-/** Parses a link: `#paper&friction.k=0.02`, followed by `&vs=` and the pinned scenario, and `&at=` and the time in seconds. */
-function fromLink() {
-  const [scenarios, moment] = location.hash.slice(1).split("&at=");
-  const [ours, theirs] = scenarios.split("&vs=").map(decoded);
-  const read = (text) => {
-    const [preset, ...set] = text.split("&");
-    return new Scenario(tables, preset, Object.fromEntries(set.map((change) => [change.split("=")[0], change.slice(change.indexOf("=") + 1)])));
-  };
-  return { ours: read(ours || "paper"), theirs: theirs && read(theirs), moment: Number(moment) || 0 };
-}
+/** Shows the state in the address, so that it can be copied and reloaded. */
+const toLink = () => history.replaceState(null, "", link());
 
-const link = ({ preset, set }) => [preset, ...Object.entries(set).map(([path, value]) => `${path}=${value}`)].join("&");
-
-function toLink() {
-  const hash = `#${link(scenario.given)}${pinned ? `&vs=${link(pinned.scenario)}` : ""}`;
-  history.replaceState(null, "", hash);
-}
-
-/** A run with quantities derived from its columns. */
-function completed(answer) {
-  const { columns } = answer;
-  columns.height = columns.peg_z.map((z) => z - answer.peg_radius);
-  const greatest = columns.slip_speed.reduce((most, speed) => Math.max(most, speed), 1e-9);
-  const power = 10 ** Math.floor(Math.log10(greatest));
-  return { ...answer, flies: columns.regime.includes(2), greatest_slip: [1, 2, 5, 10].find((step) => step * power >= greatest) * power, end: columns.time.at(-1) };
-}
-
+/** Simulates the edited scenario and shows its run. */
 async function simulate() {
   toLink();
-  const slow = setTimeout(() => document.body.classList.add("stale"), 200);
-  const answer = await runner.send({ question: { simulate: scenario.given }, columns: tables.columns });
+  const { scenario } = state;
+  const slow = setTimeout(() => document.body.classList.add("stale"), 300);
+  const response = await runner.send({ simulate: { scenario: scenario.request, columns: tables.columns } });
   clearTimeout(slow);
-  if (!answer) return; // overtaken
-  at("error").textContent = answer.error ?? "";
-  if (answer.error && !run) at("summary").textContent = "No run to show: correct the scenario first.";
-  document.body.classList.toggle("stale", Boolean(answer.error));
-  for (const button of document.querySelectorAll("#take button, #pin")) button.disabled = Boolean(answer.error);
-  if (answer.error) return;
-  const end = run?.end;
-  run = completed(answer);
-  if (run.end !== end) {
-    time = Math.min(time, run.end);
-    window_ = null;
-    setSpeed();
+  if (!response) return; // superseded
+  at("error").textContent = response.error ?? "";
+  document.body.classList.toggle("stale", Boolean(response.error));
+  for (const button of document.querySelectorAll("#take button, #pin")) button.disabled = Boolean(response.error);
+  if (response.error) {
+    if (!state.run) at("summary").textContent = "No run to show: correct the scenario first.";
+    await showForm();
+    return;
   }
-  at("summary").textContent = run.sentence;
+  const end = state.run?.end;
+  state.run = { ...response, flies: response.columns.flying.includes(1), end: response.columns.time.at(-1) };
+  if (state.run.end !== end) {
+    state.time = Math.min(state.time, state.run.end);
+    state.window = null;
+  }
+  showControls(state.run.keys);
+  at("summary").textContent = state.run.sentence;
   at("command").textContent = scenario.command;
   at("digest").textContent = "";
-  listEvents();
+  events.show(state.run.events);
   draw();
   ask();
 }
 
-/** Requests the explanation and comparison once input has paused. */
+/** Shows the keys of a scenario that can't be run; those of its preset if its values can't be read either. */
+async function showForm() {
+  const { scenario } = state;
+  for (const request of [scenario.request, { preset: scenario.preset.name, set: {} }]) {
+    const keys = await helper.request({ form: request });
+    if (!keys.error) return showControls(keys);
+  }
+  return undefined;
+}
+
+function showControls(keys) {
+  const { scenario } = state;
+  controls.show(scenario, keys);
+  knobs.show(scenario, keys);
+  at("preset").value = scenario.preset.name;
+  at("description").textContent = scenario.preset.description ?? "";
+  at("reset").disabled = Object.keys(scenario.set).length === 0;
+  for (const button of at("presets").children) button.setAttribute("aria-pressed", button.value === scenario.preset.name);
+}
+
+/** Requests the explanation and the comparison once input has paused. */
 let waiting;
 function ask() {
   clearTimeout(waiting);
   waiting = setTimeout(async () => {
-    const answer = await helper.send({ question: { explain: run.scenario } });
-    if (answer.error) at("explanation").replaceChildren(element("p", { textContent: answer.error }));
-    else
-      at("explanation").replaceChildren(
-        ...answer.flatMap(({ heading, sentences }) => [element("h3", { textContent: heading }), element("p", { textContent: sentences.join(" ") })]),
-      );
-    if (!pinned) return;
-    if (pinned.digest === run.digest) compare({ error: "This run is pinned as A. Change a value to compare it with B." });
-    else compare(await helper.send({ question: { compare: { a: pinned.scenario, b: run.scenario } } }));
+    const { run, pinned } = state;
+    showExplanation(at("story"), at("explanation"), await helper.request({ explain: run.scenario }));
+    if (pinned) await compare(pinned, run);
   }, 300);
 }
 
-function compare({ error, verdict, findings }) {
-  const head = element("tr", {}, ...["A", "B", "B − A"].map((text) => element("th", { textContent: text })));
-  const rows = (findings ?? []).flatMap(([what, ...numbers]) => [
-    element("tr", {}, element("th", { colSpan: 3, scope: "row", textContent: what })),
-    element("tr", {}, ...numbers.map((text) => element("td", { textContent: text }))),
-  ]);
-  const table = rows.length > 0 ? element("table", {}, head, ...rows) : element("p", { textContent: error ?? `${verdict}: no differences in averages, events or energy.` });
-  at("comparison").replaceChildren(element("h2", { textContent: "A and B" }), table);
-}
-
-/** Lists the events. Consecutive events of frequent kinds are grouped. */
-function listEvents() {
-  const kinds = Map.groupBy(run.events, ({ kind }) => kind);
-  const isOften = (event) => event && kinds.get(event.kind).length > 2;
-  const groups = [];
-  items = run.events.map((event, index) => {
-    const text = [element("b", { textContent: `${event.time.toFixed(4)} s` }), ` ${event.text}`];
-    if (isOften(event) && isOften(run.events[index - 1])) groups.at(-1).push(index);
-    else groups.push([index]);
-    return element("li", { onclick: () => choose(event.time) }, ...text);
-  });
-  at("events").replaceChildren(...groups.flatMap(entries));
-}
-
-/** The list entries of a group: its events if there are fewer than five, otherwise one collapsible entry. */
-function entries(group) {
-  const own = group.map((index) => items[index]);
-  if (own.length < 5) return own;
-  const events = group.map((index) => run.events[index]);
-  const kinds = [...Map.groupBy(events, ({ plural }) => plural)].filter(([plural]) => plural);
-  const span = `${events[0].time.toFixed(4)} to ${events.at(-1).time.toFixed(4)} s`;
-  const counts = kinds.map(([plural, { length }]) => ` ${length} ${plural}`);
-  const heading = element("summary", {}, element("b", { textContent: span }), counts.join());
-  return element("li", {}, element("details", {}, heading, element("ol", {}, ...own)));
+async function compare(a, b) {
+  if (a.digest === b.digest) showComparison(at("comparison"), { error: "This run is kept as A. Change a value to compare it with B." });
+  else showComparison(at("comparison"), await helper.request({ compare: { a: a.scenario, b: b.scenario } }));
 }
 
 /** The runs to draw: the pinned run, if any, and the edited one. */
 function shown() {
+  const { run, pinned } = state;
   const style = getComputedStyle(document.body);
-  const changed = { run, color: style.getPropertyValue("--b"), name: `${pinned ? "B: " : ""}${run.title}` };
-  return pinned ? [{ run: pinned, color: style.getPropertyValue("--a"), name: `A: ${pinned.title}` }, changed] : [changed];
+  const edited = { run, color: style.getPropertyValue("--b"), name: pinned ? `B: ${run.title}` : run.title };
+  return pinned ? [{ run: pinned, color: style.getPropertyValue("--a"), name: `A: ${pinned.title}` }, edited] : [edited];
 }
 
-const curves = new Curves(at("curves"), { choose, zoom });
-const view = new View(at("top"), draw);
+/** The end of the longest run that is shown, s. */
+const latest = () => Math.max(state.run.end, state.pinned?.end ?? 0);
 
 let isDrawing = false;
 function draw() {
-  if (isDrawing || !run) return;
+  if (isDrawing || !state.run) return;
   isDrawing = true;
   requestAnimationFrame(() => {
     isDrawing = false;
+    const { time } = state;
     const runs = shown();
-    curves.draw(runs, window_ ?? [0, latest()], time);
-    view.draw(runs, time);
+    const window = state.window ?? [0, latest()];
+    curves.draw(runs, window, state.window !== null, time);
+    energy.draw(runs, window, time);
+    view.draw(runs, time, state.isPlaying ? state.speed : 0);
+    showArrows(runs);
+    showEnergy(runs, time);
     at("time").max = latest();
     at("time").value = time;
     at("clock").textContent = `${time.toFixed(3)} s`;
-    const last = items[lastEvent()];
-    const item = last?.closest("details:not([open])") ?? last;
-    for (const other of at("events").querySelectorAll(".now")) other.classList.remove("now");
-    item?.classList.add("now");
-    if (item) at("events").scrollTop = item.offsetTop - at("events").clientHeight / 2;
+    events.mark(time);
   });
 }
 
-const lastEvent = () => run.events.findLastIndex((event) => event.time <= time + 1e-9);
+/** The scales beside the checkboxes of the arrows. */
+function showArrows(runs) {
+  for (const name of Object.keys(ARROWS)) {
+    const legend = view.legend(runs.map(({ run }) => run), name);
+    const small = at(`scale-${name}`);
+    const text = legend ? `(${legend})` : "";
+    if (small.textContent !== text) small.textContent = text;
+  }
+}
 
-/** The end of the longest run that is shown, s. */
-const latest = () => Math.max(run.end, pinned?.end ?? 0);
+/** The changes of energy of the edited run, below the areas. */
+function showEnergy(runs, time) {
+  const { run, name } = runs.at(-1);
+  const of = runs.length > 1 ? ` of ${name.split(":")[0]}` : "";
+  const numbers = changeTexts(run, time).map((text, index) => {
+    const square = element("i");
+    square.style.background = PARTS[index].color;
+    return element("span", {}, square, `${PARTS[index].label} `, element("b", { textContent: text }));
+  });
+  at("energy-numbers").replaceChildren(element("small", { textContent: `Changes${of} since the start:` }), ...numbers);
+}
 
 function choose(when) {
-  time = Math.min(Math.max(when, 0), latest());
+  if (!state.run) return;
+  state.time = Math.min(Math.max(when, 0), latest());
   draw();
 }
 
+/** Shows a window of time; the whole run for null. */
 function zoom(wanted) {
   const [from, to] = wanted ?? [0, latest()];
   const width = Math.max(to - from, 1e-3); // s
-  window_ = width >= latest() ? null : [Math.max(from, 0), Math.min(Math.max(from, 0) + width, latest())];
+  const start = Math.min(Math.max(from, 0), Math.max(latest() - width, 0));
+  state.window = width >= latest() ? null : [start, start + width];
   draw();
 }
 
-function setSpeed() {
-  const wanted = Math.max(run.end / LONGEST, 0.01);
-  const speeds = [...at("speed").options].map((option) => Number(option.value));
-  speed = speeds.find((each) => each >= wanted) ?? speeds.at(-1);
-  at("speed").value = String(speed);
-}
-
 let before = 0;
-function play(wanted = !isPlaying) {
-  isPlaying = wanted;
-  at("play").textContent = isPlaying ? "Pause" : "Play";
-  if (isPlaying && time >= latest()) time = 0;
+let pausedUntil = 0;
+function play(wanted = !state.isPlaying) {
+  state.isPlaying = wanted;
+  at("play").textContent = wanted ? "Pause" : "Play";
+  if (wanted && state.run && state.time >= latest()) state.time = 0;
   before = performance.now();
-  if (isPlaying) requestAnimationFrame(step);
+  if (wanted) requestAnimationFrame(step);
+  draw();
 }
 
+/** Advances playback; at the end of the run it starts again. */
 function step(now) {
-  if (!isPlaying) return;
-  choose(time + ((now - before) / 1000) * speed);
+  if (!state.isPlaying) return;
+  if (state.run && now >= pausedUntil) {
+    if (state.time >= latest()) choose(0);
+    else choose(state.time + (Math.max(now - before, 0) / 1000) * state.speed);
+    if (state.time >= latest()) pausedUntil = now + 1000 * PAUSE_AT_END;
+  }
   before = now;
-  if (time >= latest()) play(false);
-  else requestAnimationFrame(step);
+  requestAnimationFrame(step);
 }
 
-function changed(path, value, follows) {
+/** Sets a number on which no other key depends. */
+function put(key, value) {
   at("also").textContent = "";
-  if (follows || value === "" || path === "drilling.k") {
-    const before = scenario.set;
-    scenario.change(path, value);
-    const also = Object.entries(scenario.set).filter(([other, value]) => other !== path && value !== before[other]);
-    if (also.length > 0) at("also").textContent = `This also sets ${also.map(([other, value]) => `${other} = ${value || "none"}`).join(", ")}.`;
-    showControls();
-  } else scenario.put(path, value);
-  mark();
+  state.scenario.put(key.path, value);
   simulate();
 }
 
-/** Marks the keys that differ from the preset. */
-function mark() {
-  for (const row of document.querySelectorAll(".key")) row.classList.toggle("changed", row.dataset.path in scenario.set);
+/** Sets a key on which others depend, and what else the program changes with it. */
+async function change(key, value) {
+  const { scenario } = state;
+  const earlier = { ...scenario.set };
+  const { set, error } = await runner.request({ change: { scenario: scenario.request, key: key.path, value } });
+  if (error) {
+    at("error").textContent = error;
+    return;
+  }
+  scenario.set = set;
+  const also = Object.entries(set).filter(([other, value]) => other !== key.path && value !== earlier[other]);
+  at("also").textContent = also.length > 0 ? `This also sets ${also.map(([other, value]) => `${other} = ${value || "none"}`).join(", ")}.` : "";
+  await simulate();
 }
 
-function showControls() {
-  const focused = document.activeElement?.closest?.(".key")?.dataset.path;
-  controls(at("controls"), scenario, changed);
-  at("preset").value = scenario.preset.name;
-  at("description").textContent = scenario.preset.values.description ?? "";
-  mark();
-  if (focused) document.querySelector(`[data-path="${focused}"] :is(select, input)`)?.focus();
+/** Switches friction off, or on as it was. */
+async function toggleFriction(isOn) {
+  const { scenario } = state;
+  if (!isOn) {
+    state.frictionBefore = scenario.section("friction.");
+    await change({ path: "friction.law" }, "none");
+    return;
+  }
+  const usual = scenarioOf("full-coulomb");
+  const values = state.frictionBefore ?? { ...usual.section("friction."), ...usual.section("stop.") };
+  for (const [path, value] of Object.entries(values)) scenario.put(path, value);
+  at("also").textContent = "";
+  await simulate();
 }
 
-function pin() {
-  pinned = pinned ? null : run;
-  at("pin").textContent = pinned ? "Unpin A" : "Pin as A";
-  at("comparison").replaceChildren();
+/** Starts from the scenario of a link. */
+function start(text) {
+  at("also").textContent = "";
+  state.scenario = scenarioOf(text);
+  state.frictionBefore = null;
+  state.time = 0;
+  return simulate();
+}
+
+/** Keeps the run that is shown as A, or removes A. */
+function pin(wanted = !state.pinned) {
+  state.pinned = wanted ? state.run : null;
+  state.window = null;
+  showPinned();
   toLink();
   draw();
   ask();
 }
 
+function showPinned() {
+  const { pinned } = state;
+  at("pin").textContent = pinned ? "Remove A" : "Keep as A";
+  at("pin-note").textContent = pinned
+    ? `A (grey) is ${pinned.title}. Change something: B (red) is the changed run.`
+    : "Keep this run as A, then change something: B is drawn beside it.";
+  at("compared").hidden = !pinned;
+  at("comparison").replaceChildren();
+}
+
 async function save() {
-  const encoding = at("encoding").value;
+  const { run } = state;
   at("digest").textContent = "recording …";
-  const { bytes, digest, error } = await helper.send({ question: { record: { scenario: run.scenario, encoding } } });
+  const { bytes, digest, error } = await helper.request({ record: { scenario: run.scenario, encoding: at("encoding").value } });
   at("digest").textContent = error ?? `content digest (SHA-256): ${digest}`;
   if (error) return;
   const file = URL.createObjectURL(new Blob([bytes], { type: "application/octet-stream" }));
-  element("a", { href: file, download: `${run.scenario.preset}.mcap` }).click();
+  element("a", { href: file, download: `${run.file}.mcap` }).click();
   setTimeout(() => URL.revokeObjectURL(file), 60_000);
 }
 
@@ -295,63 +297,118 @@ async function copy(text, button) {
   setTimeout(() => (button.textContent = label), 1000);
 }
 
-const KEYS = {
-  " ": () => play(),
-  ArrowRight: () => choose(time + 0.01),
-  ArrowLeft: () => choose(time - 0.01),
-  Home: () => choose(0),
-  End: () => choose(Infinity),
-  "+": () => zoom([time - 0.25, 0.25 + time].map((end) => time + (end - time) * 2)),
-  "-": () => zoom(null),
-  p: () => at("pin").click(),
-};
-
-async function begin() {
-  const { ours, theirs, moment } = fromLink();
-  pinned = null;
-  scenario = theirs || ours;
+/** Opens the address: a scenario, a pair, or a step of the lesson. */
+async function open() {
+  if (location.hash === "#teacher") return;
+  const wanted = parseLink(location.hash);
+  const step = STEPS_OF_LESSON[wanted.lesson - 1];
+  const isWholeStep = Boolean(step && !wanted.ours);
+  lesson.show(wanted.lesson);
+  if (isWholeStep) showOnly(step.arrows);
+  const theirs = isWholeStep ? step.theirs : wanted.theirs;
+  state.pinned = null;
+  showPinned();
   if (theirs) {
-    showControls();
-    await simulate();
-    if (run) pin();
-    scenario = ours;
+    await start(theirs);
+    if (state.run) pin(true);
   }
-  showControls();
-  await simulate();
-  if (run) choose(moment);
+  await start((isWholeStep ? step.ours : wanted.ours) || DEFAULT);
+  if (state.run && wanted.moment !== null) choose(wanted.moment);
   document.body.classList.add("ready");
 }
 
-at("preset").replaceChildren(...tables.presets.map(({ name }) => element("option", { textContent: name })));
-at("preset").onchange = () => {
-  at("also").textContent = "";
-  scenario.start(at("preset").value);
-  showControls();
-  time = 0;
-  simulate();
-};
+function leaveLesson(number) {
+  lesson.show(number);
+  toLink();
+  draw();
+}
+
+/** Checks the boxes of the arrows with these names. */
+function showOnly(names) {
+  for (const name of Object.keys(ARROWS)) {
+    view.shown[name] = names.includes(name);
+    at(`show-${name}`).checked = view.shown[name];
+  }
+}
+
+const curves = new Curves(at("curves"), { choose, zoom });
+const energy = new EnergyAreas(at("energy"), { choose, zoom });
+const view = new View(at("top"), draw);
+const events = new EventList(at("events"), choose);
+const lesson = new Lesson(at("lesson"), leaveLesson);
+const knobs = new Knobs(at("knobs"), { changed: put, toggled: toggleFriction });
+/** Whether other keys may have to change with a key: it is a choice, or is set or removed. */
+const hasFollowers = (key, value) => key.words || value === "" || state.scenario.value(key.path) === undefined;
+const controls = new Controls(at("controls"), (key, value) => (hasFollowers(key, value) ? change(key, value) : put(key, value)));
+
+at("presets").replaceChildren(
+  ...Object.entries(TITLES).map(([value, textContent]) => element("button", { type: "button", value, textContent, onclick: () => start(value) })),
+);
+at("preset").replaceChildren(
+  ...tables.presets.map(({ name, description }) => element("option", { value: name, textContent: TITLES[name] ?? name, title: description })),
+);
+at("arrows").replaceChildren(
+  ...Object.entries(ARROWS).map(([name, { label, symbol, color }]) => {
+    const box = element("input", { type: "checkbox", id: `show-${name}`, checked: view.shown[name] });
+    box.onchange = () => {
+      view.shown[name] = box.checked;
+      draw();
+    };
+    const sign = element("b", { textContent: symbol });
+    sign.style.color = color;
+    return element("label", {}, box, `${label} `, sign, " ", element("small", { id: `scale-${name}` }));
+  }),
+);
+at("preset").onchange = () => start(at("preset").value);
 at("play").onclick = () => play();
 at("time").oninput = () => choose(Number(at("time").value));
-at("speed").onchange = () => (speed = Number(at("speed").value));
-at("pin").onclick = pin;
+at("speed").onchange = () => (state.speed = Number(at("speed").value));
+at("pin").onclick = () => pin();
 at("save").onclick = save;
-at("copy-command").onclick = ({ target }) => copy(scenario.command, target);
-at("copy-link").onclick = ({ target }) => copy(`${location.href}&at=${time.toFixed(3)}`, target);
-at("reset").onclick = () => at("preset").onchange();
+at("copy-command").onclick = ({ target }) => copy(state.scenario.command, target);
+at("copy-link").onclick = ({ target }) => copy(`${location.href.split("#")[0]}${link()}&at=${state.time.toFixed(3)}`, target);
+at("reset").onclick = () => start(state.scenario.preset.name);
+at("reset-view").onclick = () => view.reset();
+at("help").onclick = () => at("keys").showModal();
+at("print").onclick = () => print();
 at("version").textContent = tables.version;
-at("events").onkeydown = (event) => {
-  const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
-  const next = step && run.events[lastEvent() + step];
-  if (next) choose(next.time);
-  if (step) event.preventDefault();
-};
-addEventListener("resize", draw);
-addEventListener("hashchange", begin);
+showWorksheet(at("worksheet"), at("worksheet-answers"));
+showKeys(at("keys").querySelector("dl"));
+
+addEventListener("hashchange", open);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+new ResizeObserver(draw).observe(at("first"));
+for (const id of ["top", "curves", "energy"]) new ResizeObserver(draw).observe(at(id));
+
+/** What the keys of KEYS do. */
+const ACTIONS = {
+  play: () => play(),
+  later: () => choose(state.time + 0.01),
+  earlier: () => choose(state.time - 0.01),
+  start: () => choose(0),
+  end: () => choose(Infinity),
+  closer: () => zoom((state.window ?? [0, latest()]).map((end) => state.time + (end - state.time) / 2)),
+  whole: () => zoom(null),
+  keep: () => at("pin").click(),
+  help: () => at("help").click(),
+  turn: (event) => view.turn(...{ ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] }[event.key]),
+};
 addEventListener("keydown", (event) => {
-  if (event.target.closest("input, select, button, summary") && event.key !== "p") return;
-  if (event.target.closest("input") || !KEYS[event.key] || event.ctrlKey || event.metaKey) return;
+  const isTyping = event.target.closest("input, select, textarea");
+  const isButton = event.target.closest("button, summary, a") && (event.key === " " || event.key === "Enter");
+  if (isTyping || isButton || event.ctrlKey || event.metaKey || event.altKey || at("keys").open) return;
+  const place = event.target.id === "top" ? "top" : "";
+  const key = KEYS.find((each) => each.keys.includes(event.key) && (each.place === place || (!each.place && !place))) ?? KEYS.find((each) => !each.place && each.keys.includes(event.key));
+  if (!key || (event.target.id === "events" && event.key.startsWith("Arrow"))) return;
   event.preventDefault();
-  KEYS[event.key]();
+  ACTIONS[key.action](event);
 });
-await begin();
+
+const isCalm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+const isAtMoment = parseLink(location.hash).moment !== null;
+await open();
+if (!document.body.classList.contains("ready")) {
+  await start(DEFAULT); // opened at the teacher's notes
+  document.body.classList.add("ready");
+}
+if (!isCalm && !isAtMoment) play(true);

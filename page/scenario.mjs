@@ -1,67 +1,71 @@
-// The edited scenario: a preset and its changed keys.
-
-const TEXTS = ["format", "name", "description"];
-/** Keys required by `support.kind = "free"`. */
-const FOR_FREE_PEGS = { formulation: "body", "friction.dissipation": "full" };
+// The edited scenario: a preset and its changed keys. Which keys apply, and their ranges, the program says.
 
 export class Scenario {
-  constructor(tables, preset, set = {}) {
-    this.tables = tables;
-    this.keys = tables.keys.filter(({ path }) => !TEXTS.includes(path));
-    this.start(preset);
-    for (const [path, value] of Object.entries(set)) this.put(path, value);
+  constructor(presets, name, set = {}) {
+    // For an unknown preset, toprise reports the error.
+    this.preset = presets.find((preset) => preset.name === name) ?? { name, values: {} };
+    this.set = { ...set };
   }
 
-  /** Starts from a preset. For an unknown name, toprise reports the error. */
-  start(name) {
-    this.preset = this.tables.presets.find((preset) => preset.name === name) ?? { name, values: {} };
-    this.values = { ...this.preset.values };
+  /** The value of a key as text; undefined if it isn't set. */
+  value(path) {
+    const value = this.set[path] ?? this.preset.values[path];
+    return value === "" ? undefined : value;
   }
 
+  number(path) {
+    return Number(this.value(path));
+  }
+
+  /** Sets a key; an empty text removes it. */
   put(path, value) {
-    if (value === "") delete this.values[path];
-    else this.values[path] = value;
+    if (value === (this.preset.values[path] ?? "")) delete this.set[path];
+    else this.set[path] = value;
   }
 
-  /** Sets a key, adds the keys it requires, and removes those that no longer apply. */
-  change(path, value) {
-    this.put(path, value);
-    if (path === "support.kind" && value === "free") {
-      Object.assign(this.values, FOR_FREE_PEGS);
-      this.values["stop.duration"] ??= "10";
-    }
-    for (const key of this.keys) {
-      if (!this.applies(key)) delete this.values[key.path];
-      else if (key.required && this.values[key.path] === undefined) this.values[key.path] = this.usual(key);
-    }
+  /** The keys in a section that are set, with their values. */
+  section(prefix) {
+    const paths = new Set([...Object.keys(this.preset.values), ...Object.keys(this.set)]);
+    const own = [...paths].filter((path) => path.startsWith(prefix) && this.value(path) !== undefined);
+    return Object.fromEntries(own.map((path) => [path, this.value(path)]));
   }
 
-  /** Whether a key applies with the values of the other keys. */
-  applies({ needs, of }) {
-    if (!needs) return true;
-    return of.length === 0 ? this.values[needs] !== undefined : of.includes(this.values[needs]);
-  }
-
-  /** Default value of a key: from the first preset that has it, or the middle of its range. */
-  usual({ path, words, typical }) {
-    const known = this.tables.presets.find((preset) => preset.values[path] !== undefined);
-    return known?.values[path] ?? words?.[0] ?? String(typical[0] > 0 ? Math.sqrt(typical[0] * typical[1]) : typical[1] / 2);
-  }
-
-  /** The changed keys; an empty value marks a removed key. */
-  get set() {
-    const paths = new Set([...this.keys.map(({ path }) => path), ...Object.keys(this.values)]);
-    const changed = [...paths].filter((path) => this.values[path] !== this.preset.values[path]);
-    return Object.fromEntries(changed.map((path) => [path, this.values[path] ?? ""]));
-  }
-
-  /** The scenario as passed to toprise. */
-  get given() {
-    return { preset: this.preset.name, set: this.set };
+  /** The scenario as a request to toprise. */
+  get request() {
+    return { preset: this.preset.name, set: { ...this.set } };
   }
 
   get command() {
     const words = Object.entries(this.set).map(([path, value]) => ` --set ${path}=${value}`);
     return `toprise run ${this.preset.name}${words.join("")}`;
   }
+}
+
+/** Link of a scenario: `paper&friction.k=0.02`. */
+export const linkOf = ({ preset, set }) => [preset, ...Object.entries(set).map(([path, value]) => `${path}=${value}`)].join("&");
+
+/** URL-decodes a part of a link; returns it unchanged if it is malformed. */
+function decoded(text) {
+  try {
+    return decodeURIComponent(text);
+  } catch {
+    return text;
+  }
+}
+
+/** The preset and keys of a scenario's link. */
+export function scenarioFrom(link) {
+  const [preset, ...set] = link.split("&");
+  return [preset, Object.fromEntries(set.map((change) => [change.split("=")[0], change.slice(change.indexOf("=") + 1)]))];
+}
+
+/**
+ * Parses a link: `#paper&friction.k=0.02`, followed by `&vs=` and the pinned scenario, `&lesson=` and the number of a
+ * step, `&at=` and the time in seconds. `#lesson=2` alone stands for the scenarios of that step.
+ */
+export function parseLink(hash) {
+  const [before, moment] = hash.replace(/^#/, "").split("&at=");
+  const [scenarios, lesson] = before.split(/&?lesson=/);
+  const [ours, theirs] = scenarios.split("&vs=").map(decoded);
+  return { ours, theirs, lesson: Number(lesson) || 0, moment: moment === undefined ? null : Number(moment) || 0 };
 }

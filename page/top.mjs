@@ -1,181 +1,361 @@
 // 3D view of the top at a time of the run.
 
-import { indexAt } from "./curves.mjs";
+import { ARROWS, arrowScale, barLength, vectorAt } from "./arrows.mjs";
+import { indexAt } from "./axes.mjs";
+import { gestures } from "./gestures.mjs";
+import { degrees, fixed, prefixed, revolutions, written } from "./numbers.mjs";
+import { shadowOf, turned, visibleFaces } from "./shape.mjs";
 
-const SEGMENTS = 24;
-const TRAIL = 3; // s
+const TRAIL = 3; // s, shown of the axis's path
+const FRAME = 1 / 60; // s of playback that a picture shows; fast stripes blur as in a film
+const SHIMMER = 0.2;
+const STRIPED = 2 / 9; // part of a turn that the stripes cover
+const START = { azimuth: -0.6, elevation: 0.35, closeness: 1 };
+const FONT = "system-ui, sans-serif";
 
-/** The unit normal of a face, outward. */
-function across([a, b, c, d]) {
-  const [u, v] = [c.map((value, axis) => value - a[axis]), d.map((value, axis) => value - b[axis])];
-  const normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-  const length = Math.hypot(...normal) || 1;
-  return normal.map((value) => value / length);
-}
-
-/** Brightness of a face lit from the upper left behind the viewer. */
-const shine = ([x, y, z]) => 0.45 + 0.55 * Math.max(-0.4 * x + 0.65 * y + 0.65 * z, 0);
-
-/** Rotates a body vector into the world frame by a unit quaternion. */
-function turned([w, x, y, z], [a, b, c]) {
-  const [u, v, t] = [2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)];
-  return [a + w * u + y * t - z * v, b + w * v + z * u - x * t, c + w * t + x * v - y * u];
-}
-
-/** Profile of the top: heights along the axis and radii, m. */
-function outline(run) {
-  const [l, r] = [run.center_distance, run.peg_radius];
-  const ball = (from, to) =>
-    Array.from({ length: 9 }, (_, i) => from + ((to - from) * i) / 8).map((angle) => [-r * Math.cos(angle), r * Math.sin(angle)]);
-  if (l < 0 || r > 0.6 * l) return ball(0, Math.PI);
-  const body = [[0.55, 0.12], [0.9, 0.8], [1.05, 0.85], [1.2, 0.5], [1.3, 0.1], [1.75, 0.08], [1.78, 0]];
-  return [...ball(0, 1.2), ...body.map(([height, radius]) => [height * l, radius && Math.max(radius * l, r / 2)])];
-}
-
-export const sizeOf = (run) => Math.max(2 * Math.abs(run.center_distance), 2.4 * run.peg_radius);
-
-/** The pose at a time: sample index, orientation and peg position. */
+/** The pose at a time: sample index, orientation, direction of the axis and position of the peg's centre. */
 function pose(run, time) {
   const c = run.columns;
   const i = indexAt(c.time, time);
-  return { i, q: [c.qw[i], c.qx[i], c.qy[i], c.qz[i]], peg: [c.peg_x[i], c.peg_y[i], c.peg_z[i]] };
+  const q = [c.qw[i], c.qx[i], c.qy[i], c.qz[i]];
+  return { i, q, axis: turned(q, [0, 0, 1]), peg: [c.peg_x[i], c.peg_y[i], c.peg_z[i]] };
 }
 
-export class View {
-  constructor(canvas, redraw) {
-    this.canvas = canvas;
-    this.azimuth = -0.6;
-    this.elevation = 0.35;
-    canvas.addEventListener("pointermove", (event) => {
-      if (!event.buttons) return;
-      this.azimuth -= event.movementX / 120;
-      this.elevation = Math.min(Math.max(this.elevation + event.movementY / 150, -0.1), 1.5);
-      redraw();
-    });
-  }
+const along = (place, direction, length) => place.map((value, axis) => value + length * direction[axis]);
 
-  /** Draws runs side by side, each with its colour. */
-  draw(runs, time) {
-    const { canvas } = this;
-    const ratio = devicePixelRatio || 1;
-    [canvas.width, canvas.height] = [canvas.clientWidth * ratio, canvas.clientHeight * ratio];
-    const pen = canvas.getContext("2d");
-    pen.scale(ratio, ratio);
-    const width = canvas.clientWidth / runs.length;
-    runs.forEach(({ run, color, name }, index) => {
-      pen.save();
-      pen.translate(index * width, 0);
-      pen.beginPath();
-      pen.rect(0, 0, width, canvas.clientHeight);
-      pen.clip();
-      this.one(pen, run, color, Math.min(time, run.columns.time.at(-1)), width, canvas.clientHeight);
-      pen.fillStyle = color;
-      pen.font = "600 13px system-ui";
-      pen.fillText(name, 10, 20, width - 20);
-      pen.restore();
-    });
-  }
-
-  one(pen, run, color, time, width, height) {
-    const size = sizeOf(run);
-    const { i, q, peg } = pose(run, time);
-    const focus = run.is_free ? [peg[0], peg[1], 0] : [0, 0, 0];
-    const [ca, sa, ce, se] = [Math.cos(this.azimuth), Math.sin(this.azimuth), Math.cos(this.elevation), Math.sin(this.elevation)];
-    const zoom = Math.min(width, height) / (1.5 * size);
+/** A camera that looks at the top: `project` maps places of the world to the canvas. */
+class Camera {
+  constructor({ azimuth, elevation, closeness }, focus, size, width, height) {
+    this.focus = focus;
+    const [ca, sa, ce, se] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(elevation), Math.sin(elevation)];
     /** World to camera coordinates: right, up, towards the camera. */
-    const seen = (place) => {
+    this.seen = (place) => {
       const [x, y, z] = place.map((value, axis) => value - focus[axis]);
       const [right, away] = [ca * x + sa * y, -sa * x + ca * y];
       return [right, ce * z + se * away, se * z - ce * away];
     };
-    const onScreen = ([right, up]) => [width / 2 + zoom * right, 0.78 * height - zoom * up];
-    const project = (place) => onScreen(seen(place));
-    const style = getComputedStyle(this.canvas);
-    const line = (points, stroke, thickness) => {
-      pen.strokeStyle = stroke;
-      pen.lineWidth = thickness;
+    const fitted = Math.min(width / (width > height ? 2.4 : 2), height / 1.75);
+    this.zoom = (closeness * fitted) / size;
+    this.onScreen = ([right, up]) => [width / 2 + this.zoom * right, height / 2 + 0.49 * fitted - this.zoom * up];
+    this.project = (place) => this.onScreen(this.seen(place));
+  }
+}
+
+export class View {
+  /** Draws on a canvas; `redraw` is called when the view is turned. `shown` names the arrows that are drawn. */
+  constructor(canvas, redraw) {
+    this.canvas = canvas;
+    this.shown = { slip: true, force: true, torque: false, momentum: false };
+    this.look = { ...START };
+    this.redraw = redraw;
+    gestures(canvas, {
+      drag: (_, dx, dy) => this.turn(-dx / 120, dy / 150),
+      pinch: ({ factor }) => this.approach(factor),
+    });
+  }
+
+  turn(azimuth, elevation) {
+    this.look.azimuth += azimuth;
+    this.look.elevation = Math.min(Math.max(this.look.elevation + elevation, 0.02), 1.5);
+    this.redraw();
+  }
+
+  approach(factor) {
+    this.look.closeness = Math.min(Math.max(this.look.closeness * factor, 0.3), 5);
+    this.redraw();
+  }
+
+  reset() {
+    this.look = { ...START };
+    this.redraw();
+  }
+
+  /** Draws runs side by side, each with its colour. `speed` is that of playback, 0 if it is paused. */
+  draw(runs, time, speed) {
+    const { canvas } = this;
+    const ratio = devicePixelRatio || 1;
+    const [wide, height] = [canvas.clientWidth, canvas.clientHeight];
+    [canvas.width, canvas.height] = [wide * ratio, height * ratio];
+    const pen = canvas.getContext("2d");
+    pen.scale(ratio, ratio);
+    const style = getComputedStyle(canvas);
+    this.colors = Object.fromEntries(["line", "ink", "soft", "table", "card"].map((name) => [name, style.getPropertyValue(`--${name}`)]));
+    const width = wide / runs.length;
+    const all = runs.map(({ run }) => run);
+    const names = Object.keys(ARROWS).filter((name) => this.shown[name]);
+    this.scales = Object.fromEntries(names.map((name) => [name, arrowScale(all, name)]));
+    const size = Math.max(...all.map(({ shape }) => shape.size));
+    runs.forEach(({ run, color, name }, index) => {
+      pen.save();
+      pen.translate(index * width, 0);
       pen.beginPath();
-      for (const point of points) pen.lineTo(...project(point));
-      pen.stroke();
-    };
-    this.floor(line, focus, size, style.getPropertyValue("--line"));
-    this.trail(line, run, i, size, color);
-    this.body(pen, run, seen, onScreen, q, peg, color);
-    this.arrows(pen, line, project, run, i, size);
+      pen.rect(0, 0, width, height);
+      pen.clip();
+      this.one(pen, run, color, Math.min(time, run.end), speed, { size, width, height });
+      this.title(run, color, runs.length > 1 ? name : "", Math.min(time, run.end), width);
+      if (index === runs.length - 1) this.bar(pen, all, width, height);
+      pen.restore();
+    });
   }
 
-  floor(line, focus, size, stroke) {
-    const step = size / 4;
-    for (let k = -4; k <= 4; k++) {
-      const [x, y] = [0, 1].map((axis) => (Math.round(focus[axis] / step) + k) * step);
-      line([[x, focus[1] - size, 0], [x, focus[1] + size, 0]], stroke, 1);
-      line([[focus[0] - size, y, 0], [focus[0] + size, y, 0]], stroke, 1);
+  one(pen, run, color, time, speed, { size, width, height }) {
+    const { i, q, axis, peg } = pose(run, time);
+    const focus = run.is_free ? [peg[0], peg[1], 0] : [0, 0, 0];
+    const camera = new Camera(this.look, focus, size, width, height);
+    Object.assign(this, { pen, camera, width });
+    this.table(focus, size);
+    this.fill(shadowOf(run.shape, q, peg), "#0000001c");
+    this.path(run, i, color);
+    this.body(run, q, peg, color, this.contrast(run, i, speed));
+    this.angle(run, axis, peg);
+    this.spin(run, i, axis, peg);
+    if (this.shown.momentum) this.momentum(run, i, peg);
+    const foot = [peg[0], peg[1], 0];
+    if (!run.columns.flying[i]) {
+      for (const name of ["slip", "force"]) if (this.shown[name]) this.arrow(name, foot, vectorAt(run, ARROWS[name], i));
     }
+    // The torque changes the angular momentum: it is drawn at the end of the horizontal part of that, which it shortens.
+    const from = this.shown.momentum ? this.flatTip(run, i, peg) : peg;
+    if (this.shown.torque) this.arrow("torque", from, vectorAt(run, ARROWS.torque, i), { offset: this.shown.momentum ? 8 : 0 });
   }
 
-  /** The path of the axis's end, or of a free peg on the table. */
-  trail(line, run, last, size, color) {
+  line(places, stroke, thickness, dash = []) {
+    const { pen, camera } = this;
+    pen.strokeStyle = stroke;
+    pen.lineWidth = thickness;
+    pen.setLineDash(dash);
+    pen.beginPath();
+    for (const place of places) pen.lineTo(...camera.project(place));
+    pen.stroke();
+    pen.setLineDash([]);
+  }
+
+  fill(places, color) {
+    const { pen, camera } = this;
+    pen.fillStyle = color;
+    pen.beginPath();
+    for (const place of places) pen.lineTo(...camera.project(place));
+    pen.closePath();
+    pen.fill();
+  }
+
+  /** Text with a halo, so that it can be read on everything. */
+  text(words, [x, y], color, font = `600 13px ${FONT}`, align = "left") {
+    const { pen, colors } = this;
+    pen.font = font;
+    pen.textAlign = "left";
+    const wide = pen.measureText(words).width;
+    const start = x - { left: 0, center: wide / 2, right: wide }[align];
+    // Labels of long arrows stay in the picture.
+    const left = Math.max(Math.min(start, this.width - wide - 3), 3);
+    pen.lineJoin = "round";
+    pen.lineWidth = 4;
+    pen.strokeStyle = colors.card;
+    pen.strokeText(words, left, y);
+    pen.fillStyle = color;
+    pen.fillText(words, left, y);
+  }
+
+  /** A round table below the top, with a grid that stays where it is. */
+  table(focus, size) {
+    const radius = 1.3 * size;
+    const rim = Array.from({ length: 61 }, (_, k) => {
+      const angle = (k * Math.PI) / 30;
+      return [focus[0] + radius * Math.cos(angle), focus[1] + radius * Math.sin(angle), 0];
+    });
+    this.fill(rim, this.colors.table);
+    const step = size / 4;
+    for (let k = -6; k <= 6; k++) {
+      const [x, y] = [0, 1].map((axis) => (Math.round(focus[axis] / step) + k) * step);
+      const across = Math.sqrt(Math.max(radius ** 2 - (x - focus[0]) ** 2, 0));
+      const ahead = Math.sqrt(Math.max(radius ** 2 - (y - focus[1]) ** 2, 0));
+      this.line([[x, focus[1] - across, 0], [x, focus[1] + across, 0]], this.colors.line, 1);
+      this.line([[focus[0] - ahead, y, 0], [focus[0] + ahead, y, 0]], this.colors.line, 1);
+    }
+    this.line(rim, this.colors.line, 2);
+  }
+
+  /** The path of the axis's tip in the last seconds, which fades; and that of a free peg on the table. */
+  path(run, last, color) {
     const c = run.columns;
     const first = indexAt(c.time, c.time[last] - TRAIL);
-    const step = Math.max(Math.floor((last - first) / 800), 1);
-    const points = [];
-    for (let i = first; i <= last; i += step) {
-      const axis = turned([c.qw[i], c.qx[i], c.qy[i], c.qz[i]], [0, 0, 0.9 * size]);
-      points.push(run.is_free ? [c.peg_x[i], c.peg_y[i], 0] : [c.peg_x[i] + axis[0], c.peg_y[i] + axis[1], c.peg_z[i] + axis[2]]);
+    const step = Math.max(Math.floor((last - first) / 600), 1);
+    const tips = [];
+    const feet = [];
+    for (let i = last; i >= first; i -= step) {
+      const peg = [c.peg_x[i], c.peg_y[i], c.peg_z[i]];
+      tips.push(along(peg, turned([c.qw[i], c.qx[i], c.qy[i], c.qz[i]], [0, 0, 1]), run.shape.tip));
+      feet.push([peg[0], peg[1], 0]);
     }
-    line(points, color, 1.5);
+    this.fading(tips, color, 2);
+    if (run.is_free) this.fading(feet, color, 1.5);
   }
 
-  /** Draws the visible faces, back to front. */
-  body(pen, run, seen, onScreen, q, peg, color) {
-    const rings = outline(run).map(([height, radius]) =>
-      Array.from({ length: SEGMENTS }, (_, k) => {
-        const angle = (2 * Math.PI * k) / SEGMENTS;
-        const place = turned(q, [radius * Math.cos(angle), radius * Math.sin(angle), height]);
-        return seen(place.map((value, axis) => value + peg[axis]));
-      }),
-    );
-    const faces = [];
-    for (let ring = 0; ring + 1 < rings.length; ring++) {
-      for (let k = 0; k < SEGMENTS; k++) {
-        const next = (k + 1) % SEGMENTS;
-        const corners = [rings[ring][k], rings[ring][next], rings[ring + 1][next], rings[ring + 1][k]];
-        const normal = across(corners);
-        if (normal[2] <= 0) continue;
-        const depth = corners.reduce((sum, corner) => sum + corner[2], 0);
-        faces.push({ corners, depth, light: shine(normal), isStripe: k % (SEGMENTS / 2) < 2 || ring === rings.length - 2 });
-      }
+  /** A line from its newest place to its oldest, in steps of opacity. */
+  fading(places, color, thickness) {
+    const PARTS = 12;
+    const each = Math.ceil(places.length / PARTS);
+    for (let part = PARTS - 1; part >= 0; part--) {
+      this.pen.globalAlpha = 0.75 * (1 - part / PARTS);
+      this.line(places.slice(part * each, (part + 1) * each + 1), color, thickness);
     }
-    faces.sort((a, b) => a.depth - b.depth);
-    for (const { corners, light, isStripe } of faces) {
-      const fill = isStripe ? "#f4f1e6" : color;
+    this.pen.globalAlpha = 1;
+  }
+
+  /**
+   * The contrast of the stripes: a film's exposure averages over the turn that the top makes in one picture. A rest
+   * of it remains, as the shimmer of a real top.
+   */
+  contrast(run, i, speed) {
+    const turn = 2 * Math.abs(run.columns.axial_rate[i]) * speed * FRAME; // phase of two stripes, rad
+    return turn < 1e-6 ? 1 : Math.max(Math.abs(Math.sin(turn / 2) / (turn / 2)), SHIMMER);
+  }
+
+  body(run, q, peg, color, contrast) {
+    const { pen, camera } = this;
+    const paints = { body: color, rim: color, cap: "#f2c14e", stem: "#6b4f3a", peg: "#8d99ae" };
+    const [onStripe, beside] = [STRIPED + (1 - STRIPED) * contrast, STRIPED * (1 - contrast)].map((share) => (100 * share).toFixed(0));
+    for (const { corners, light, paint, isStripe } of visibleFaces(run.shape, q, peg, camera.seen)) {
+      const plain = paints[paint];
+      const isStriped = paint === "body" || paint === "rim" || paint === "cap";
+      const fill = isStriped ? `color-mix(in srgb, #fffaf0 ${isStripe ? onStripe : beside}%, ${plain})` : plain;
       pen.fillStyle = pen.strokeStyle = `color-mix(in srgb, ${fill} ${Math.round(100 * light)}%, black)`;
       pen.lineWidth = 0.6;
       pen.beginPath();
-      for (const corner of corners) pen.lineTo(...onScreen(corner));
+      for (const corner of corners) pen.lineTo(...camera.onScreen(corner));
       pen.closePath();
       pen.fill();
       pen.stroke();
     }
   }
 
-  /** Slip velocity and friction force at the point of contact. */
-  arrows(pen, line, project, run, i, size) {
-    const c = run.columns;
-    if (c.regime[i] === 2) return;
-    const foot = [c.peg_x[i], c.peg_y[i], 0];
-    const arrow = (x, y, stroke) => {
-      const tip = [foot[0] + x, foot[1] + y, 0];
-      line([foot, tip], stroke, 3);
-      const [px, py] = project(tip);
-      pen.fillStyle = stroke;
-      pen.beginPath();
-      pen.arc(px, py, 4, 0, 7);
-      pen.fill();
-    };
-    const slip = (0.5 * size) / run.greatest_slip;
-    const force = (0.5 * size) / run.force;
-    arrow(slip * c.slip_x[i], slip * c.slip_y[i], "#3a7de8");
-    arrow(force * c.friction_x[i], force * c.friction_y[i], "#e8833a");
+  /** The vertical, the axis and the arc of θ between them. */
+  angle(run, axis, peg) {
+    const { tip } = run.shape;
+    const { soft, ink } = this.colors;
+    const radius = 1.12 * tip;
+    this.line([peg, along(peg, [0, 0, 1], 1.3 * tip)], soft, 1.5, [5, 4]);
+    this.line([along(peg, axis, tip), along(peg, axis, 1.2 * tip)], soft, 1.5, [5, 4]);
+    const theta = Math.acos(Math.min(Math.max(axis[2], -1), 1));
+    const flat = Math.hypot(axis[0], axis[1]) || 1;
+    const arc = Array.from({ length: 25 }, (_, k) => {
+      const angle = (theta * k) / 24;
+      return along(peg, [(axis[0] / flat) * Math.sin(angle), (axis[1] / flat) * Math.sin(angle), Math.cos(angle)], radius);
+    });
+    this.line(arc, ink, 2);
+    const [x, y] = this.camera.project(arc[12]);
+    this.text("θ", [x, y - 8], ink, `italic 600 16px ${FONT}`, "center");
   }
+
+  /** An arc about the axis with an arrowhead, in the sense of the spin. */
+  spin(run, i, axis, peg) {
+    const rate = run.columns.axial_rate[i];
+    const { tip, size, is_ball: isBall } = run.shape;
+    if (rate === 0) return;
+    // Two directions across the axis, so that the gap of the arc is at the back.
+    const right = [Math.cos(this.look.azimuth), Math.sin(this.look.azimuth), 0];
+    const ahead = [axis[1] * right[2] - axis[2] * right[1], axis[2] * right[0] - axis[0] * right[2], axis[0] * right[1] - axis[1] * right[0]];
+    const center = along(peg, axis, isBall ? 0 : 0.93 * tip);
+    const radius = isBall ? 1.12 * tip : 0.16 * size;
+    const arc = Array.from({ length: 33 }, (_, k) => {
+      const angle = Math.PI * (0.75 + (1.5 * k) / 32);
+      return along(along(center, right, radius * Math.cos(angle)), ahead, radius * Math.sin(angle));
+    });
+    if (rate < 0) arc.reverse();
+    this.line(arc, this.colors.ink, 2);
+    this.head(this.camera.project(arc.at(-3)), this.camera.project(arc.at(-1)), this.colors.ink, 9);
+  }
+
+  /** An arrowhead at the end of a line on the canvas. */
+  head(start, end, color, size) {
+    const { pen } = this;
+    const length = Math.hypot(end[0] - start[0], end[1] - start[1]) || 1;
+    const [ux, uy] = [(end[0] - start[0]) / length, (end[1] - start[1]) / length];
+    pen.fillStyle = color;
+    pen.beginPath();
+    pen.moveTo(end[0] + 0.3 * size * ux, end[1] + 0.3 * size * uy);
+    pen.lineTo(end[0] - 0.7 * size * ux + 0.5 * size * uy, end[1] - 0.7 * size * uy - 0.5 * size * ux);
+    pen.lineTo(end[0] - 0.7 * size * ux - 0.5 * size * uy, end[1] - 0.7 * size * uy + 0.5 * size * ux);
+    pen.fill();
+  }
+
+  /** The end of the horizontal part of the angular momentum, drawn from the peg's centre. */
+  flatTip(run, i, peg) {
+    const [x, y] = vectorAt(run, ARROWS.momentum, i);
+    return along(peg, [x, y, 0], 1 / this.scales.momentum);
+  }
+
+  /** The angular momentum with its horizontal part, and a dashed line from one to the other. */
+  momentum(run, i, peg) {
+    const [x, y, z] = vectorAt(run, ARROWS.momentum, i);
+    const tip = along(peg, [x, y, z], 1 / this.scales.momentum);
+    this.line([tip, this.flatTip(run, i, peg)], ARROWS.momentum.color, 1.5, [3, 4]);
+    this.arrow("momentum", peg, [x, y, 0], { label: "horizontal part of L", thickness: 3 });
+    this.arrow("momentum", peg, [x, y, z]);
+  }
+
+  /** An arrow from a place; `offset` moves it sideways on the canvas, in pixels, beside another. */
+  arrow(name, from, vector, { label = ARROWS[name].symbol, thickness = 4, offset = 0 } = {}) {
+    const { pen, camera } = this;
+    const { color } = ARROWS[name];
+    const [[x0, y0], [x1, y1]] = [from, along(from, vector, 1 / this.scales[name])].map(camera.project);
+    const length = Math.hypot(x1 - x0, y1 - y0);
+    if (length < 1) return;
+    const [ux, uy] = [(x1 - x0) / length, (y1 - y0) / length];
+    const below = ux < 0 ? -offset : offset;
+    const [start, end] = [[x0 - below * uy, y0 + below * ux], [x1 - below * uy, y1 + below * ux]];
+    const head = Math.min(12, length);
+    pen.strokeStyle = color;
+    pen.lineWidth = thickness;
+    pen.beginPath();
+    pen.moveTo(...start);
+    pen.lineTo(end[0] - 0.8 * head * ux, end[1] - 0.8 * head * uy);
+    pen.stroke();
+    this.head(start, [end[0] - 0.3 * head * ux, end[1] - 0.3 * head * uy], color, head);
+    this.text(label, [end[0] + 12 * ux, end[1] + 12 * uy + 5], color, `600 14px ${FONT}`, ux < -0.3 ? "right" : "left");
+  }
+
+  /** The tilt and the spin at this moment, in the upper left corner. */
+  title(run, color, name, time, width) {
+    const i = indexAt(run.columns.time, time);
+    const { ink, soft } = this.colors;
+    const { theta, axial_rate: rate, flying } = run.columns;
+    const isNarrow = width < 420;
+    const lines = [
+      [name, color],
+      [`tilt θ ${fixed(degrees(theta[i]), 1)}°${isNarrow ? "" : ` (${fixed(theta[i], 3)} rad)`}`, ink],
+      [`spin ${fixed(revolutions(rate[i]), 1)} rev/s${isNarrow ? "" : ` (${fixed(rate[i], 1)} rad/s)`}`, ink],
+      [flying[i] ? "in the air" : "", soft],
+    ].filter(([words]) => words);
+    lines.forEach(([words, paint], row) => this.text(words, [8, 18 + 18 * row], paint, `600 13px ${FONT}`));
+  }
+
+  /** A scale bar, to which the arrows' scales refer. */
+  bar(pen, runs, width, height) {
+    const length = barLength(runs);
+    const pixels = length * this.camera.zoom;
+    const [x, y] = [width - pixels - 14, height - 14];
+    pen.strokeStyle = this.colors.soft;
+    pen.lineWidth = 1.5;
+    pen.beginPath();
+    for (const [dx, dy] of [[0, -4], [0, 0], [pixels, 0], [pixels, -4]]) pen.lineTo(x + dx, y + dy);
+    pen.stroke();
+    this.text(lengthName(length), [x + pixels / 2, y - 6], this.colors.soft, `12px ${FONT}`, "center");
+  }
+
+  /** The scale of an arrow as text, e.g. `1 cm = 5 mN`; empty if it isn't drawn. */
+  legend(runs, name) {
+    if (!this.scales?.[name]) return "";
+    const length = barLength(runs);
+    const value = this.scales[name] * length;
+    const { unit } = ARROWS[name];
+    return `${lengthName(length)} = ${unit === "m/s" ? `${written(value)} m/s` : prefixed(value, unit)}`;
+  }
+}
+
+/** A power of ten of a metre: `1 cm`. */
+function lengthName(length) {
+  const centimetres = Math.round(length * 1e6) / 1e4;
+  if (length >= 0.9999) return `${written(length)} m`;
+  return centimetres >= 0.9999 ? `${written(centimetres)} cm` : `${written(centimetres * 10)} mm`;
 }

@@ -5,8 +5,8 @@ export async function load(module) {
   const toprise = (await WebAssembly.instantiate(module, {})).exports;
   const view = (Type, address, length) => new Type(toprise.memory.buffer, address, length);
   return {
-    ask(question) {
-      const text = new TextEncoder().encode(JSON.stringify(question));
+    ask(request) {
+      const text = new TextEncoder().encode(JSON.stringify(request));
       view(Uint8Array, toprise.input(text.length), text.length).set(text);
       const length = toprise.ask();
       return JSON.parse(new TextDecoder().decode(view(Uint8Array, toprise.output(), length)));
@@ -14,4 +14,22 @@ export async function load(module) {
     column: (index, length) => view(Float64Array, toprise.column(index), length).slice(),
     file: (length) => view(Uint8Array, toprise.file(), length).slice(),
   };
+}
+
+/**
+ * Simulates a scenario in slices, and calls `goOn` between them; null if it answers false.
+ * Returns what `start` says of the scenario, the end of the run and its columns by name, or `{ error }`.
+ */
+export async function simulated(toprise, scenario, columns, goOn = () => true) {
+  const SLICE = 4000; // records
+  const start = toprise.ask({ start: scenario });
+  if (start.error) return start;
+  let progress;
+  do {
+    progress = toprise.ask({ advance: { records: SLICE } });
+    if (!(await goOn())) return null;
+  } while (!progress.error && !progress.sentence);
+  if (progress.error) return { error: progress.error };
+  const values = columns.map((name, index) => [name, toprise.column(index, progress.samples)]);
+  return { scenario, ...start, ...progress, columns: Object.fromEntries(values) };
 }

@@ -1,15 +1,16 @@
 //! toprise as WebAssembly, for the page and for tests in Node.
 //!
-//! Requests and responses are JSON, see [`answer::Question`]. Data columns and files are read directly from memory. Write a
-//! request to the address returned by [`input`]; [`ask`] writes the response to [`output`].
+//! Requests and responses are JSON, see [`request::Request`]. Data columns and files are read directly from memory. Write
+//! a request to the address returned by [`input`]; [`ask`] writes the response to [`output`].
 
 #![allow(unsafe_code, reason = "exported names are not mangled")]
 
-mod answer;
+mod form;
+mod request;
 mod run;
 mod tables;
 
-use answer::Page;
+use request::Page;
 use std::cell::RefCell;
 
 thread_local! {
@@ -20,18 +21,18 @@ thread_local! {
 #[unsafe(no_mangle)]
 pub extern "C" fn input(length: usize) -> *mut u8 {
     PAGE.with_borrow_mut(|page| {
-        page.question = vec![0; length];
-        page.question.as_mut_ptr()
+        page.input = vec![0; length];
+        page.input.as_mut_ptr()
     })
 }
 
 /// Handles the request; returns the response length in bytes.
 #[unsafe(no_mangle)]
 pub extern "C" fn ask() -> usize {
-    PAGE.with_borrow_mut(Page::answer)
+    PAGE.with_borrow_mut(Page::respond)
 }
 
-/// The address of the answer.
+/// The address of the response.
 #[unsafe(no_mangle)]
 pub extern "C" fn output() -> *const u8 {
     PAGE.with_borrow(|page| page.output.as_ptr())

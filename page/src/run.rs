@@ -6,41 +6,58 @@ use std::error::Error;
 use std::rc::Rc;
 use toprise::archive::format::end_entries;
 use toprise::archive::writer::{Form, McapWriter};
+use toprise::physics::top::Top;
 use toprise::run::outcome::Outcome;
 use toprise::run::scenario::Scenario;
-use toprise::run::simulation::{Record, Sample, Simulation, SimulationError, StopReason, Tally};
+use toprise::run::simulation::{
+    Record, Regime, Sample, Simulation, SimulationError, StopReason, Tally,
+};
 use toprise::telemetry::encoding::Encoding;
 use toprise::telemetry::{RunMessages, Topics};
 
 /// Maximum numbers of steps and samples of a run in the page.
-const MOST_STEPS: u64 = 2_000_000;
-const MOST_SAMPLES: usize = 500_000;
+const MAX_STEPS: u64 = 2_000_000;
+const MAX_SAMPLES: usize = 500_000;
 
-/// A number of a sample.
-type Quantity = fn(&Sample) -> f64;
+/// A quantity of a top at a sample.
+type Quantity = fn(&Top, &Sample) -> f64;
 
 /// Columns for the page: name and value of a sample. SI units, world frame.
+#[rustfmt::skip]
 pub const COLUMNS: &[(&str, Quantity)] = &[
-    ("time", |s| s.time_ns as f64 / 1e9),
-    ("theta", |s| s.angles.theta),
-    ("phi_dot", |s| s.tilt.rates.phi),
-    ("theta_dot", |s| s.tilt.rates.theta),
-    ("psi_dot", |s| s.tilt.rates.psi),
-    ("axial_rate", |s| s.pose.omega_body.z),
-    ("slip_speed", |s| s.slip.world.norm()),
-    ("energy", |s| s.energy.total()),
-    ("qw", |s| s.pose.world_from_body.w),
-    ("qx", |s| s.pose.world_from_body.i),
-    ("qy", |s| s.pose.world_from_body.j),
-    ("qz", |s| s.pose.world_from_body.k),
-    ("peg_x", |s| s.pose.peg_position.x),
-    ("peg_y", |s| s.pose.peg_position.y),
-    ("peg_z", |s| s.pose.peg_position.z),
-    ("slip_x", |s| s.slip.world.x),
-    ("slip_y", |s| s.slip.world.y),
-    ("friction_x", |s| s.slip.friction_force.x),
-    ("friction_y", |s| s.slip.friction_force.y),
-    ("regime", |sample| sample.regime().code()),
+    ("time", |_, s| s.time_ns as f64 / 1e9),
+    ("theta", |_, s| s.angles.theta),
+    ("phi_dot", |_, s| s.tilt.rates.phi),
+    ("theta_dot", |_, s| s.tilt.rates.theta),
+    ("psi_dot", |_, s| s.tilt.rates.psi),
+    ("axial_rate", |_, s| s.pose.omega_body.z),
+    ("slip_speed", |_, s| s.slip.world.norm()),
+    ("energy", |_, s| s.energy.total()),
+    // Of the centre of mass above the table, so that it is never negative.
+    ("height_energy", |top, s| top.weight() * (s.pose.peg_position.z + top.center_distance * s.pose.axis.z)),
+    ("spin_energy", |_, s| 0.5 * s.momentum.axial * s.pose.omega_body.z),
+    ("kinetic", |_, s| s.energy.kinetic),
+    ("qw", |_, s| s.pose.world_from_body.w),
+    ("qx", |_, s| s.pose.world_from_body.i),
+    ("qy", |_, s| s.pose.world_from_body.j),
+    ("qz", |_, s| s.pose.world_from_body.k),
+    ("peg_x", |_, s| s.pose.peg_position.x),
+    ("peg_y", |_, s| s.pose.peg_position.y),
+    ("peg_z", |_, s| s.pose.peg_position.z),
+    ("slip_x", |_, s| s.slip.world.x),
+    ("slip_y", |_, s| s.slip.world.y),
+    ("friction_x", |_, s| s.slip.friction_force.x),
+    ("friction_y", |_, s| s.slip.friction_force.y),
+    // Of friction, about the peg's centre.
+    ("torque_x", |_, s| (s.pose.world_from_body * s.torque.friction.body).x),
+    ("torque_y", |_, s| (s.pose.world_from_body * s.torque.friction.body).y),
+    ("torque_z", |_, s| (s.pose.world_from_body * s.torque.friction.body).z),
+    ("momentum_x", |_, s| s.momentum.world.x),
+    ("momentum_y", |_, s| s.momentum.world.y),
+    ("momentum_z", |_, s| s.momentum.world.z),
+    ("height", |top, s| s.pose.peg_position.z - top.peg_radius),
+    // 1 in the air, otherwise 0.
+    ("flying", |_, s| f64::from(s.regime() == Regime::Flying)),
 ];
 
 /// A run under way, or complete.
@@ -66,7 +83,7 @@ impl Run {
         let counted = Rc::clone(&steps);
         let carry_on = move || {
             counted.set(counted.get() + 1);
-            counted.get() < MOST_STEPS
+            counted.get() < MAX_STEPS
         };
         let simulation = Simulation::new(&scenario)?;
         Ok(Self {
@@ -90,7 +107,7 @@ impl Run {
     pub fn advance(&mut self, records: usize) {
         for _ in 0..records {
             match self.simulation.next() {
-                _ if self.columns[0].len() > MOST_SAMPLES => self.finish(),
+                _ if self.columns[0].len() > MAX_SAMPLES => self.finish(),
                 Some(Ok(record)) => self.take(&record),
                 Some(Err(error)) => self.end = Some(Err(error.to_string())),
                 None => self.finish(),
@@ -104,8 +121,9 @@ impl Run {
     fn take(&mut self, record: &Record) {
         match record {
             Record::Sample(sample) => {
+                let top = &self.scenario.model.top;
                 for ((_, value), column) in COLUMNS.iter().zip(&mut self.columns) {
-                    column.push(value(sample));
+                    column.push(value(top, sample));
                 }
             }
             Record::Event(event) => {
@@ -131,7 +149,7 @@ impl Run {
 
     fn finish(&mut self) {
         let end = self.simulation.end();
-        let is_whole = end.stop != StopReason::Interrupted && self.columns[0].len() <= MOST_SAMPLES;
+        let is_whole = end.stop != StopReason::Interrupted && self.columns[0].len() <= MAX_SAMPLES;
         self.end = Some(if is_whole {
             Ok(Outcome::new(&self.scenario, end, self.tally.clone()))
         } else {

@@ -1,15 +1,16 @@
 // Uses the page as a person would, in Chromium. usage: node page/test/browser.mjs PAGE TOPRISE DIRECTORY
-// TOPRISE is the program whose bytes a saved recording must have; screenshots go into DIRECTORY.
+// TOPRISE is the program whose bytes a saved recording must have; screenshots go into DIRECTORY. The environment variable
+// TEST selects the tests whose names contain it.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { readFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, readdirSync, rmSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { chromium } from "playwright-core";
 
 const [page, toprise, directory] = process.argv.slice(2).map((path) => resolve(path));
 const url = `file://${page}`;
 const browser = await chromium.launch({ executablePath: "/usr/bin/chromium", args: ["--no-sandbox", "--js-flags=--expose-gc"] });
-const context = await browser.newContext({ viewport: { width: 1500, height: 950 }, acceptDownloads: true, offline: true });
+const context = await browser.newContext({ viewport: { width: 1366, height: 768 }, acceptDownloads: true, offline: true });
 const faults = [];
 
 async function open(hash = "") {
@@ -25,21 +26,89 @@ const becomes = (tab, text) => tab.waitForFunction((text) => document.getElement
 const picture = (tab, id) => tab.evaluate((id) => document.getElementById(id).toDataURL(), id);
 const box = (tab, path) => tab.locator(`[data-path="${path}"] input[type=text]`);
 const shot = (tab, name) => tab.screenshot({ path: join(directory, `${name}.png`) });
+const clock = (tab) => tab.textContent("#clock").then(parseFloat);
+const clockBecomes = (tab, text) => tab.waitForFunction((text) => document.getElementById("clock").textContent === text, text);
+const errorBecomes = (tab, start) => tab.waitForFunction((start) => document.getElementById("error").textContent.startsWith(start), start);
+
+/** Stops playback. */
+const pause = async (tab) => (await tab.textContent("#play")) === "Pause" && (await tab.click("#play"));
+
+/** Opens all sections of all keys. */
+const openAll = (tab) => tab.evaluate(() => document.querySelectorAll("#form details").forEach((section) => (section.open = true)));
+
+/** Two fingers that touch an element and move apart by a factor and sideways, through Chromium's input. */
+async function pinch(tab, id, factor, sideways = 0) {
+  const { x, y, width, height } = await tab.locator(`#${id}`).boundingBox();
+  const session = await tab.context().newCDPSession(tab);
+  const fingers = (half, shift) => [-1, 1].map((side) => ({ x: x + width / 2 + shift + side * half, y: y + height / 2, id: side + 1 }));
+  await session.send("Input.dispatchTouchEvent", { type: "touchStart", touchPoints: fingers(40, 0) });
+  for (let part = 1; part <= 5; part++) {
+    const half = 40 * (1 + ((factor - 1) * part) / 5);
+    await session.send("Input.dispatchTouchEvent", { type: "touchMove", touchPoints: fingers(half, (sideways * part) / 5) });
+  }
+  await session.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
+  await tab.waitForTimeout(200);
+}
 
 const tests = {
+  async "the first screen shows a spinning top and what to do, without scrolling"(tab) {
+    for (const [width, height] of [[1366, 768], [1920, 1080]]) {
+      await tab.setViewportSize({ width, height });
+      for (const id of ["presets", "knobs", "pin", "top", "arrows", "player", "curves", "energy", "energy-numbers", "to-lesson"]) {
+        const { x, y, width: wide, height: high } = await tab.locator(`#${id}`).boundingBox();
+        assert.ok(x >= 0 && y >= 0 && x + wide <= width && y + high <= height, `${id} at ${width} × ${height}`);
+      }
+      await shot(tab, `first-${width}`);
+    }
+    assert.equal(await tab.textContent("#play"), "Pause");
+    const before = await clock(tab);
+    await tab.waitForFunction((before) => parseFloat(document.getElementById("clock").textContent) > before + 0.1, before);
+  },
   async "a slider changes the run, its curves and the top"(tab) {
     assert.match(await summary(tab), /^paper: risen at t = 24\.719386 s$/);
+    await pause(tab);
     const before = [await picture(tab, "curves"), await picture(tab, "top")];
-    await tab.locator('[data-path="friction.k"] input[type=range]').fill("600");
-    await becomes(tab, "paper, friction.k = 0.0631");
+    await tab.fill("#knob-k", "400");
+    await becomes(tab, "paper, friction.k = 0.119");
     await tab.waitForTimeout(100);
     assert.notEqual(await picture(tab, "curves"), before[0]);
-    assert.equal(await tab.textContent("#command"), "toprise run paper --set friction.k=0.0631");
-    await shot(tab, "slider");
+    assert.notEqual(await picture(tab, "top"), before[1]);
+    assert.equal(await tab.textContent("#command"), "toprise run paper --set friction.k=0.119");
   },
-  async "a run is pinned and compared"(tab) {
+  async "spin and tilt are shown in turns and degrees"(tab) {
+    assert.equal(await tab.textContent('[data-knob="initial.psi_dot"] output'), "27.1 rev/s 170 rad/s");
+    assert.equal(await tab.textContent('[data-knob="initial.theta"] output'), "28.6° 0.5 rad");
+    await tab.fill("#knob-theta", "250");
+    await becomes(tab, "initial.theta = 0.735");
+    assert.equal(await tab.textContent('[data-knob="initial.theta"] output'), "42.1° 0.735 rad");
+  },
+  async "friction is switched off, and on as it was"(tab) {
+    await tab.fill("#knob-k", "300");
+    await becomes(tab, "friction.k = 0.0475");
+    await tab.uncheck("#friction");
+    await becomes(tab, "keys changed");
+    assert.ok(await tab.isDisabled("#knob-k"));
+    await tab.check("#friction");
+    await becomes(tab, "paper, friction.k = 0.0475: risen");
+    await tab.click('#presets [value="frictionless"]');
+    await becomes(tab, "frictionless:");
+    await tab.check("#friction");
+    await becomes(tab, "risen");
+  },
+  async "presets have buttons"(tab) {
+    for (const preset of ["tippe-top", "frictionless", "drop", "paper"]) {
+      await tab.click(`#presets [value="${preset}"]`);
+      await becomes(tab, `${preset}:`);
+      assert.equal(await tab.locator("#presets [aria-pressed=true]").getAttribute("value"), preset);
+      await tab.waitForTimeout(1000);
+      await shot(tab, preset);
+    }
+  },
+  async "a run is kept as A and compared"(tab) {
+    await openAll(tab);
     await tab.click("#pin");
-    await tab.waitForFunction(() => document.getElementById("comparison").textContent.includes("This run is pinned as A."));
+    await tab.waitForFunction(() => document.getElementById("comparison").textContent.includes("This run is kept as A."));
+    assert.match(await tab.textContent("#pin-note"), /^A \(grey\) is paper\./);
     await box(tab, "friction.k").fill("0.045");
     await becomes(tab, "paper, friction.k = 0.045");
     await tab.waitForSelector("#comparison td");
@@ -47,32 +116,84 @@ const tests = {
     assert.deepEqual(rows.slice(0, 3), ["24.7194", "16.4733", "−8.25 s ± 54.1 ms"]);
     await shot(tab, "pair");
   },
-  async "a saved recording has the program's bytes"(tab) {
-    await box(tab, "stop.duration").evaluate((box) => (box.closest("details").open = true));
+  async "arrows keep their scale when friction changes, and are chosen by checkboxes"(tab) {
+    const scale = await tab.textContent("#scale-force");
+    assert.equal(scale, "(1 cm = 20 mN)");
+    await tab.fill("#knob-k", "330");
+    await becomes(tab, "friction.k = 0.06");
+    assert.equal(await tab.textContent("#scale-force"), scale);
+    await tab.check("#show-momentum");
+    await tab.waitForFunction(() => document.getElementById("scale-momentum").textContent === "(1 cm = 2 mN m s)");
+    await tab.check("#show-torque");
+    await pause(tab);
+    await tab.waitForTimeout(200);
+    const withArrows = await picture(tab, "top");
+    await tab.uncheck("#show-momentum");
+    await tab.waitForTimeout(200);
+    assert.notEqual(await picture(tab, "top"), withArrows);
+  },
+  async "the view is turned, brought closer and reset"(tab) {
+    await pause(tab);
+    await tab.waitForTimeout(200);
+    const before = await picture(tab, "top");
+    const { x, y } = await tab.locator("#top").boundingBox();
+    await tab.mouse.move(x + 200, y + 200);
+    await tab.mouse.down();
+    await tab.mouse.move(x + 260, y + 220, { steps: 3 });
+    await tab.mouse.up();
+    await tab.waitForTimeout(200);
+    assert.notEqual(await picture(tab, "top"), before);
+    await pinch(tab, "top", 2);
+    await tab.click("#reset-view");
+    await tab.waitForTimeout(200);
+    assert.equal(await picture(tab, "top"), before);
+  },
+  async "two fingers zoom and move the curves"(tab) {
+    await pause(tab);
+    await tab.waitForTimeout(200);
+    const whole = await picture(tab, "curves");
+    await pinch(tab, "curves", 3);
+    const zoomed = await picture(tab, "curves");
+    assert.notEqual(zoomed, whole);
+    await pinch(tab, "curves", 1, 60);
+    assert.notEqual(await picture(tab, "curves"), zoomed);
+    const time = await clock(tab);
+    await tab.focus("#curves");
+    await tab.keyboard.press("-");
+    await tab.waitForTimeout(200);
+    assert.equal(await clock(tab), time);
+  },
+  async "a saved recording has the program's bytes and name"(tab) {
+    await openAll(tab);
     await box(tab, "stop.duration").fill("2");
     await becomes(tab, "stop.duration = 2");
     for (const encoding of ["json", "protobuf"]) {
       await tab.selectOption("#encoding", encoding);
       const [download] = await Promise.all([tab.waitForEvent("download"), tab.click("#save")]);
       const saved = readFileSync(await download.path());
-      const file = join(directory, `${encoding}.mcap`);
-      const words = ["run", "paper", "--set", "stop.duration=2", "--encoding", encoding, "-o", file, "--force", "-q"];
-      execFileSync(toprise, words);
-      assert.ok(saved.equals(readFileSync(file)), encoding);
+      const folder = mkdtempSync(join(directory, "saved-"));
+      execFileSync(toprise, ["run", "paper", "--set", "stop.duration=2", "--encoding", encoding, "-q"], { cwd: folder });
+      const [file] = readdirSync(join(folder, "recordings")).filter((name) => name.endsWith(".mcap"));
+      assert.equal(download.suggestedFilename(), file);
+      assert.ok(saved.equals(readFileSync(join(folder, "recordings", file))), encoding);
+      rmSync(folder, { recursive: true });
     }
     assert.match(await tab.textContent("#digest"), /[0-9a-f]{64}/);
   },
   async "all presets have their golden digests"(tab) {
     const golden = readFileSync("tests/suite/golden.rs", "utf8").matchAll(/\("([\w-]+)", \d+, \d+, "([0-9a-f]{64})"\)/g);
+    await openAll(tab);
     await tab.selectOption("#encoding", "protobuf");
     for (const [, preset, digest] of golden) {
       await tab.selectOption("#preset", preset);
       await becomes(tab, `${preset}:`);
-      await Promise.all([tab.waitForEvent("download"), tab.click("#save")]);
+      const [download] = await Promise.all([tab.waitForEvent("download"), tab.click("#save")]);
+      assert.equal(download.suggestedFilename(), `${preset}.mcap`);
       assert.ok((await tab.textContent("#digest")).endsWith(digest), preset);
     }
   },
   async "a link opens the same view"(tab) {
+    await openAll(tab);
     await box(tab, "friction.k").fill("0.021");
     await becomes(tab, "friction.k = 0.021");
     await tab.click("#pin");
@@ -83,13 +204,47 @@ const tests = {
     const other = await open(`${hash}&at=3.2`);
     assert.equal(await summary(other), await summary(tab));
     assert.equal(await other.textContent("#clock"), "3.200 s");
-    assert.equal(await other.textContent("#pin"), "Unpin A");
+    assert.equal(await other.textContent("#pin"), "Remove A");
+    await other.close();
+  },
+  async "each step of the lesson sets the page up, asks, and has an answer to open"(tab) {
+    const runs = ["frictionless:", "full-coulomb:", "full-coulomb:", "full-coulomb, friction.k = 0.06:", "tippe-top:"];
+    await tab.click("#to-lesson");
+    for (const [index, run] of runs.entries()) {
+      if (index > 0) await tab.click(`#lesson nav a:nth-of-type(${index + 1})`);
+      await tab.waitForSelector(`#lesson a[aria-current=step]:has-text("${index + 1}")`);
+      await becomes(tab, run);
+      assert.equal(await tab.isVisible("#compared"), index === 0 || index === 3);
+      assert.ok(!(await tab.isVisible("#lesson details p")));
+      await tab.click("#lesson summary");
+      assert.ok(await tab.isVisible("#lesson details p"));
+      const { y, height } = await tab.locator("#player").boundingBox();
+      assert.ok(y + height <= 768, `the player is below the fold in step ${index + 1}`);
+      await shot(tab, `lesson-${index + 1}`);
+    }
+    assert.equal(await tab.isChecked("#show-torque"), false);
+    await tab.click("#lesson button");
+    assert.ok(!(await tab.isVisible("#lesson")));
+    assert.equal(new URL(tab.url()).hash, "#tippe-top");
+    const second = await open("#lesson=2");
+    for (const name of ["torque", "momentum"]) assert.ok(await second.isChecked(`#show-${name}`));
+    await second.fill("#knob-k", "300");
+    await becomes(second, "friction.k = 0.0475");
+    assert.equal(new URL(second.url()).hash, "#full-coulomb&friction.k=0.0475&lesson=2");
+    await second.reload();
+    await becomes(second, "friction.k = 0.0475");
+    assert.ok(await second.isVisible("#lesson"));
+    await second.close();
+  },
+  async "the changes of energy stand below its areas"(tab) {
+    const other = await open("#full-coulomb&at=24.73");
+    assert.equal(await other.textContent("#energy-numbers"), "Changes since the start:height +2.64 mJspin −239.67 mJother motion −0.03 mJlost as heat +237.07 mJ");
     await other.close();
   },
   async "a bad value is refused in the program's words, and the next good one is run"(tab) {
+    await openAll(tab);
     await box(tab, "friction.k").fill("-1");
-    await tab.waitForFunction(() => document.getElementById("error").textContent !== "");
-    assert.equal(await tab.textContent("#error"), "friction.k = -1: must be a number from 0 to 100");
+    await errorBecomes(tab, "friction.k = -1: must be a number from 0 to 100");
     for (const id of ["pin", "save", "copy-command", "copy-link"]) assert.ok(await tab.isDisabled(`#${id}`), id);
     await box(tab, "friction.k").fill("0,03");
     await tab.waitForFunction(() => document.getElementById("error").textContent.endsWith("with a decimal point, e.g. 0.03"));
@@ -105,72 +260,140 @@ const tests = {
       ["#paper&vs=papr", null],
     ]) {
       const other = await open(hash);
-      const told = await other.textContent("#error");
-      if (error) assert.ok(told.startsWith(error), told);
+      const message = await other.textContent("#error");
+      if (error) assert.ok(message.startsWith(error), message);
       else assert.match(await summary(other), /^paper:/);
+      // A click on a preset leads back.
+      await other.click('#presets [value="paper"]');
+      await becomes(other, "paper: risen");
       await other.close();
     }
-    assert.match(await summary(tab), /^paper:/);
   },
   async "keys that don't apply are not there"(tab) {
+    await openAll(tab);
     assert.equal(await box(tab, "friction.viscous_speed").count(), 0);
     await tab.locator('[data-path="friction.law"] select').selectOption("viscous");
     await becomes(tab, "friction.law = viscous");
-    assert.equal(await box(tab, "friction.viscous_speed").inputValue(), "0.5");
+    assert.ok(Number(await box(tab, "friction.viscous_speed").inputValue()) > 0);
     await tab.locator('[data-path="friction.law"] select').selectOption("none");
-    await becomes(tab, "keys changed");
-    assert.equal(await box(tab, "friction.k").count(), 0);
+    await tab.waitForFunction(() => !document.querySelector('[data-path="friction.k"]'));
+    assert.equal(await tab.textContent("#error"), "");
   },
   async "a peg is let go"(tab) {
-    await tab.locator('[data-path="support.kind"] select').evaluate((select) => (select.closest("details").open = true));
+    await openAll(tab);
     await tab.locator('[data-path="support.kind"] select').selectOption("free");
     await becomes(tab, "keys changed");
     assert.equal(await tab.textContent("#error"), "");
     assert.match(await tab.textContent("#also"), /^This also sets .*formulation = body.*\.$/);
+    assert.equal(await tab.locator('[data-path="formulation"] select').inputValue(), "body");
     await shot(tab, "free");
   },
+  async "numbers in fields are short"(tab) {
+    await openAll(tab);
+    await tab.click('#presets [value="tippe-top"]');
+    await becomes(tab, "tippe-top:");
+    assert.equal(await box(tab, "top.transverse_moment").inputValue(), "3.7143e-6");
+    assert.equal(await tab.textContent("#command"), "toprise run tippe-top");
+    const slider = tab.locator('[data-path="top.center_distance"] input[type=range]');
+    for (const place of ["0", "250", "750", "1000"]) {
+      await slider.fill(place);
+      await tab.waitForTimeout(400);
+      assert.equal(await tab.textContent("#error"), "", place);
+    }
+  },
   async "a run without end is ended, and says so"(tab) {
-    await tab.selectOption("#preset", "frictionless");
+    await openAll(tab);
+    await tab.click('#presets [value="frictionless"]');
     await becomes(tab, "frictionless:");
-    await box(tab, "stop.duration").evaluate((box) => (box.closest("details").open = true));
     await box(tab, "stop.duration").fill("1000000");
     await tab.waitForFunction(() => document.getElementById("error").textContent.includes("too long"), null, { timeout: 60_000 });
     await box(tab, "stop.duration").fill("1");
     await becomes(tab, "stop.duration = 1");
   },
-  async "it plays, and the keyboard moves through it"(tab) {
-    await tab.click("#play");
+  async "it plays on its own, and the keyboard moves through it"(tab) {
     await tab.waitForFunction(() => parseFloat(document.getElementById("clock").textContent) > 0.1);
-    await tab.click("#play");
     await tab.locator("#stage").click({ position: { x: 5, y: 5 } });
+    await tab.keyboard.press(" ");
+    assert.equal(await tab.textContent("#play"), "Play");
     await tab.keyboard.press("Home");
-    await tab.waitForFunction(() => document.getElementById("clock").textContent === "0.000 s");
+    await clockBecomes(tab, "0.000 s");
     await tab.keyboard.press("ArrowRight");
-    await tab.waitForFunction(() => document.getElementById("clock").textContent === "0.010 s");
+    await clockBecomes(tab, "0.010 s");
     await tab.focus("#events");
     await tab.keyboard.press("ArrowDown");
-    await tab.waitForFunction(() => document.getElementById("clock").textContent === "24.270 s");
+    await clockBecomes(tab, "24.270 s");
+    await tab.focus("#top");
+    const before = await picture(tab, "top");
+    await tab.keyboard.press("ArrowLeft");
+    await tab.waitForTimeout(200);
+    assert.notEqual(await picture(tab, "top"), before);
+    await clockBecomes(tab, "24.270 s");
+    await tab.keyboard.press("?");
+    assert.match(await tab.textContent("#keys"), /Space/);
+    await tab.keyboard.press("Escape");
+    assert.ok(!(await tab.isVisible("#keys")));
+    await tab.keyboard.press("a");
+    await tab.waitForFunction(() => document.getElementById("pin").textContent === "Remove A");
+  },
+  async "it starts again at the end"(tab) {
+    await tab.selectOption("#speed", "5");
+    await tab.locator("#time").evaluate((slider) => {
+      slider.value = 24.6;
+      slider.dispatchEvent(new Event("input"));
+    });
+    await tab.waitForFunction(() => parseFloat(document.getElementById("clock").textContent) < 5);
+  },
+  async "the playback speed stays what was chosen"(tab) {
+    await tab.selectOption("#speed", "0.1");
+    await tab.fill("#knob-k", "400");
+    await becomes(tab, "friction.k = 0.119");
+    await tab.click('#presets [value="drop"]');
+    await becomes(tab, "drop:");
+    assert.equal(await tab.inputValue("#speed"), "0.1");
   },
   async "two tabs don't disturb each other"(tab) {
     const other = await open("#tippe-top");
+    await openAll(tab);
     await box(tab, "friction.k").fill("0.05");
     await becomes(tab, "friction.k = 0.05");
     assert.match(await summary(other), /^tippe-top:/);
-    await shot(other, "tippe-top");
     await other.close();
   },
-  async "it fits a phone"(tab) {
+  async "it fits a phone, and the picture stays in sight while a slider moves"(tab) {
     await tab.setViewportSize({ width: 390, height: 844 });
     const [inner, outer] = await tab.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
     assert.ok(inner <= outer, `${inner} > ${outer}`);
     await shot(tab, "phone");
+    await tab.locator("#knob-theta").evaluate((slider) => slider.scrollIntoView({ block: "end" }));
+    await tab.fill("#knob-theta", "300");
+    await becomes(tab, "initial.theta");
+    const [top, slider] = [await tab.locator("#top").boundingBox(), await tab.locator("#knob-theta").boundingBox()];
+    assert.ok(top.y >= 0 && top.y + top.height <= slider.y && slider.y + slider.height <= 844, JSON.stringify([top, slider]));
+    await shot(tab, "phone-slider");
+  },
+  async "a browser that is too old says so"() {
+    const other = await context.newPage();
+    await other.addInitScript(() => delete window.DecompressionStream);
+    await other.goto(url);
+    assert.match(await other.textContent("#summary"), /^This browser is too old/);
+    await other.close();
+  },
+  async "the start of a run under reduced motion is still"() {
+    const still = await browser.newContext({ reducedMotion: "reduce", offline: true });
+    const other = await still.newPage();
+    await other.goto(url);
+    await other.waitForSelector("body.ready");
+    assert.equal(await other.textContent("#play"), "Play");
+    assert.equal(await other.textContent("#clock"), "0.000 s");
+    await still.close();
   },
   async "memory does not grow with the changes"(tab) {
+    await pause(tab);
     const grown = await tab.evaluate(async () => {
-      const slider = document.querySelector('[data-path="friction.k"] input[type=range]');
+      const slider = document.getElementById("knob-k");
       const sizes = [];
       for (let change = 0; change < 300; change++) {
-        slider.value = 300 + (change % 200);
+        slider.value = 150 + (change % 200);
         slider.dispatchEvent(new Event("input"));
         await new Promise((resume) => setTimeout(resume, 60));
         if (change % 100 === 99) {
@@ -183,11 +406,12 @@ const tests = {
     assert.ok(grown < 1.2, `${grown} times`);
   },
   async "a move of a slider shows at once"(tab) {
+    await pause(tab);
     const times = await tab.evaluate(async () => {
-      const slider = document.querySelector('[data-path="friction.k"] input[type=range]');
+      const slider = document.getElementById("knob-k");
       const shown = document.getElementById("summary");
       const times = [];
-      for (let place = 500; place < 520; place++) {
+      for (let place = 250; place < 270; place++) {
         const start = performance.now();
         const changed = new Promise((resolve) => new MutationObserver(resolve).observe(shown, { childList: true }));
         slider.value = place;
@@ -200,12 +424,13 @@ const tests = {
     });
     // On a busy machine without a graphics card; a laptop takes a tenth.
     assert.ok(times[10] < 1000, `${times[10]} ms`);
-    console.log(`  median ${times[10].toFixed(0)} ms, longest ${times.at(-1).toFixed(0)} ms`);
+    console.log(`  median ${times[10].toFixed(0)} ms, shortest ${times[0].toFixed(0)} ms, longest ${times.at(-1).toFixed(0)} ms`);
   },
 };
 
 let failed = 0;
 for (const [name, test] of Object.entries(tests)) {
+  if (!name.includes(process.env.TEST ?? "")) continue;
   const tab = await open();
   try {
     await test(tab);

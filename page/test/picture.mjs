@@ -3,10 +3,11 @@ import { chromium } from "playwright-core";
 
 const [url, file, seconds] = process.argv.slice(2);
 const browser = await chromium.launch({ executablePath: "/usr/bin/chromium", args: ["--no-sandbox"] });
-const page = await browser.newPage({ viewport: { width: 1500, height: 940 } });
+const page = await browser.newPage({ viewport: { width: 1500, height: 800 } });
 await page.goto(url);
 await page.waitForSelector("body.ready");
 await page.waitForSelector("#comparison td");
+await page.click("#play"); // pauses
 await page.locator("#time").evaluate((slider, seconds) => {
   slider.value = seconds;
   slider.dispatchEvent(new Event("input"));

@@ -92,4 +92,3 @@ impl FilePlan {
 fn is_free(path: &Path) -> bool {
     !path.exists() && !partial_name(path).exists()
 }
-

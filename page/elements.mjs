@@ -1,0 +1,10 @@
+// Elements of the page.
+
+export const at = (id) => document.getElementById(id);
+
+/** A new element with properties and children. */
+export function element(name, properties = {}, ...children) {
+  const made = Object.assign(document.createElement(name), properties);
+  made.append(...children);
+  return made;
+}

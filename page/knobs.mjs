@@ -1,0 +1,90 @@
+// The large sliders: friction, spin and tilt; and friction's switch.
+
+import { placeOf, sliderRange, validText, valueAt } from "./controls.mjs";
+import { element } from "./elements.mjs";
+import { degrees, fixed, revolutions, written } from "./numbers.mjs";
+
+const KNOB_STEPS = 500;
+
+const KNOBS = [
+  {
+    path: "friction.k",
+    name: "Friction",
+    symbol: "k",
+    ends: ["slippery", "rough"],
+    range: [0.003, 0.3],
+    text: (value) => [written(value), ""],
+  },
+  {
+    path: "initial.psi_dot",
+    name: "Spin",
+    symbol: "ψ̇",
+    ends: ["slow", "fast"],
+    range: [0, 300],
+    text: (value) => [`${fixed(revolutions(value), 1)} rev/s`, `${written(value)} rad/s`],
+  },
+  {
+    path: "initial.theta",
+    name: "Tilt",
+    symbol: "θ",
+    ends: ["upright", "lying"],
+    range: [0.02, 1.45],
+    text: (value) => [`${fixed(degrees(value), 1)}°`, `${written(value)} rad`],
+  },
+];
+
+/** The usual values of a knob, widened so that they contain the present one. */
+function spanOf({ range }, value) {
+  const [low, high] = range;
+  return Number.isFinite(value) ? [Math.min(low, value), Math.max(high, value)] : range;
+}
+
+export class Knobs {
+  /** `changed(key, value)` is called on input; `toggled(isOn)` when friction is switched on or off. */
+  constructor(place, { changed, toggled }) {
+    this.knobs = KNOBS.map((knob) => this.make(knob, changed));
+    this.friction = element("input", { type: "checkbox", id: "friction", onchange: () => toggled(this.friction.checked) });
+    const label = element("label", { className: "switch", title: "Friction on or off" }, this.friction, "on");
+    this.knobs[0].row.querySelector(".name").append(label);
+    place.replaceChildren(...this.knobs.map(({ row }) => row));
+  }
+
+  make(knob, changed) {
+    const id = `knob-${knob.path.split(".").at(-1)}`;
+    const value = element("output", { htmlFor: id });
+    const slider = element("input", { type: "range", id, min: 0, max: KNOB_STEPS, ariaLabel: knob.name });
+    const name = element("span", { className: "name" }, element("label", { htmlFor: id }, `${knob.name} `, element("i", { textContent: knob.symbol })));
+    const ends = element("span", { className: "ends" }, ...knob.ends.map((textContent) => element("small", { textContent })));
+    const row = element("div", { className: "knob" }, name, value, slider, ends);
+    row.dataset.knob = knob.path;
+    const made = { ...knob, row, slider, value, key: null, sent: null };
+    slider.oninput = () => {
+      const text = validText(made.key, valueAt(made.key, slider.value / KNOB_STEPS));
+      made.sent = Number(text);
+      this.print(made, made.sent);
+      changed(made.key, text);
+    };
+    return made;
+  }
+
+  print({ value, text, slider }, number) {
+    const [main, also] = Number.isFinite(number) ? text(number) : ["none", ""];
+    value.replaceChildren(element("b", { textContent: main }), also ? ` ${also}` : "");
+    slider.setAttribute("aria-valuetext", `${main} ${also}`);
+  }
+
+  show(scenario, keys) {
+    this.friction.checked = scenario.value("friction.law") !== "none";
+    for (const knob of this.knobs) {
+      const key = keys.find(({ path }) => path === knob.path);
+      const value = scenario.number(knob.path);
+      knob.key = key && { ...key, typical: spanOf(knob, value) };
+      knob.slider.disabled = !key;
+      this.print(knob, value);
+      // A slider that is being moved stays where the finger is: its text is rounded.
+      if (key && value !== knob.sent) knob.slider.value = KNOB_STEPS * placeOf(knob.key, value);
+      knob.sent = value;
+      knob.slider.title = key ? `${sliderRange(knob.key).map((end) => knob.text(end)[0]).join(" to ")}` : "";
+    }
+  }
+}

@@ -1,0 +1,82 @@
+// The lesson: five steps, each with a question, what to watch, and an answer to open.
+
+import { element } from "./elements.mjs";
+
+/**
+ * The steps. `ours` is the scenario that is edited (B), `theirs` the pinned one (A), `arrows` those that are shown.
+ * The numbers in the answers are checked against the runs in page/test/lesson.mjs.
+ */
+export const STEPS_OF_LESSON = [
+  {
+    title: "Does it rise without friction?",
+    ours: "frictionless",
+    theirs: "full-coulomb",
+    arrows: ["slip", "force"],
+    question: "A slips on the table with friction, B without. Guess first: which of them rises?",
+    watch: "the tilt θ, in the two pictures and in the uppermost curve.",
+    answer:
+      "Only A. Without friction the tilt stays at 28.6°, to a hundredth of a degree, for as long as you like: the top only goes round. With friction it rises from 28.6° to 1.1° in 24.7 s.",
+  },
+  {
+    title: "How can friction lift it?",
+    ours: "full-coulomb",
+    arrows: ["torque", "momentum"],
+    question: "Friction acts on the peg, along the table. How can it turn the axis upright?",
+    watch: "the angular momentum L (green), its horizontal part, and the friction torque τ beside the tip of that.",
+    answer:
+      "The friction torque is horizontal and points against the horizontal part of L. So it shortens that part, from 5.90 to 0.22 mN m s, and leaves the vertical part at 10.95 mN m s. L becomes vertical; a fast top's axis stays near L, so the axis becomes vertical too. Gravity only turns L about the vertical.",
+  },
+  {
+    title: "Where does the energy come from?",
+    ours: "full-coulomb",
+    arrows: ["slip", "force"],
+    question: "The centre of mass rises, although friction takes energy away. What pays for it?",
+    watch: "the energy areas, and the numbers below them near the end of the run.",
+    answer:
+      "The spin. It loses 239.7 mJ: 2.6 mJ of them lift the top, 237.1 mJ become heat. The spin falls from 27.3 to 24.0 rev/s. To rise by 2.4 mm is cheap, to do it by slipping is not.",
+  },
+  {
+    title: "What makes it rise faster?",
+    ours: "full-coulomb&friction.k=0.06",
+    theirs: "full-coulomb",
+    arrows: ["slip", "force"],
+    question: "B has twice the friction of A. How long does it take? Then give it less spin: does it take longer?",
+    watch: "when each becomes upright. Move the sliders of friction and spin.",
+    answer:
+      "12.4 s instead of 24.7 s: the time is inversely proportional to k. With less spin there is less angular momentum to turn: at k = 0.03 and 100 rad/s (15.9 rev/s) the top is upright after 13.9 s. With too little it falls: at 30 rad/s (4.8 rev/s), after 5.2 s.",
+  },
+  {
+    title: "Why does a tippe top turn over?",
+    ours: "tippe-top",
+    arrows: ["slip", "force"],
+    question: "Its centre of mass lies below the middle of the ball, and still it rises. After it has turned over, which way does it spin?",
+    watch: "the spin about its own axis, ω·n, and the sense in which it turns seen from above.",
+    answer:
+      "Again friction turns the axis, and the spin pays: the centre of mass rises by 12.0 mm while 5.0 mJ become heat. The axis passes the horizontal at 5.5 s. Seen from above the top keeps its sense of rotation; about its own axis it therefore spins the other way, at −6.8 instead of 12.7 rev/s.",
+  },
+];
+
+/** The strip with the step of the lesson. `open(step)` is called with a number from 1, or 0 to leave the lesson. */
+export class Lesson {
+  constructor(place, open) {
+    this.place = place;
+    this.open = open;
+    this.step = 0;
+  }
+
+  show(number) {
+    this.step = STEPS_OF_LESSON[number - 1] ? number : 0;
+    this.place.hidden = this.step === 0;
+    document.body.classList.toggle("in-lesson", this.step > 0);
+    if (this.step === 0) return;
+    const { title, question, watch, answer } = STEPS_OF_LESSON[this.step - 1];
+    const steps = STEPS_OF_LESSON.map(({ title }, index) =>
+      element("a", { href: `#lesson=${index + 1}`, textContent: index + 1, title, ariaCurrent: index + 1 === this.step ? "step" : null }),
+    );
+    this.place.replaceChildren(
+      element("nav", { ariaLabel: "Steps of the lesson" }, "Lesson ", ...steps, element("button", { type: "button", textContent: "Leave", onclick: () => this.open(0) })),
+      element("div", {}, element("h2", { textContent: `${this.step}. ${title}` }), element("p", { textContent: question }), element("p", { className: "watch" }, element("b", { textContent: "Watch " }), watch)),
+      element("details", {}, element("summary", { textContent: "Answer" }), element("p", { textContent: answer })),
+    );
+  }
+}

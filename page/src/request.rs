@@ -1,0 +1,191 @@
+//! Requests from the page and their responses.
+
+use crate::form;
+use crate::run::{Run, recording};
+use crate::tables::tables;
+use serde::Deserialize;
+use serde_json::{Value as Json, json};
+use std::collections::BTreeMap;
+use std::error::Error;
+use toprise::analysis::diff::{Finding, Options, compare};
+use toprise::analysis::explain::{Fact, explain};
+use toprise::run::scenario::{Preset, Scenario, ScenarioError, Values};
+use toprise::telemetry::encoding::Encoding;
+use toprise::telemetry::proportions::Proportions;
+
+/// A request: an object whose only member is the request name.
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Request {
+    /// The table of presets, and the names of the columns.
+    Tables {},
+    /// The keys that can be set in a scenario, and their ranges.
+    Form(ScenarioRequest),
+    /// A scenario with a key changed, and others that the change requires.
+    Change {
+        scenario: ScenarioRequest,
+        key: String,
+        value: String,
+    },
+    /// Starts a run; an error if the scenario is wrong.
+    Start(ScenarioRequest),
+    /// Simulates some more records of the run.
+    Advance { records: usize },
+    /// The sentences of `toprise explain` on a scenario.
+    Explain(ScenarioRequest),
+    /// The findings of `toprise diff` for two scenarios.
+    Compare {
+        a: ScenarioRequest,
+        b: ScenarioRequest,
+    },
+    /// Records a scenario into memory.
+    Record {
+        scenario: ScenarioRequest,
+        encoding: String,
+    },
+}
+
+/// A scenario: a preset and the keys that are set in it, as on the command line.
+#[derive(Deserialize)]
+pub struct ScenarioRequest {
+    preset: String,
+    set: BTreeMap<String, String>,
+}
+
+/// State kept between requests.
+#[derive(Default)]
+pub struct Page {
+    pub input: Vec<u8>,
+    pub output: String,
+    pub file: Vec<u8>,
+    run: Option<Run>,
+}
+
+impl Page {
+    pub fn column(&self, index: usize) -> &[f64] {
+        self.run.as_ref().map_or(&[], |run| run.column(index))
+    }
+
+    /// Handles the request in the input buffer; returns the response length in bytes.
+    pub fn respond(&mut self) -> usize {
+        let response = self
+            .handle()
+            .unwrap_or_else(|error| error_response(&*error));
+        self.output = response.to_string();
+        self.output.len()
+    }
+
+    fn handle(&mut self) -> Result<Json, Box<dyn Error>> {
+        match serde_json::from_slice(&self.input)? {
+            Request::Tables {} => Ok(tables()),
+            Request::Form(request) => Ok(form::keys(&request.values()?)),
+            Request::Change {
+                scenario,
+                key,
+                value,
+            } => {
+                let mut values = scenario.values()?;
+                values.change(&key, &value)?;
+                Ok(json!({ "set": form::differences(&scenario.preset()?, &values) }))
+            }
+            Request::Start(request) => {
+                let scenario = request.scenario()?;
+                let description = describe(&scenario, &request)?;
+                self.run = Some(Run::new(scenario)?);
+                Ok(description)
+            }
+            Request::Advance { records } => {
+                let run = self.run.as_mut().ok_or("no run has been started")?;
+                run.advance(records);
+                Ok(run.progress())
+            }
+            Request::Explain(request) => explanation(&request.scenario()?),
+            Request::Compare { a, b } => {
+                let report = compare(&a.scenario()?, &b.scenario()?, &Options::default())?;
+                let findings = report.findings.iter().filter(|finding| finding.differs());
+                let findings: Vec<_> = findings.map(Finding::cells).collect();
+                Ok(json!({ "verdict": report.verdict.title(), "findings": findings }))
+            }
+            Request::Record { scenario, encoding } => {
+                let encoding = Encoding::ALL
+                    .into_iter()
+                    .find(|known| known.name() == encoding)
+                    .ok_or_else(|| format!("there is no encoding {encoding:?}"))?;
+                let (file, digest) = recording(&scenario.scenario()?, encoding)?;
+                self.file = file;
+                Ok(json!({ "length": self.file.len(), "digest": digest }))
+            }
+        }
+    }
+}
+
+/// The response to a request that failed: the message, and the key of the scenario that is wrong, if it is one.
+fn error_response(error: &(dyn Error + 'static)) -> Json {
+    let scenario_error = error.downcast_ref::<ScenarioError>();
+    json!({
+        "error": error.to_string(),
+        "key": scenario_error.and_then(|error| error.key.as_deref()),
+    })
+}
+
+impl ScenarioRequest {
+    /// The values of the preset.
+    fn preset(&self) -> Result<Values, ScenarioError> {
+        Preset::find(&self.preset).and_then(Preset::values)
+    }
+
+    fn values(&self) -> Result<Values, ScenarioError> {
+        let mut values = self.preset()?;
+        for (key, value) in &self.set {
+            values.set(key, value)?;
+        }
+        Ok(values)
+    }
+
+    fn scenario(&self) -> Result<Scenario, ScenarioError> {
+        Scenario::new(self.values()?)
+    }
+}
+
+/// What the page shows of a scenario before its run.
+fn describe(scenario: &Scenario, request: &ScenarioRequest) -> Result<Json, ScenarioError> {
+    let top = &scenario.model.top;
+    let shape = Proportions::new(top);
+    Ok(json!({
+        "title": scenario.title(),
+        "file": scenario.file_stem(scenario.name(), &request.preset()?),
+        "digest": scenario.digest(),
+        "is_free": scenario.model.support.is_free(),
+        "is_frictionless": scenario.is_frictionless(),
+        "top": {
+            "weight": top.weight(),
+            "gravity": top.gravity,
+            "axial_moment": top.axial_moment,
+            "peg_radius": top.peg_radius,
+        },
+        "shape": {
+            "is_ball": shape.is_ball,
+            "peg": shape.peg,
+            "disc_height": shape.disc_height,
+            "disc_radius": shape.disc_radius,
+            "thickness": shape.thickness(),
+            "stem_radius": shape.stem_radius,
+            "shoulder": shape.shoulder(),
+            "neck": shape.neck(),
+            "cut": shape.cut(),
+            "tip": shape.tip,
+            "size": shape.size(),
+        },
+        "keys": form::keys(&request.values()?),
+    }))
+}
+
+/// The explanation of a run: a paragraph on its cause, and chapters with a heading and sentences.
+fn explanation(scenario: &Scenario) -> Result<Json, Box<dyn Error>> {
+    let explanation = explain(scenario)?;
+    let chapters = explanation.chapters.iter().map(|chapter| {
+        let sentences: Vec<_> = chapter.facts.iter().map(Fact::sentence).collect();
+        json!({ "heading": chapter.heading, "sentences": sentences })
+    });
+    Ok(json!({ "story": explanation.story.text(), "chapters": chapters.collect::<Vec<_>>() }))
+}

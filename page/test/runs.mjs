@@ -1,0 +1,184 @@
+// Checks with the page's WebAssembly in Node: the lesson's answers, the arrows' scales, the axes, and the sliders' ranges.
+// usage: node page/test/runs.mjs [FILE], by default docs/toprise.html
+import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import { gunzipSync } from "node:zlib";
+import { ARROWS, arrowScale, vectorAt } from "../arrows.mjs";
+import { axisRange, constantOf, scaleOf } from "../axes.mjs";
+import { sliderRange, validText, valueAt } from "../controls.mjs";
+import { quantities } from "../curves.mjs";
+import { energyChanges } from "../energy.mjs";
+import { STEPS_OF_LESSON } from "../lesson.mjs";
+import { degrees, fixed, imagined, prefixed, revolutions, typed, written } from "../numbers.mjs";
+import { Scenario, linkOf, parseLink, scenarioFrom } from "../scenario.mjs";
+import { load, simulated } from "../toprise.mjs";
+import { RISE_TIMES } from "../worksheet.mjs";
+
+const page = await readFile(process.argv[2] ?? new URL("../../docs/toprise.html", import.meta.url), "utf8");
+const [, packed] = page.match(/id="wasm">([^<]*)</);
+const toprise = await load(await WebAssembly.compile(gunzipSync(Buffer.from(packed, "base64"))));
+const tables = toprise.ask({ tables: {} });
+
+/** The run of a link, as the page has it. */
+async function runOf(link) {
+  const run = await simulated(toprise, new Scenario(tables.presets, ...scenarioFrom(link)).request, tables.columns);
+  assert.equal(run.error, undefined, link);
+  return { ...run, end: run.columns.time.at(-1), flies: run.columns.flying.includes(1) };
+}
+
+const last = (column) => column.at(-1);
+const flat = ({ columns }, index) => Math.hypot(columns.momentum_x.at(index), columns.momentum_y.at(index));
+
+/** Asserts that the answer to a step contains a text. */
+function says(step, text) {
+  const { answer } = STEPS_OF_LESSON[step - 1];
+  assert.ok(answer.includes(text), `step ${step} doesn't say ${text}: ${answer}`);
+}
+
+const tests = {
+  async "lesson 1: without friction the tilt stays"() {
+    const [b, a] = [await runOf(STEPS_OF_LESSON[0].ours), await runOf(STEPS_OF_LESSON[0].theirs)];
+    const tilts = b.columns.theta.map(degrees);
+    assert.ok(Math.max(...tilts) - Math.min(...tilts) < 0.01);
+    says(1, `${fixed(tilts[0], 1)}°, to a hundredth of a degree`);
+    says(1, `from ${fixed(degrees(a.columns.theta[0]), 1)}° to ${fixed(degrees(last(a.columns.theta)), 1)}° in ${fixed(a.end, 1)} s`);
+  },
+  async "lesson 2: the friction torque shortens the horizontal part of L"() {
+    const run = await runOf(STEPS_OF_LESSON[1].ours);
+    const { columns: c } = run;
+    c.time.forEach((_, i) => {
+      // Opposite to the horizontal part of L, within a degree, and horizontal.
+      const [torque, part] = [Math.hypot(c.torque_x[i], c.torque_y[i]), flat(run, i)];
+      assert.ok((c.torque_x[i] * c.momentum_x[i] + c.torque_y[i] * c.momentum_y[i]) / (torque * part) < -Math.cos(Math.PI / 180));
+      assert.ok(Math.abs(c.torque_z[i]) < 1e-12 * torque);
+      assert.equal(fixed(1e3 * c.momentum_z[i], 2), "10.95");
+      // The axis stays near L, within 2°: in the last samples the top is nearly upright, and nutates.
+      const [qw, qx, qy, qz] = [c.qw[i], c.qx[i], c.qy[i], c.qz[i]];
+      const axis = [2 * (qx * qz + qw * qy), 2 * (qy * qz - qw * qx), 1 - 2 * (qx * qx + qy * qy)];
+      const along = (axis[0] * c.momentum_x[i] + axis[1] * c.momentum_y[i] + axis[2] * c.momentum_z[i]) / Math.hypot(part, c.momentum_z[i]);
+      assert.ok(along > Math.cos((2 * Math.PI) / 180));
+    });
+    says(2, `from ${fixed(1e3 * flat(run, 0), 2)} to ${fixed(1e3 * flat(run, -1), 2)} mN m s, and leaves the vertical part at 10.95 mN m s`);
+  },
+  async "lesson 3: the spin pays"() {
+    const run = await runOf(STEPS_OF_LESSON[2].ours);
+    const [height, spin, other, heat] = energyChanges(run, run.end).map((change) => 1e3 * change);
+    assert.ok(Math.abs(height + spin + other + heat) < 1e-9);
+    says(3, `loses ${fixed(-spin, 1)} mJ: ${fixed(height, 1)} mJ of them lift the top, ${fixed(heat, 1)} mJ become heat`);
+    says(3, `from ${fixed(revolutions(run.columns.axial_rate[0]), 1)} to ${fixed(revolutions(last(run.columns.axial_rate)), 1)} rev/s`);
+    assert.equal((heat / height).toFixed(0), "90"); // in the notes for teachers
+    says(3, `by ${fixed(height / run.top.weight, 1)} mm`);
+  },
+  async "lesson 4: friction and spin decide the time"() {
+    const end = async (link) => fixed((await runOf(link)).end, 1);
+    says(4, `${await end(STEPS_OF_LESSON[3].ours)} s instead of ${await end(STEPS_OF_LESSON[3].theirs)} s`);
+    says(4, `at k = 0.03 and 100 rad/s (${fixed(revolutions(100), 1)} rev/s) the top is upright after ${await end("full-coulomb&initial.psi_dot=100")} s`);
+    const weak = await runOf("full-coulomb&initial.psi_dot=30");
+    assert.match(weak.sentence, /fallen/);
+    says(4, `at 30 rad/s (${fixed(revolutions(30), 1)} rev/s), after ${fixed(weak.end, 1)} s`);
+  },
+  async "lesson 5: a tippe top's spin reverses about its axis, but not about the vertical"() {
+    const run = await runOf(STEPS_OF_LESSON[4].ours);
+    const { columns: c } = run;
+    const [height, , , heat] = energyChanges(run, run.end).map((change) => 1e3 * change);
+    says(5, `rises by ${fixed(height / run.top.weight, 1)} mm while ${fixed(heat, 1)} mJ become heat`);
+    const passes = c.time[c.theta.findIndex((theta) => theta > Math.PI / 2)];
+    says(5, `at ${fixed(passes, 1)} s`);
+    assert.ok(c.momentum_z.every((vertical) => vertical > 0));
+    says(5, `at ${fixed(revolutions(last(c.axial_rate)), 1)} instead of ${fixed(revolutions(c.axial_rate[0]), 1)} rev/s`);
+  },
+  async "the worksheet has the times of the runs"() {
+    for (const [k, time] of RISE_TIMES) {
+      const { end } = await runOf(`full-coulomb&friction.k=${k}`);
+      assert.equal(Number(end.toFixed(1)), time);
+      assert.equal((k * end).toFixed(3), "0.742");
+    }
+    assert.ok(Math.abs((await runOf("full-coulomb&friction.k=0.01&stop.duration=100")).end - 74) < 0.5);
+    assert.match((await runOf("full-coulomb&friction.k=0.01")).sentence, /60\.000000 s/);
+  },
+  async "arrows have round scales, and stay in the picture in every preset"() {
+    for (const { name: preset } of tables.presets) {
+      const run = await runOf(preset);
+      for (const name of Object.keys(ARROWS)) {
+        const scale = arrowScale([run], name);
+        assert.match(scale.toExponential(), /^[125]e/, `${preset} ${name}`);
+        const longest = run.columns.time.reduce((most, _, i) => Math.max(most, Math.hypot(...vectorAt(run, ARROWS[name], i))), 0);
+        assert.ok(longest <= 1.2 * run.shape.size * scale, `${preset} ${name}`);
+      }
+    }
+  },
+  async "runs of a top have one scale of arrows"() {
+    const runs = await Promise.all(["paper", "paper&friction.k=0.063", "full-coulomb&friction.k=0.02&initial.psi_dot=120"].map(runOf));
+    for (const name of Object.keys(ARROWS)) {
+      const scales = new Set([...runs.map((run) => arrowScale([run], name)), arrowScale(runs, name)]);
+      assert.equal(scales.size, 1, name);
+    }
+  },
+  async "no axis is filled by noise"() {
+    for (const preset of ["frictionless", "paper", "tippe-top", "drop"]) {
+      const run = await runOf(preset);
+      for (const quantity of quantities(run)) {
+        const values = run.columns[quantity.name];
+        const scale = scaleOf(run, quantity);
+        const envelope = { low: values, high: values };
+        for (const isZoomed of [false, true]) {
+          const [low, high] = axisRange([envelope], quantity, scale, isZoomed);
+          assert.ok(high - low >= 0.01 * scale * (1 - 1e-12), `${preset} ${quantity.name}`);
+        }
+      }
+    }
+    const run = await runOf("frictionless");
+    const energy = quantities(run).find(({ name }) => name === "energy");
+    assert.equal(constantOf(run, energy).toFixed(4), "1.0856");
+    assert.equal(constantOf(await runOf("paper"), energy), null);
+  },
+  async "sliders offer only valid values"() {
+    for (const { name } of tables.presets) {
+      for (const key of toprise.ask({ form: { preset: name, set: {} } })) {
+        if (key.words || key.path === "sampling.period") continue;
+        for (let place = 0; place <= 10; place++) {
+          const text = validText(key, valueAt(key, place / 10));
+          if (key.path === "top.center_distance" && Number(text) === 0) continue; // the only gap in a range
+          const { set } = toprise.ask({ change: { scenario: { preset: name, set: {} }, key: key.path, value: text } });
+          const { error } = toprise.ask({ start: { preset: name, set } });
+          assert.equal(error, undefined, `${name} ${key.path} = ${text}, slider from ${sliderRange(key)}`);
+        }
+      }
+    }
+  },
+  "numbers are written as people write them"() {
+    for (const [made, expected] of [
+      [typed(4.4000000000000006e-5), "4.4e-5"],
+      [typed(0.030000000000000002), "0.03"],
+      [typed(-170), "-170"],
+      [written(-4.4e-5), "−4.4 × 10⁻⁵"],
+      [prefixed(0.005, "N"), "5 mN"],
+      [prefixed(2e-5, "N m"), "20 µN m"],
+      [fixed(-0.04, 1), "0.0"],
+      [fixed(-6.806, 1), "−6.8"],
+      [imagined(0.5, "rad"), "28.6°"],
+      [imagined(170, "rad/s"), "27.1 rev/s"],
+    ]) {
+      assert.equal(made, expected);
+    }
+  },
+  "links are read as they are written"() {
+    const scenario = new Scenario(tables.presets, "paper", { "friction.k": "0.02" });
+    const link = parseLink(`#${linkOf(scenario.request)}&vs=full-coulomb&lesson=3&at=1.5`);
+    assert.deepEqual(link, { ours: "paper&friction.k=0.02", theirs: "full-coulomb", lesson: 3, moment: 1.5 });
+    assert.deepEqual(parseLink("#lesson=2"), { ours: "", theirs: undefined, lesson: 2, moment: null });
+    assert.deepEqual(parseLink(""), { ours: "", theirs: undefined, lesson: 0, moment: null });
+  },
+};
+
+let failed = 0;
+for (const [name, test] of Object.entries(tests)) {
+  try {
+    await test();
+    console.log(`ok: ${name}`);
+  } catch (error) {
+    failed += 1;
+    console.log(`FAILED: ${name}: ${error.stack}`);
+  }
+}
+process.exit(failed ? 1 : 0);
