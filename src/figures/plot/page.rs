@@ -7,7 +7,6 @@ use super::range::{self, extremes, union};
 use super::shape::{Bounds, Point, Stroke};
 use super::style::{LINE_HEIGHT, MARGIN, TWO_COLUMNS};
 use super::ticks::Scale;
-use crate::telemetry::axis::range_of_values;
 
 /// The height of a panel relative to its width.
 const PROPORTION: f64 = 0.46;
@@ -89,6 +88,11 @@ impl Panel {
         self.range() == range::EMPTY
     }
 
+    /// Whether all values are zero, up to rounding errors.
+    pub(crate) fn is_zero(&self) -> bool {
+        self.range() == (0.0, 0.0)
+    }
+
     /// All lines that determine the range: those of curves and the edges of envelopes.
     fn lines(&self) -> Vec<&[Point]> {
         let mut lines: Vec<&[Point]> = Vec::new();
@@ -132,8 +136,7 @@ impl Panel {
 
     /// The scale of the vertical axis: the range of the curves with padding.
     fn scale(&self, normal_height: f64) -> Scale {
-        let (low, high) = self.range();
-        let [low, high] = range_of_values([low, high], self.rounding);
+        let (low, high) = range::widened(self.range(), self.rounding);
         let padding = PADDING * (high - low);
         let max_labels = frame::max_labels_up(self.height * normal_height);
         Scale::new(low - padding, high + padding, max_labels)

@@ -17,6 +17,9 @@ const FLAT: f64 = 0.1;
 /// Padding of the axis where it clips a spike, relative to the range of the rest of the curve.
 const SPIKE_PADDING: f64 = 0.5;
 
+/// The shortest axis, relative to the magnitude of its values.
+const MIN_SPAN: f64 = 0.01;
+
 /// The empty range, contained in any other.
 pub(crate) const EMPTY: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 
@@ -30,6 +33,17 @@ pub(crate) fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
 /// The smallest range that contains two others.
 pub(crate) fn union(one: (f64, f64), other: (f64, f64)) -> (f64, f64) {
     (one.0.min(other.0), one.1.max(other.1))
+}
+
+/// The range, or one with the same middle that is 1 % of its magnitude long, or `least`, if that is longer. A shorter axis
+/// would magnify rounding errors.
+pub(crate) fn widened((low, high): (f64, f64), least: f64) -> (f64, f64) {
+    let span = least.max(MIN_SPAN * low.abs().max(high.abs()));
+    if high - low >= span {
+        return (low, high);
+    }
+    let middle = f64::midpoint(low, high);
+    (middle - 0.5 * span, middle + 0.5 * span)
 }
 
 /// Whether two ranges have values in common.
@@ -123,6 +137,15 @@ mod tests {
         let points = [(0.0, 1.0), (1.0, 1.0), (2.0, 1e6), (3.0, 1.0)];
         assert_eq!(without_spikes(&points), (1.0, 1e6));
         assert_eq!(without_spikes(&[]), EMPTY);
+    }
+
+    #[test]
+    fn noise_is_not_magnified() {
+        let (low, high) = widened((1.0856, 1.0856 + 1e-14), 0.0);
+        assert!(low < 1.0803 && high > 1.0909, "{low} to {high}");
+        assert_eq!(widened((-1e-17, 1e-17), 2.0), (-1.0, 1.0));
+        assert_eq!(widened((1.0, 1.02), 0.0), (1.0, 1.02));
+        assert_eq!(widened((0.0, 0.0), 0.0), (0.0, 0.0));
     }
 
     #[test]

@@ -35,28 +35,35 @@ pub(super) fn add_curves(
     }
 }
 
-/// Adds the motion of each run to a panel, and the region in which it nutates if its samples are too few to show that.
+/// Adds the motion of each run to a panel.
 pub(super) fn add_motions(panel: &mut Panel, runs: &[&RunData], field: NumberField) {
     let style = Style::new(runs.len());
-    add_curves(
-        panel,
-        runs,
-        field.path(),
-        |run| run.series(field),
-        |run| style.motion(run),
-    );
     for (index, run) in runs.iter().enumerate() {
-        if run.coarse_samples_per_nutation().is_none() {
-            continue;
-        }
-        if let Some([lower, upper]) = run.envelope(field) {
-            panel.envelopes.push(Band {
-                meaning: format!("{}: {}, range in each nutation", run.name, field.path()),
-                lower,
-                upper,
-                fill: style.envelope(index),
-            });
-        }
+        add_motion(panel, run, field, style, index);
+    }
+}
+
+/// Adds the motion of the run with this index to a panel, and the region in which it nutates if its samples are too few to
+/// show that.
+pub(super) fn add_motion(
+    panel: &mut Panel,
+    run: &RunData,
+    field: NumberField,
+    style: Style,
+    index: usize,
+) {
+    let meaning = format!("{}: {}", run.name, field.path());
+    panel.curve(meaning, run.series(field), style.motion(index));
+    if run.coarse_samples_per_nutation().is_none() {
+        return;
+    }
+    if let Some([lower, upper]) = run.envelope(field) {
+        panel.envelopes.push(Band {
+            meaning: format!("{}: {}, range in each nutation", run.name, field.path()),
+            lower,
+            upper,
+            fill: style.envelope(index),
+        });
     }
 }
 

@@ -1,6 +1,6 @@
 //! The paper's figures 2 and 4.
 
-use super::curves::{add_averages, add_motions, motion_legend, page};
+use super::curves::{add_averages, add_motion, add_motions, motion_legend, page};
 use crate::figures::data::RunData;
 use crate::figures::plot::drawing::Drawing;
 use crate::figures::plot::legend::Entry;
@@ -45,18 +45,23 @@ pub(crate) fn compared(runs: &[&RunData], width: f64) -> Drawing {
     let Some((reference, others)) = runs.split_first() else {
         return Drawing::new(width);
     };
-    // Each panel shows one motion, in the colour of a single run.
-    let style = Style::new(1);
+    let style = Style::new(runs.len());
     let reference_name = Text::name(&reference.name).followed_by(", average over each nutation");
     let mut legend = vec![Entry::from_text(style.average(0), reference_name)];
     legend.extend(note(others, &[state::THETA]));
     let mut panels = Vec::new();
-    for run in others {
+    for (index, run) in others.iter().enumerate() {
+        // Each run has the colour that it has in the other figures.
+        let index = index + 1;
         let mut panel = Panel::new("*θ*", "rad");
-        add_motions(&mut panel, &[run], state::THETA);
-        add_averages(&mut panel, &[reference], state::THETA, nutation::THETA_MEAN);
+        add_motion(&mut panel, run, state::THETA, style, index);
+        let meaning = format!("{}: average of {}", reference.name, state::THETA.path());
+        let averages = reference.averages(nutation::THETA_MEAN);
+        panel.curve(meaning, averages, style.average(0));
         let name = Text::name(&run.name);
-        panel.legend.push(Entry::from_text(style.motion(0), name));
+        panel
+            .legend
+            .push(Entry::from_text(style.motion(index), name));
         panels.push(panel);
     }
     let page = Page {

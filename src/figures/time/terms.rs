@@ -113,8 +113,20 @@ fn draw(runs: &[&RunData], width: f64, panels: Vec<Terms<'_>>) -> Drawing {
         legend.push(Entry::area(PALE, "nutation; the line in it: its average"));
     }
     legend.extend(sampling_note(runs));
-    let panels = panels.into_iter().map(|terms| terms.panel).collect();
-    page(legend, panels).draw(width)
+    let all = panels.into_iter().map(|terms| terms.panel).collect();
+    page(legend, without_zeros(all)).draw(width)
+}
+
+/// The panels in which something differs from zero; all of them if nothing does, because then that is what the figure
+/// shows.
+fn without_zeros(panels: Vec<Panel>) -> Vec<Panel> {
+    if panels.iter().all(Panel::is_zero) {
+        return panels;
+    }
+    panels
+        .into_iter()
+        .filter(|panel| !panel.is_zero())
+        .collect()
 }
 
 /// The greatest magnitude on some curves.
