@@ -12,11 +12,13 @@
 
 mod cdr;
 mod envelope;
+mod foxglove;
 mod scales;
 mod urdf;
 
 use self::cdr::Cdr;
 use self::envelope::Envelope;
+pub use self::foxglove::foxglove_layout;
 use self::scales::Scales;
 use super::fields::{
     CONTACT, EVENTS, NumberField, POSE, STATE, TORQUE, contact, events, pose, state, torque,

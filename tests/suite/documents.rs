@@ -2,10 +2,13 @@
 //! they print.
 
 use assert_cmd::Command;
+use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 use toprise::run::scenario::{KEYS, Kind, Presence, Preset};
 use toprise::telemetry::{Leaf, Quantity, channels};
+
+use toprise::telemetry::views::{VIEW_CHANNELS, foxglove_layout};
 
 /// What stands for any text within a line of output, and alone on a line for any lines.
 const ANYTHING: &str = "…";
@@ -263,6 +266,46 @@ fn meaning(leaf: &Leaf) -> String {
 }
 
 const CHANNELS_HEADING: &str = "## Channels and fields\n";
+
+#[test]
+fn foxglove_layout_is_current() {
+    check_page("foxglove-layout.json", &foxglove_layout());
+}
+
+#[test]
+fn foxglove_layout_shows_existing_panels_and_topics() {
+    let layout: Value = serde_json::from_str(&foxglove_layout()).unwrap();
+    let panels = layout["configById"].as_object().unwrap();
+    let mut shown = Vec::new();
+    shown_panels(&layout["layout"], &mut shown);
+    for tab in layout["configById"]["Tab!plots"]["tabs"]
+        .as_array()
+        .unwrap()
+    {
+        shown_panels(&tab["layout"], &mut shown);
+    }
+    shown.sort_unstable();
+    let mut all: Vec<_> = panels.keys().cloned().collect();
+    all.sort_unstable();
+    assert_eq!(shown, all, "each panel is shown once");
+    let views: Vec<_> = VIEW_CHANNELS.iter().map(|view| view.topic).collect();
+    for topic in panels["3D!top"]["topics"].as_object().unwrap().keys() {
+        assert!(views.contains(&topic.as_str()), "{topic}");
+    }
+    let log = panels["RosOut!events"]["topicToRender"].as_str().unwrap();
+    assert!(views.contains(&log), "{log}");
+}
+
+/// The panels in a tree of rows and columns.
+fn shown_panels(node: &Value, shown: &mut Vec<String>) {
+    if let Some(panel) = node.as_str() {
+        shown.push(panel.to_owned());
+        return;
+    }
+    for part in ["first", "second"] {
+        shown_panels(&node[part], shown);
+    }
+}
 
 const KEYS_HEAD: &str = "\
 # Keys of a scenario
