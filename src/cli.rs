@@ -9,6 +9,8 @@ mod arguments;
 mod completions;
 mod diff;
 mod explain;
+#[cfg(feature = "rerun")]
+mod explained;
 mod figures;
 mod info;
 mod input;

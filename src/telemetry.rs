@@ -7,7 +7,6 @@
 //!
 //! [`RunMessages`] simulates a run and yields its messages. Sinks receive only [`Message`]s: rows of numbers and texts in the order of [`channels`].
 
-pub(crate) mod axis;
 mod channel;
 mod decoding;
 pub mod digest;

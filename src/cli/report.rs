@@ -94,3 +94,12 @@ impl WrittenFile {
 pub(super) fn file_line(path: &str, size: u64) -> String {
     format!("{path}  {}", bytes(size))
 }
+
+/// A Rerun stream that has ended.
+#[derive(Debug, Default)]
+pub(super) struct Completed {
+    /// The file that was written.
+    pub(super) file: Option<WrittenFile>,
+    /// Whether a viewer went away before it had everything.
+    pub(super) is_viewer_lost: bool,
+}

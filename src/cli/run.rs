@@ -14,7 +14,7 @@ use self::report::Recorded;
 pub(super) use self::report::RunReport;
 use super::interrupt;
 use super::output;
-use super::report::{WrittenFile, print};
+use super::report::{Completed, WrittenFile, print};
 use super::rerun::run::RunViewer;
 use super::status::Status;
 use crate::archive::pipeline::McapSink;
@@ -53,7 +53,7 @@ pub(super) fn run(arguments: &RunArguments, drafts: &Drafts) -> Result<Status, E
     })?;
     let is_complete = report.outcome.end.stop.is_complete();
     Ok(Status::from_whole(
-        is_complete && !report.recorded.is_rrd_lost,
+        is_complete && !report.recorded.is_rrd_lost && !report.recorded.is_viewer_lost,
     ))
 }
 
@@ -95,7 +95,7 @@ fn record_run(
     };
     let rrd = match viewer {
         Some(viewer) => finish_viewer(viewer, &outcome, existing.as_ref()),
-        None => Ok(None),
+        None => Ok(Completed::default()),
     };
     // The MCAP file is complete without it.
     if let Err(error) = &rrd {
@@ -105,7 +105,8 @@ fn record_run(
         mcap,
         is_new: existing.is_none(),
         is_rrd_lost: rrd.is_err(),
-        rrd: rrd.ok().flatten(),
+        is_viewer_lost: rrd.as_ref().is_ok_and(|shown| shown.is_viewer_lost),
+        rrd: rrd.ok().and_then(|shown| shown.file),
         content_digest,
     };
     Ok((outcome, recorded))
@@ -116,7 +117,7 @@ fn finish_viewer(
     mut viewer: RunViewer,
     outcome: &Outcome,
     existing: Option<&WrittenFile>,
-) -> Result<Option<WrittenFile>, Error> {
+) -> Result<Completed, Error> {
     if outcome.end.stop.is_complete() {
         viewer.set_outcome(outcome);
     }

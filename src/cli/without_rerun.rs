@@ -10,7 +10,7 @@
 pub(super) mod run {
     use crate::archive::publish::Drafts;
     use crate::archive::sink::Sink;
-    use crate::cli::report::WrittenFile;
+    use crate::cli::report::{Completed, WrittenFile};
     use crate::cli::run::plan::RunPlan;
     use crate::run::outcome::Outcome;
     use crate::telemetry::Telemetry;
@@ -62,7 +62,7 @@ pub(super) mod run {
         pub(in crate::cli) fn finish(
             self,
             _existing: Option<&WrittenFile>,
-        ) -> Result<Option<WrittenFile>, Error> {
+        ) -> Result<Completed, Error> {
             match self {}
         }
     }
@@ -101,7 +101,7 @@ pub(super) mod diff {
             _names: [&str; 2],
             _drafts: &Drafts,
         ) -> Result<Option<Self>, Error> {
-            Ok(None)
+            Ok(Completed::default())
         }
 
         pub(in crate::cli) fn write(&mut self, _side: Side, _message: &Message<'_>) {

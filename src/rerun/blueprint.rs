@@ -3,6 +3,7 @@
 //! Blueprints are built chunk by chunk here, because the SDK's builder supports neither cameras nor visible time
 //! ranges, and uses random identifiers.
 
+mod axis;
 mod builder;
 pub(super) mod charts;
 pub(super) mod pair;

@@ -12,7 +12,7 @@ use super::look::Look;
 use super::outlet::{Destinations, Outlet, To};
 use super::pair::PairIdentity;
 use super::plots::Plots;
-use super::scene::furnish;
+use super::scene::log_stage;
 use super::sink::{Content, Stream};
 use crate::physics::math;
 use crate::telemetry::Message;
@@ -50,11 +50,9 @@ impl Stream<Comparison> {
     ///
     /// Channels that are neither sampled nor `/top/nutation` are ignored.
     pub fn difference(&mut self, message: &Message<'_>) {
-        // Zero has no logarithm.
-        let magnitude = |number: f64| (number != 0.0).then(|| math::log10(number.abs()));
         let (content, outlet) = (&mut self.content, &mut self.outlet);
         content.difference.write(message, Some, outlet);
-        content.magnitude.write(message, magnitude, outlet);
+        content.magnitude.write(message, log_magnitude, outlet);
     }
 
     /// Replaces the summary of the comparison, which is Markdown.
@@ -67,18 +65,24 @@ impl Comparison {
     /// Sends static data: shared entities and those of each run.
     fn new(identity: &PairIdentity, outlet: &mut Outlet) -> Self {
         if let Some(geometry) = identity.stage() {
-            furnish(&geometry, outlet);
+            log_stage(&geometry, outlet);
         }
         let runs = [Side::A, Side::B].map(|side| {
             let run = identity.with_common_scales(side);
             Entities::new(&run, &identity.look(side), outlet)
         });
-        let difference = |plot| identity.has_difference_of(plot);
-        let magnitude = |plot| identity.has_magnitude_of(plot);
         let comparison = Self {
             runs,
-            difference: Plots::new(difference, &Look::Difference, outlet),
-            magnitude: Plots::new(magnitude, &Look::Magnitude, outlet),
+            difference: Plots::new(
+                |plot| identity.has_difference_of(plot),
+                &Look::Difference,
+                outlet,
+            ),
+            magnitude: Plots::new(
+                |plot| identity.has_magnitude_of(plot),
+                &Look::Magnitude,
+                outlet,
+            ),
             identity: identity.clone(),
         };
         // Until the comparison ends, the summary contains only the colour key.
@@ -92,6 +96,11 @@ impl Comparison {
     }
 }
 
+/// The decimal logarithm of a number's magnitude; zero has none.
+fn log_magnitude(number: f64) -> Option<f64> {
+    (number != 0.0).then(|| math::log10(number.abs()))
+}
+
 impl Content for Comparison {
     fn finish(&mut self, end_ns: u64, outlet: &mut Outlet) {
         self.difference.reach(end_ns, outlet);
@@ -102,6 +111,7 @@ impl Content for Comparison {
         outlet.complete();
         let extent = Extent {
             duration: seconds(end_ns),
+            runs: [0, 1].map(|run| self.runs[run].plots()),
             differences: &self.difference,
         };
         let layout = blueprint::pair::messages(&self.identity, Some(&extent));

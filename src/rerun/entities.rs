@@ -27,6 +27,8 @@ pub struct Entities {
     events: Option<Events>,
     scene: Option<Scene>,
     identity: Identity,
+    /// Whether the description begins with the reason for the motion.
+    has_story: bool,
 }
 
 impl Stream<Entities> {
@@ -34,18 +36,39 @@ impl Stream<Entities> {
     pub fn new(identity: &Identity, destinations: Destinations) -> Self {
         Self::open(identity.store(), &identity.name, destinations, |outlet| {
             // The file is opened when the run is complete.
-            let layout = |playback| blueprint::run::messages(identity, playback);
-            outlet.send_layout(To::Viewer, layout(identity.playback));
-            outlet.send_layout(To::File, layout(Playback::FromStart));
+            for (to, playback) in [
+                (To::Viewer, identity.playback),
+                (To::File, Playback::FromStart),
+            ] {
+                outlet.send_layout(to, blueprint::run::messages(identity, playback));
+            }
             Entities::new(identity, &Look::Alone, outlet)
         })
     }
 
     /// Sets the outcome of the run, as properties of the recording: `outcome:rise_time` and so on.
     pub fn set_outcome(&mut self, outcome: &Outcome) {
-        let values = properties::of_outcome(outcome);
+        let values = properties::from_outcome(outcome);
         self.outlet.send_static(properties::entity(), &values);
     }
+}
+
+impl Stream<Entities> {
+    /// Sets the reason for the motion, a paragraph of Markdown. It is shown first when the run has ended.
+    pub fn set_story(&mut self, paragraph: &str) {
+        let about = about(&self.content.identity, &Look::Alone, paragraph);
+        self.outlet.send_static(Look::Alone.entity(ABOUT), &about);
+        self.content.has_story = true;
+    }
+}
+
+/// The description of a run after a paragraph, followed by the scales of the scene's arrows.
+fn about(identity: &Identity, look: &Look, paragraph: &str) -> TextDocument {
+    let mut text = format!("{paragraph}\n\n{}", identity.description);
+    if identity.has(POSE) {
+        text += &explanation(identity, look);
+    }
+    TextDocument::from_markdown(text.trim_start())
 }
 
 impl Sink for Stream<Entities> {
@@ -65,18 +88,20 @@ impl Entities {
     /// Sends static data: description, names and colours, bodies of the scene.
     pub(super) fn new(identity: &Identity, look: &Look, outlet: &mut Outlet) -> Self {
         let has_scene = identity.has(POSE);
-        let mut about = identity.description.clone();
-        if has_scene {
-            about += &explanation(identity, look);
-        }
-        outlet.send_static(look.entity(ABOUT), &TextDocument::from_markdown(about));
+        outlet.send_static(look.entity(ABOUT), &about(identity, look, ""));
         let top = identity.geometry.top;
         Self {
             plots: Plots::new(|plot| identity.has(plot.topic()), look, outlet),
             events: identity.has(EVENTS).then(|| Events::new(top, look, outlet)),
             scene: has_scene.then(|| Scene::new(identity, look, outlet)),
             identity: identity.clone(),
+            has_story: false,
         }
+    }
+
+    /// The numbers of the run.
+    pub(super) fn plots(&self) -> &Plots {
+        &self.plots
     }
 
     /// Adds the content of a message of the run.
@@ -102,7 +127,12 @@ impl Content for Entities {
     fn finish(&mut self, end_ns: u64, outlet: &mut Outlet) {
         self.summarize_events(outlet);
         outlet.complete();
-        let layout = blueprint::run::messages_at_end(&self.identity, seconds(end_ns), &self.plots);
+        let ended = blueprint::run::EndedRun {
+            duration: seconds(end_ns),
+            plots: &self.plots,
+            has_story: self.has_story,
+        };
+        let layout = blueprint::run::messages_at_end(&self.identity, &ended);
         // A viewer that follows a paced run has shown it already.
         let to = match self.identity.playback {
             Playback::FromStart => To::Both,
@@ -123,7 +153,7 @@ mod tests {
 
     fn identity(topics: Vec<Topic>) -> Identity {
         let scenario = Preset::find("free-paper").unwrap().scenario().unwrap();
-        Identity::of("test", &scenario, topics, Playback::FromStart)
+        Identity::new("test", &scenario, topics, Playback::FromStart)
     }
 
     fn all_topics() -> Vec<Topic> {
@@ -147,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_viewer_is_a_warning() {
+    fn missing_viewer_is_a_warning() {
         // Port 9 (discard) of this machine: no server listens there.
         let destinations = Destinations {
             file: None,
@@ -165,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn an_invalid_address_is_a_warning() {
+    fn invalid_address_is_a_warning() {
         let live = Some(Live::Connect("http://".to_owned()));
         let destinations = Destinations { file: None, live };
         let mut sink = RerunSink::new(&identity(all_topics()), destinations);
@@ -177,7 +207,7 @@ mod tests {
 
     #[cfg(target_os = "linux")]
     #[test]
-    fn a_full_disk_is_an_error_of_finish() {
+    fn finish_reports_a_full_disk() {
         let file = File::options().write(true).open("/dev/full").unwrap();
         let destinations = Destinations {
             file: Some(file),
@@ -191,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn any_choice_of_topics_is_fine() {
+    fn accepts_any_topics() {
         for topic in all_topics() {
             let chosen = identity(vec![topic]);
             let mut sink = RerunSink::new(&chosen, Destinations::default());

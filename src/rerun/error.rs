@@ -103,3 +103,20 @@ or
         patience: Duration,
     },
 }
+
+impl ViewerError {
+    /// Whether the viewer was there, but went away before it had everything.
+    pub fn is_loss(&self) -> bool {
+        match self {
+            Self::Disconnected { .. }
+            | Self::Flush { .. }
+            | Self::Stalled { .. }
+            | Self::Unfinished { .. } => true,
+            Self::Address { .. }
+            | Self::Absent { .. }
+            | Self::NotInstalled
+            | Self::Spawn(_)
+            | Self::Thread(_) => false,
+        }
+    }
+}

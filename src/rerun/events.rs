@@ -33,20 +33,10 @@ struct Repeated {
 impl Events {
     /// Opens empty logs. Where two runs are compared, each entry's "level" is the name of its run.
     pub(super) fn new(top: Top, look: &Look, outlet: &mut Outlet) -> Self {
-        let mut open = |entity| {
-            let entity = look.entity(entity);
-            if let Look::Compared(_, run) = look {
-                let mark = TextLog::update_fields()
-                    .with_level(run.as_str())
-                    .with_color(Color::from_u32(look.color(u32::MAX, 0)));
-                outlet.send_static(entity.as_str(), &mark);
-            }
-            Track::new(entity, columns, outlet)
-        };
         Self {
-            summary: open(entity::EVENTS),
-            each: open(entity::EACH_EVENT),
-            nutation: open("events/nutation"),
+            summary: log(entity::EVENTS, look, outlet),
+            each: log(entity::EACH_EVENT, look, outlet),
+            nutation: log("events/nutation", look, outlet),
             kinds: Vec::new(),
             top,
         }
@@ -102,6 +92,18 @@ impl Events {
             }
         }
     }
+}
+
+/// An empty log; where two runs are compared, with the name and the colour of the run.
+fn log(entity: &str, look: &Look, outlet: &mut Outlet) -> Track<String> {
+    let entity = look.entity(entity);
+    if let Look::Compared(_, run) = look {
+        let mark = TextLog::update_fields()
+            .with_level(run.as_str())
+            .with_color(Color::from_u32(look.color(u32::MAX, 0)));
+        outlet.send_static(entity.as_str(), &mark);
+    }
+    Track::new(entity, columns, outlet)
 }
 
 fn columns(rows: &[String]) -> Columns {

@@ -66,8 +66,6 @@ pub struct Identity {
     pub topics: Vec<Topic>,
     /// Its playback in a viewer.
     pub playback: Playback,
-    /// Whether it is the only recording in its viewer.
-    pub is_alone: bool,
 }
 
 impl Identity {
@@ -75,7 +73,7 @@ impl Identity {
     ///
     /// The identifier depends on the name: two runs of one scenario are two recordings to a viewer, as they are two
     /// files.
-    pub fn of(name: &str, scenario: &Scenario, topics: Vec<Topic>, playback: Playback) -> Self {
+    pub fn new(name: &str, scenario: &Scenario, topics: Vec<Topic>, playback: Playback) -> Self {
         let model = &scenario.model;
         let is_free = model.support.is_free();
         let peg = if is_free { "free" } else { "fixed" };
@@ -102,7 +100,6 @@ impl Identity {
             magnitudes: Magnitudes::new(scenario),
             topics,
             playback,
-            is_alone: true,
         }
     }
 

@@ -47,7 +47,7 @@ pub enum ImportError {
         source: io::Error,
     },
     /// The file is a scenario with an error.
-    #[error("{}: {source}", path.display())]
+    #[error("cannot read the scenario {}", path.display())]
     Scenario {
         /// The file.
         path: PathBuf,
@@ -58,7 +58,7 @@ pub enum ImportError {
     #[error(transparent)]
     Start(#[from] SimulationError),
     /// The motion could not be computed to its end; the part before is shown.
-    #[error("only part of the run is shown: {0}")]
+    #[error("only part of the run is shown")]
     Incomplete(#[source] RunError),
     /// A message could not be passed on.
     #[error(transparent)]
@@ -142,7 +142,7 @@ pub fn import(
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let identity = Identity {
         names,
-        ..Identity::of(&stem, &scenario, topics, Playback::FromStart)
+        ..Identity::new(&stem, &scenario, topics, Playback::FromStart)
     };
     show(&scenario, &identity, output)
 }

@@ -10,17 +10,23 @@ use rerun::{AsComponents, EntityPath, SerializedComponentColumn, StoreId, TimeCo
 use super::error::RerunError;
 
 /// Maximum number of characters of a recording's name used in its application ID.
-const MOST_LETTERS: usize = 100;
+const MAX_LETTERS: usize = 100;
 
 /// The store of a recording. To a viewer, which keeps one layout for each application, recordings of different names are
 /// different applications.
 pub(super) fn store(name: &str, recording_id: &str) -> StoreId {
-    let is_allowed = |letter: char| letter.is_ascii_alphanumeric() || "-_".contains(letter);
-    let letters = name.chars().take(MOST_LETTERS);
-    let letters = letters.map(|letter| if is_allowed(letter) { letter } else { '-' });
-    let application = format!("toprise-{}", letters.collect::<String>());
-    let application = ApplicationId::new_or_unknown(application);
+    let letters: String = name.chars().take(MAX_LETTERS).map(plain).collect();
+    let application = ApplicationId::new_or_unknown(format!("toprise-{letters}"));
     StoreId::new(StoreKind::Recording, application, recording_id)
+}
+
+/// The letter, or a dash for one that viewers escape in identifiers.
+fn plain(letter: char) -> char {
+    if letter.is_ascii_alphanumeric() || "-_".contains(letter) {
+        letter
+    } else {
+        '-'
+    }
 }
 
 /// The timeline of every recording: simulation time as a duration in nanoseconds.

@@ -35,7 +35,7 @@ pub(super) enum To {
 }
 
 /// Buffered rows.
-pub(super) trait Waiting {
+pub(super) trait Pending {
     /// Sends those that the viewer does not have yet, to the viewer; the file gets them later, in longer chunks.
     fn show(&mut self, outlet: &mut Outlet);
     /// Sends all, to every destination that does not have them yet.
@@ -56,7 +56,7 @@ pub struct Outlet {
     live: Option<LiveDestination>,
     /// Warnings about the viewer that have not been taken yet.
     pub(super) warnings: Vec<ViewerError>,
-    waiting: Vec<Rc<RefCell<dyn Waiting>>>,
+    waiting: Vec<Rc<RefCell<dyn Pending>>>,
 }
 
 impl Outlet {
@@ -88,7 +88,7 @@ impl Outlet {
     }
 
     /// Registers rows that are sent later.
-    pub(super) fn register(&mut self, rows: Rc<RefCell<dyn Waiting>>) {
+    pub(super) fn register(&mut self, rows: Rc<RefCell<dyn Pending>>) {
         self.waiting.push(rows);
     }
 

@@ -69,9 +69,9 @@ impl PairIdentity {
 
     /// Geometry of the larger of the tops that are drawn, if any; free if one of them is.
     pub(super) fn stage(&self) -> Option<Geometry> {
-        let drawn = [&self.a, &self.b].into_iter();
-        let drawn = drawn.filter(|run| run.has(POSE));
-        let larger = drawn
+        let larger = [&self.a, &self.b]
+            .into_iter()
+            .filter(|run| run.has(POSE))
             .map(|run| run.geometry)
             .max_by(|one, other| size(one).total_cmp(&size(other)))?;
         Some(Geometry {

@@ -29,24 +29,17 @@ struct PlotTrack {
 impl Plots {
     /// Opens the `wanted` plots, and sends their names and colours.
     pub(super) fn new(wanted: impl Fn(Plot) -> bool, look: &Look, outlet: &mut Outlet) -> Self {
-        let mut open = |plot: Plot| {
-            let entity = look.entity(&plot.to_string());
-            let numbers: Vec<_> = plot.numbers().collect();
-            let width = numbers.len();
-            outlet.send_static(entity.as_str(), &*style::of(&numbers, look));
-            PlotTrack {
-                plot,
-                numbers,
-                track: Track::new(entity, move |rows| columns(rows, width), outlet),
-                ranges: vec![NO_VALUES; width],
-                end_ns: 0,
+        let mut plots = Vec::new();
+        for topic in Topic::all() {
+            let mut tracks = Vec::new();
+            for plot in Plot::all(topic) {
+                if wanted(plot) {
+                    tracks.push(PlotTrack::new(plot, look, outlet));
+                }
             }
-        };
-        let plots = Topic::all().map(|topic| {
-            let plots = Plot::all(topic).into_iter();
-            plots.filter(|plot| wanted(*plot)).map(&mut open).collect()
-        });
-        Self(plots.collect())
+            plots.push(tracks);
+        }
+        Self(plots)
     }
 
     /// The numbers of a plot that have values, each with its least and its greatest value.
@@ -81,20 +74,45 @@ impl Plots {
         outlet: &mut Outlet,
     ) {
         for plot in &mut self.0[message.channel] {
-            let row = || plot.numbers.iter().map(|number| value(number.of(message)));
-            if row().any(|number| number.is_none()) {
-                continue;
-            }
-            let row = row()
-                .flatten()
-                .zip(&mut plot.ranges)
-                .map(|(number, range)| {
-                    *range = [range[0].min(number), range[1].max(number)];
-                    number
-                });
-            plot.track.push(outlet, message.time_ns, row);
-            plot.end_ns = message.time_ns;
+            plot.write(message, &value, outlet);
         }
+    }
+}
+
+impl PlotTrack {
+    /// An empty plot; sends names and colours.
+    fn new(plot: Plot, look: &Look, outlet: &mut Outlet) -> Self {
+        let entity = look.entity(&plot.to_string());
+        let numbers: Vec<_> = plot.numbers().collect();
+        let width = numbers.len();
+        outlet.send_static(entity.as_str(), &*style::series(&numbers, look));
+        Self {
+            plot,
+            numbers,
+            track: Track::new(entity, move |rows| columns(rows, width), outlet),
+            ranges: vec![NO_VALUES; width],
+            end_ns: 0,
+        }
+    }
+
+    fn write(
+        &mut self,
+        message: &Message<'_>,
+        value: impl Fn(f64) -> Option<f64>,
+        outlet: &mut Outlet,
+    ) {
+        let mut row = Vec::with_capacity(self.numbers.len());
+        for number in &self.numbers {
+            let Some(number) = value(number.of(message)) else {
+                return;
+            };
+            row.push(number);
+        }
+        for (range, number) in self.ranges.iter_mut().zip(&row) {
+            *range = [range[0].min(*number), range[1].max(*number)];
+        }
+        self.track.push(outlet, message.time_ns, row);
+        self.end_ns = message.time_ns;
     }
 }
 

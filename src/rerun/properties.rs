@@ -16,7 +16,7 @@ pub(super) fn entity() -> EntityPath {
 }
 
 /// An outcome as a component for each column of [`COLUMNS`] that has a value, in their order.
-pub(super) fn of_outcome(outcome: &Outcome) -> Vec<SerializedComponentBatch> {
+pub(super) fn from_outcome(outcome: &Outcome) -> Vec<SerializedComponentBatch> {
     let values = COLUMNS.iter().filter_map(|column| {
         let array = array(column.value_of(outcome)?);
         let descriptor = ComponentDescriptor::partial(column.name);
@@ -41,10 +41,10 @@ mod tests {
     use crate::run::simulation::EventKind;
 
     #[test]
-    fn every_column_that_has_a_value_becomes_a_component() {
+    fn columns_with_values_become_components() {
         let scenario = Preset::find("paper").unwrap().scenario().unwrap();
         let outcome = outcome(&scenario, || true).unwrap();
-        let batches = of_outcome(&outcome);
+        let batches = from_outcome(&outcome);
         let names: Vec<_> = batches
             .iter()
             .map(|batch| batch.descriptor.component.to_string())

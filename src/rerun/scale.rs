@@ -135,9 +135,11 @@ pub(super) fn legend(per_metre: f64, unit: &str) -> String {
     // Use a unit that takes SI prefixes.
     let unit = if unit == "kg m²/s" { "N m s" } else { unit };
     let per_centimetre = 0.01 * per_metre;
-    // Rounding must not push a round number below its prefix.
-    let fits = |(factor, _): &&(f64, &str)| per_centimetre >= 0.999 * factor;
-    match PREFIXES.iter().find(fits) {
+    // A little less than the factor: rounding must not push a round number below its prefix.
+    match PREFIXES
+        .iter()
+        .find(|(factor, _)| per_centimetre >= 0.999 * factor)
+    {
         Some((factor, prefix)) if per_centimetre < 1e4 => {
             format!("1 cm = {:.0} {prefix}{unit}", per_centimetre / factor)
         }
@@ -157,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn friction_of_one_top_has_one_scale_within_a_decade() {
+    fn friction_scale_is_common_within_a_decade() {
         let paper = scales("paper", "friction.k", "0.03");
         assert_eq!(scales("paper", "friction.k", "0.06"), paper);
         assert_eq!(scales("full-coulomb", "friction.k", "0.03"), paper);
@@ -168,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn every_scale_of_a_preset_is_a_round_number() {
+    fn scales_of_presets_are_round() {
         for preset in crate::run::scenario::PRESETS.iter() {
             let scenario = preset.scenario().unwrap();
             let scales = Scales::new(&scenario);

@@ -57,7 +57,7 @@ impl Scene {
         let geometry = identity.geometry;
         let (is_alone, is_free) = (look.is_alone(), geometry.is_free);
         if is_alone {
-            furnish(&geometry, outlet);
+            log_stage(&geometry, outlet);
         }
         let focus = is_free.then(|| Focus::new(&geometry, look, outlet));
         let proportions = Proportions::new(&geometry.top);
@@ -68,9 +68,12 @@ impl Scene {
         outlet.send_static(look.entity("scene/top/body"), &body);
         let text = "path of the symmetry axis";
         let [latest, past] = TRAIL_ABOVE;
-        let trail = Path::new(look, &[(latest, PURPLE)], 1.3, outlet)
-            .fading(look, past, PURPLE, outlet)
-            .named(look, "scene/trail/name", text, PURPLE);
+        let mut trail =
+            Path::new(look, &[(latest, PURPLE)], 1.3, outlet).fading(look, past, PURPLE, outlet);
+        if !is_free {
+            // The name stays at the start of the path, which a travelling top leaves.
+            trail = trail.named(look, "scene/trail/name", text, PURPLE);
+        }
         let below = [(TRAIL_BELOW, PURPLE)];
         let below = (!is_free).then(|| Path::new(look, &below, 1.0, outlet));
         let [slides, rolls, flies] = CONTACT_PATHS;
@@ -143,7 +146,7 @@ fn columns(rows: &[Pose]) -> Columns {
 }
 
 /// Sends the static parts: the table and, for a fixed peg, the vertical.
-pub(super) fn furnish(geometry: &Geometry, outlet: &mut Outlet) {
+pub(super) fn log_stage(geometry: &Geometry, outlet: &mut Outlet) {
     let size = Proportions::new(&geometry.top).size();
     outlet.send_static(STAGE, &ViewCoordinates::RIGHT_HAND_Z_UP());
     // A free peg needs a larger table.

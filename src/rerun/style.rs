@@ -64,7 +64,7 @@ const NAMED_STYLES: [(NumberField, &str, u32, f32); 42] = [
 ///
 /// Nutation means are dots, because dots are drawn above lines. Lines show the envelope where many values share a
 /// pixel.
-pub(super) fn of(numbers: &[NumberField], look: &Look) -> Box<dyn AsComponents> {
+pub(super) fn series(numbers: &[NumberField], look: &Look) -> Box<dyn AsComponents> {
     let styles = numbers.iter().enumerate();
     let styles: Vec<_> = styles.map(|(at, number)| one(*number, at, look)).collect();
     let names = styles.iter().map(|(name, ..)| name.as_str());
@@ -75,8 +75,9 @@ pub(super) fn of(numbers: &[NumberField], look: &Look) -> Box<dyn AsComponents> 
         let markers = numbers.iter().map(|_| MarkerShape::Circle);
         Box::new(points.with_markers(markers).with_marker_sizes(widths))
     } else {
-        let lines = SeriesLines::new().with_names(names).with_colors(colors);
-        let lines = lines
+        let lines = SeriesLines::new()
+            .with_names(names)
+            .with_colors(colors)
             .with_widths(widths)
             .with_aggregation_policy(AggregationPolicy::MinMax)
             .with_interpolation_mode(InterpolationMode::Linear);

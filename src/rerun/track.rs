@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use rerun::external::re_log_types::EntityPath;
 
-use super::outlet::{Columns, Outlet, To, Waiting};
+use super::outlet::{Columns, Outlet, Pending, To};
 
 /// Rows per chunk.
 const CHUNK_ROWS: usize = 4096;
@@ -65,7 +65,7 @@ impl<R> Rows<R> {
     }
 }
 
-impl<R> Waiting for Rows<R> {
+impl<R> Pending for Rows<R> {
     fn show(&mut self, outlet: &mut Outlet) {
         if outlet.is_live() && self.shown < self.times.len() {
             self.send(To::Viewer, self.shown, outlet);

@@ -4,11 +4,15 @@ use crate::support::{Folder, assert_contains, printed};
 use rerun::external::re_log_encoding::DecoderApp;
 use rerun::external::re_log_types::LogMsg;
 use rerun::log::Chunk;
+use std::fs;
+use std::net::TcpListener;
+use std::process::{Command, Output};
+use std::thread;
 use std::time::{Duration, Instant};
 use toprise::archive::recording::Overview;
 
 #[test]
-fn one_pass_writes_both_recordings() {
+fn run_writes_mcap_and_rrd() {
     let folder = Folder::new();
     let text = folder.toprise("run --set stop.duration=0.3", 0).stdout;
     assert_contains(&text, "rerun recordings/paper_duration0.3.rrd");
@@ -19,7 +23,7 @@ fn one_pass_writes_both_recordings() {
 }
 
 #[test]
-fn a_missing_viewer_is_a_warning_and_harms_nothing() {
+fn missing_viewer_is_a_warning() {
     let folder = Folder::new();
     let started = Instant::now();
     // Nothing listens on the discard port.
@@ -46,7 +50,7 @@ fn chunks(bytes: &[u8]) -> Vec<Chunk> {
 }
 
 #[test]
-fn repeated_paced_and_replayed_runs_have_the_same_chunks() {
+fn chunks_are_reproducible() {
     let folder = Folder::new();
     // The stem of the file is the name in the viewer, so it is the same for all.
     for (name, pace) in [("first", ""), ("second", ""), ("paced", "--realtime")] {
@@ -68,7 +72,7 @@ fn repeated_paced_and_replayed_runs_have_the_same_chunks() {
 }
 
 #[test]
-fn the_outcome_is_a_property_of_whole_runs() {
+fn whole_runs_have_outcome_properties() {
     let folder = Folder::new();
     let outcomes = |arguments: &str, rrd: &str| {
         folder.toprise(&format!("{arguments} --rrd {rrd}"), 0);
@@ -83,4 +87,120 @@ fn the_outcome_is_a_property_of_whole_runs() {
     assert_eq!(outcomes("view a.mcap", "whole.rrd"), 1);
     // What came of a run is not what came of a part of it.
     assert_eq!(outcomes("view a.mcap --to 0.05", "part.rrd"), 0);
+}
+
+#[test]
+fn first_page_says_why_the_top_rises() {
+    let folder = Folder::new();
+    folder.toprise("run paper -o paper.mcap --rrd paper.rrd", 0);
+    let explained = folder.toprise("explain paper.mcap --format json", 0).stdout;
+    let explained: serde_json::Value = serde_json::from_str(&explained).unwrap();
+    assert!(!explained["story"]["claims"].as_array().unwrap().is_empty());
+    let bytes = folder.read("paper.rrd");
+    let about = chunks(&bytes)
+        .iter()
+        .filter(|chunk| chunk.entity_path().to_string() == "/about")
+        .flat_map(|chunk| {
+            chunk
+                .iter_slices::<String>("TextDocument:text".into())
+                .flatten()
+                .map(|text| text.to_string())
+                .collect::<Vec<_>>()
+        })
+        .last()
+        .unwrap();
+    let (first, rest) = about.split_once("\n\n").unwrap();
+    assert_contains(first, "friction");
+    assert_contains(rest, "# paper");
+}
+
+/// The number of rows with a time in an `.rrd` file, with those of its layout.
+fn count_rows(bytes: &[u8]) -> usize {
+    chunks(bytes)
+        .iter()
+        .filter(|chunk| !chunk.is_static())
+        .map(Chunk::num_rows)
+        .sum()
+}
+
+/// The importer's result for these arguments in a folder.
+fn import(folder: &Folder, arguments: &str) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_rerun-importer-toprise"))
+        .args(arguments.split_whitespace())
+        .current_dir(folder.at(""))
+        .output()
+        .unwrap()
+}
+
+#[test]
+fn importer_streams_the_run() {
+    let folder = Folder::new();
+    let scenario = folder.toprise("presets paper", 0).stdout;
+    let scenario = scenario.replace("duration = 25", "duration = 0.3");
+    fs::write(folder.at("mine.toml"), scenario).unwrap();
+    let names = "--application-id app --recording-id rec";
+    let imported = import(&folder, &format!("mine.toml {names}"));
+    assert!(imported.status.success(), "{imported:?}");
+    let messages: Vec<_> = DecoderApp::decode_eager(&imported.stdout[..])
+        .unwrap()
+        .map(Result::unwrap)
+        .collect();
+    let stores: Vec<_> = messages
+        .iter()
+        .filter_map(|message| match message {
+            LogMsg::SetStoreInfo(set) => Some(&set.info.store_id),
+            _ => None,
+        })
+        .collect();
+    for store in &stores {
+        assert_eq!(store.application_id().as_str(), "app");
+        assert_eq!(store.recording_id().as_str(), "rec");
+    }
+    assert_eq!(stores.len(), 2, "the recording and its layout");
+    folder.toprise("run mine.toml -o mine.mcap --rrd mine.rrd", 0);
+    let recorded = count_rows(&folder.read("mine.rrd"));
+    assert!(recorded > 1000);
+    assert_eq!(count_rows(&imported.stdout), recorded);
+}
+
+#[test]
+fn importer_refuses_what_is_not_a_scenario() {
+    let folder = Folder::new();
+    let scenario = folder.toprise("presets paper", 0).stdout;
+    let misspelt = scenario.replace("mass", "maas");
+    let broken = scenario.replace("[initial]", "[initial");
+    for (name, text, code, message) in [
+        (
+            "other.toml",
+            "[package]\nname = \"x\"\n",
+            66,
+            "not a toprise scenario",
+        ),
+        ("scenario.txt", &scenario, 66, "not a toprise scenario"),
+        ("misspelt.toml", &misspelt, 1, "top.maas"),
+        ("broken.toml", &broken, 1, "[initial"),
+    ] {
+        fs::write(folder.at(name), text).unwrap();
+        let imported = import(&folder, name);
+        assert_eq!(imported.status.code(), Some(code), "{name}: {imported:?}");
+        assert_contains(&String::from_utf8_lossy(&imported.stderr), message);
+        assert!(imported.stdout.is_empty(), "{name}");
+    }
+    assert_eq!(import(&folder, "absent.toml").status.code(), Some(1));
+    assert_eq!(import(&folder, "").status.code(), Some(1));
+}
+
+#[test]
+fn lost_viewer_is_a_partial_result() {
+    let folder = Folder::new();
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    // Accepts the connection, so that a viewer seems to be there, and breaks it.
+    thread::spawn(move || listener.incoming().for_each(drop));
+    let viewer = format!("--connect=rerun+http://127.0.0.1:{port}/proxy");
+    let line = format!("run --set stop.duration=0.3 -o a.mcap {viewer}");
+    let warning = folder.toprise(&line, 3).stderr;
+    assert_contains(&warning, "was lost");
+    let archive = Overview::read(&folder.at("a.mcap")).unwrap();
+    assert!(archive.is_whole());
 }

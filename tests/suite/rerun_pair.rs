@@ -4,7 +4,7 @@ use crate::support::{in_memory, scenario};
 use rerun::external::re_log_encoding::DecoderApp;
 use rerun::external::re_log_types::LogMsg;
 use rerun::log::Chunk;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fs::File;
 use std::path::Path;
 use std::sync::LazyLock;
@@ -27,7 +27,7 @@ struct Run {
 }
 
 impl Run {
-    fn of(preset: &'static str) -> Self {
+    fn new(preset: &'static str) -> Self {
         Self::with(preset, DURATION)
     }
 
@@ -43,7 +43,7 @@ impl Run {
 
     fn identity(&self, topics: &[Topic]) -> Identity {
         let topics = topics.to_vec();
-        Identity::of(self.name, &self.scenario, topics, Playback::FromStart)
+        Identity::new(self.name, &self.scenario, topics, Playback::FromStart)
     }
 
     /// The messages of these topics.
@@ -54,8 +54,8 @@ impl Run {
     }
 }
 
-static PAPER: LazyLock<Run> = LazyLock::new(|| Run::of("paper"));
-static FULL: LazyLock<Run> = LazyLock::new(|| Run::of("full-coulomb"));
+static PAPER: LazyLock<Run> = LazyLock::new(|| Run::new("paper"));
+static FULL: LazyLock<Run> = LazyLock::new(|| Run::new("full-coulomb"));
 
 fn all_topics() -> Vec<Topic> {
     Topic::all_with(toprise::physics::dynamics::Support::FixedPeg).collect()
@@ -200,7 +200,7 @@ fn texts(chunk: &Chunk, component: &'static str) -> Vec<String> {
 }
 
 /// Asserts that each view has something to show.
-fn assert_nothing_is_empty(content: &Content) {
+fn assert_no_view_is_empty(content: &Content) {
     let rows = content.rows();
     let shown = content.shown();
     assert!(!shown.is_empty());
@@ -218,7 +218,7 @@ fn assert_nothing_is_empty(content: &Content) {
 
 /// A viewer's time axes reach to the end of the longer run.
 #[test]
-fn differences_reach_to_the_end_of_the_longer_run() {
+fn differences_extend_to_the_longer_run() {
     let directory = tempdir().unwrap();
     let path = directory.path().join("pair.rrd");
     let topics = all_topics();
@@ -233,13 +233,13 @@ fn differences_reach_to_the_end_of_the_longer_run() {
 }
 
 #[test]
-fn a_pair_holds_both_runs_and_their_difference() {
+fn pair_contains_runs_and_differences() {
     let directory = tempdir().unwrap();
     let path = directory.path().join("pair.rrd");
     let topics = all_topics();
     write(&path, (&PAPER, &topics), (&FULL, &topics));
     let content = Content::read(&path);
-    assert_nothing_is_empty(&content);
+    assert_no_view_is_empty(&content);
     let rows = content.rows();
     let is_compared = |channel: &&ChannelInfo| channel.is_sampled && !channel.is_free_peg_only;
     for channel in channels().iter().filter(is_compared) {
@@ -280,7 +280,7 @@ fn a_pair_holds_both_runs_and_their_difference() {
 }
 
 /// Asserts that what decides how curves look is not left to the defaults of viewers, which change.
-fn assert_curves_are_settled(content: &Content) {
+fn assert_curves_are_defined(content: &Content) {
     let mut settled = BTreeMap::new();
     for chunk in &content.data {
         let entity = chunk.entity_path().to_string();
@@ -314,29 +314,46 @@ fn assert_curves_are_settled(content: &Content) {
 }
 
 #[test]
-fn curves_look_alike_in_every_viewer() {
+fn layout_sets_every_property_of_curves() {
     let directory = tempdir().unwrap();
     let path = directory.path().join("layout.rrd");
     let topics = all_topics();
     write(&path, (&PAPER, &topics), (&FULL, &topics));
-    assert_curves_are_settled(&Content::read(&path));
-    for is_alone in [true, false] {
-        let identity = Identity {
-            is_alone,
-            ..PAPER.identity(&topics)
-        };
-        let file = Some(File::create(&path).unwrap());
-        let mut sink = RerunSink::new(&identity, Destinations { file, live: None });
-        for message in PAPER.messages(&topics) {
-            sink.write(&message.as_message()).unwrap();
-        }
-        sink.finish().unwrap();
-        assert_curves_are_settled(&Content::read(&path));
+    assert_curves_are_defined(&Content::read(&path));
+    let file = Some(File::create(&path).unwrap());
+    let destinations = Destinations { file, live: None };
+    let mut sink = RerunSink::new(&PAPER.identity(&topics), destinations);
+    for message in PAPER.messages(&topics) {
+        sink.write(&message.as_message()).unwrap();
+    }
+    sink.finish().unwrap();
+    assert_curves_are_defined(&Content::read(&path));
+}
+
+#[test]
+fn cameras_follow_both_travelling_tops() {
+    let directory = tempdir().unwrap();
+    let path = directory.path().join("pair.rrd");
+    let topics: Vec<_> = Topic::all().collect();
+    let [a, b] = ["free-paper", "free-viscous"].map(Run::new);
+    write(&path, (&a, &topics), (&b, &topics));
+    let content = Content::read(&path);
+    let targets: BTreeSet<_> = content
+        .blueprint
+        .iter()
+        .flat_map(|chunk| texts(chunk, "EyeControls3D:tracking_entity"))
+        .collect();
+    let expected = ["a", "b"].map(|run| format!("/{run}/scene/focus/camera_target"));
+    assert_eq!(targets, BTreeSet::from(expected.clone()));
+    let rows = content.rows();
+    for target in expected {
+        let place = target.trim_end_matches("/camera_target");
+        assert!(rows[place] > 1, "{place} moves");
     }
 }
 
 #[test]
-fn topics_that_are_missing_leave_no_empty_views() {
+fn missing_topics_leave_no_empty_views() {
     let directory = tempdir().unwrap();
     let path = directory.path().join("pair.rrd");
     let all = all_topics();
@@ -349,17 +366,17 @@ fn topics_that_are_missing_leave_no_empty_views() {
             (&one, &[]),
         ] {
             write(&path, (&PAPER, a), (&FULL, b));
-            assert_nothing_is_empty(&Content::read(&path));
+            assert_no_view_is_empty(&Content::read(&path));
         }
     }
 }
 
 #[test]
-fn events_that_repeat_are_one_line_with_their_number() {
+fn merges_repeated_events() {
     let directory = tempdir().unwrap();
     let path = directory.path().join("run.rrd");
     let scenario = scenario("free-paper", &[("stop.duration", "1.4")]);
-    let identity = Identity::of(
+    let identity = Identity::new(
         "run",
         &scenario,
         Topic::all().collect(),
@@ -408,7 +425,7 @@ fn events_that_repeat_are_one_line_with_their_number() {
 }
 
 #[test]
-fn runs_with_the_same_name_are_told_apart_by_letters() {
+fn names_equal_runs_by_letters() {
     let directory = tempdir().unwrap();
     let path = directory.path().join("pair.rrd");
     let topics = all_topics();

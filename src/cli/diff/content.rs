@@ -34,6 +34,22 @@ pub(in crate::cli) fn page(report: &Report, all: bool, is_cut: bool) -> Vec<Sect
     sections
 }
 
+/// The summary in the viewer: the findings first, since it shows the beginning; what was compared last.
+#[cfg(feature = "rerun")]
+pub(in crate::cli) fn summary(report: &Report) -> Vec<Section> {
+    let mut sections = vec![
+        verdict(report),
+        findings(report, false),
+        setup(report, false, false),
+        others(report, false),
+        notes(report, false),
+        topics(report),
+        subjects(report),
+    ];
+    sections.retain(|section| !section.parts.is_empty());
+    sections
+}
+
 fn subjects(report: &Report) -> Section {
     let rows = [("A", &report.a), ("B", &report.b)];
     Section::from(Table::from_texts(rows.map(subject_row)))

@@ -94,9 +94,9 @@ impl PairViewer {
 
     /// Adds the report to the recording and completes the file.
     pub(in crate::cli) fn finish(mut self, report: &Report) -> Result<(), Error> {
-        let markdown = page::markdown(&content::page(report, false, false));
+        let markdown = page::markdown(&content::summary(report));
         self.sink.summarize(&markdown);
-        if let Some(file) = complete(self.sink.finish(), self.draft)? {
+        if let Some(file) = complete(self.sink.finish(), self.draft)?.file {
             output::note(&format!("wrote {}", file.line()));
         }
         Ok(())
@@ -129,5 +129,10 @@ fn side_identity(
     })?;
     let title = name.map_or_else(|| scenario.title(), str::to_owned);
     let topics = subject.topics();
-    Ok(Identity::of(&title, &scenario, topics, Playback::FromStart))
+    Ok(Identity::new(
+        &title,
+        &scenario,
+        topics,
+        Playback::FromStart,
+    ))
 }

@@ -4,9 +4,10 @@ use super::viewer::{ViewerArguments, complete, warn_all};
 use crate::archive::publish::{Draft, Drafts, refuse_inputs};
 use crate::archive::sink::Sink;
 use crate::cli::arguments::OUTPUT;
-use crate::cli::report::WrittenFile;
+use crate::cli::explained::ExplainedSink;
+use crate::cli::report::{Completed, WrittenFile};
 use crate::cli::run::plan::RunPlan;
-use crate::rerun::{Destinations, Identity, Live, Playback, RerunSink};
+use crate::rerun::{Destinations, Identity, Live, Playback};
 use crate::run::outcome::Outcome;
 use crate::telemetry::{Telemetry, Topic};
 use anyhow::Error;
@@ -78,9 +79,11 @@ impl ShowPlan {
 
 /// Rerun output of a run.
 pub(in crate::cli) struct RunViewer {
-    sink: RerunSink,
+    sink: ExplainedSink,
     draft: Option<Draft>,
     rrd: RrdFile,
+    /// Whether the viewer went away while the run was prepared.
+    is_viewer_lost: bool,
 }
 
 impl RunViewer {
@@ -108,8 +111,12 @@ impl RunViewer {
         if destinations.file.is_none() && destinations.live.is_none() {
             return Ok(None);
         }
-        let mut sink = RerunSink::new(&identity(plan, mcap, telemetry), destinations);
-        warn_all(&sink.take_warnings());
+        let mut sink = ExplainedSink::new(
+            &plan.scenario,
+            &identity(plan, mcap, telemetry),
+            destinations,
+        );
+        let is_viewer_lost = warn_all(&sink.take_warnings());
         if let Some(draft) = &mut draft {
             draft.keep();
         }
@@ -117,6 +124,7 @@ impl RunViewer {
             sink,
             draft,
             rrd: plan.show.rrd.clone(),
+            is_viewer_lost,
         }))
     }
 
@@ -130,22 +138,24 @@ impl RunViewer {
 
     /// Ends the stream and publishes the file. If the MCAP file existed already, the file is published only under a name
     /// of its own. Returns the file, or the existing one next to the MCAP file.
-    pub(in crate::cli) fn finish(
-        self,
-        existing: Option<&WrittenFile>,
-    ) -> Result<Option<WrittenFile>, Error> {
+    pub(in crate::cli) fn finish(self, existing: Option<&WrittenFile>) -> Result<Completed, Error> {
         let adjacent = match (&self.rrd, existing) {
             (RrdFile::None | RrdFile::Adjacent, Some(mcap)) => adjacent_rrd(mcap),
             (RrdFile::At(_), _) | (_, None) => None,
         };
-        if adjacent.is_none() {
-            return complete(self.sink.finish(), self.draft);
-        }
-        if let Some(draft) = self.draft {
-            draft.discard();
-        }
-        complete(self.sink.finish(), None)?;
-        Ok(adjacent)
+        let mut completed = if adjacent.is_none() {
+            complete(self.sink.finish(), self.draft)?
+        } else {
+            if let Some(draft) = self.draft {
+                draft.discard();
+            }
+            Completed {
+                file: adjacent,
+                ..complete(self.sink.finish(), None)?
+            }
+        };
+        completed.is_viewer_lost |= self.is_viewer_lost;
+        Ok(completed)
     }
 }
 
@@ -162,7 +172,7 @@ fn identity(plan: &RunPlan, mcap: &Path, telemetry: &Telemetry) -> Identity {
     let topics = Topic::all_with(plan.scenario.model.support)
         .filter(|topic| telemetry.is_enabled(*topic))
         .collect();
-    Identity::of(
+    Identity::new(
         &stem.to_string_lossy(),
         &plan.scenario,
         topics,

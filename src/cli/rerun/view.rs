@@ -8,6 +8,7 @@ use crate::archive::publish::{Draft, Drafts, Existing, refuse_inputs};
 use crate::archive::recording::{Condition, Recording, Selection};
 use crate::archive::replay::{Replayed, replay};
 use crate::cli::arguments::OUTPUT;
+use crate::cli::explained::ExplainedSink;
 use crate::cli::interrupt;
 use crate::cli::output;
 use crate::cli::page::Section;
@@ -15,7 +16,7 @@ use crate::cli::progress::Progress;
 use crate::cli::report::{self, WrittenFile};
 use crate::cli::status::Status;
 use crate::cli::table::Table;
-use crate::rerun::{Destinations, Identity, Live, Playback, RerunSink};
+use crate::rerun::{Destinations, Identity, Live, Playback};
 use crate::run::outcome;
 use crate::run::outcome::Outcome;
 use crate::telemetry::Topics;
@@ -119,8 +120,6 @@ struct ViewPlan {
     selection: Selection,
     existing: Existing,
     live: Option<Live>,
-    /// Whether a recording is shown alone, in a viewer or file of its own.
-    is_alone: bool,
     /// The recordings, in command-line order.
     recordings: Vec<PlannedRecording>,
 }
@@ -156,7 +155,6 @@ impl ViewArguments {
             selection,
             existing: Existing::forced(self.force),
             live: self.live(),
-            is_alone: self.files.len() == 1 || self.rrd.is_some(),
             recordings,
         })
     }
@@ -294,10 +292,7 @@ fn show(
         .scenario()
         .context("the scene can't be drawn without the scenario")
         .with_context(|| path.display().to_string())?;
-    let identity = Identity {
-        is_alone: plan.is_alone,
-        ..Identity::of(name, &scenario, recording.topics(), Playback::FromStart)
-    };
+    let identity = Identity::new(name, &scenario, recording.topics(), Playback::FromStart);
     let mut draft = None;
     if let Some(rrd) = rrd {
         draft = Some(Draft::new_in(drafts, rrd, plan.existing)?);
@@ -307,7 +302,7 @@ fn show(
         file: draft.as_ref().map(Draft::file).transpose()?,
         live: plan.live.clone(),
     };
-    let mut sink = RerunSink::new(&identity, destinations);
+    let mut sink = ExplainedSink::new(&scenario, &identity, destinations);
     let warnings = sink.take_warnings();
     if draft.is_none() && !sink.is_live() {
         let reasons: Vec<String> = warnings.iter().map(ToString::to_string).collect();
@@ -323,7 +318,7 @@ fn show(
         sink.set_outcome(&outcome);
     }
     let interrupted = draft.take_if(|_| interrupt::is_requested());
-    let rrd = viewer::complete(sink.finish(), draft)?;
+    let rrd = viewer::complete(sink.finish(), draft)?.file;
     if let Some(draft) = interrupted {
         let path = draft.path().display();
         output::warn(&format!("interrupted: {path} is not written"));

@@ -4,7 +4,7 @@ use crate::archive::publish::Draft;
 use crate::archive::sink::SinkError;
 use crate::cli::arguments::VIEWER;
 use crate::cli::output;
-use crate::cli::report::WrittenFile;
+use crate::cli::report::{Completed, WrittenFile};
 use crate::rerun::{Live, RerunError, ViewerError};
 use anyhow::{Context as _, Error};
 use clap::Args;
@@ -42,17 +42,22 @@ impl ViewerArguments {
 pub(super) fn complete(
     ended: Result<Vec<ViewerError>, RerunError>,
     draft: Option<Draft>,
-) -> Result<Option<WrittenFile>, Error> {
+) -> Result<Completed, Error> {
     let ended = ended.map_err(|error| SinkError::Viewer(Box::new(error)));
     let Some(draft) = draft else {
-        warn_all(&ended?);
-        return Ok(None);
+        return Ok(Completed {
+            file: None,
+            is_viewer_lost: warn_all(&ended?),
+        });
     };
     let lost = format!("{} is not written", draft.path().display());
     match ended {
         Ok(warnings) => {
-            warn_all(&warnings);
-            WrittenFile::publish(draft).map(Some).context(lost)
+            let is_viewer_lost = warn_all(&warnings);
+            Ok(Completed {
+                file: Some(WrittenFile::publish(draft).context(lost)?),
+                is_viewer_lost,
+            })
         }
         Err(error) => {
             draft.discard();
@@ -61,9 +66,10 @@ pub(super) fn complete(
     }
 }
 
-/// Prints what went wrong with a viewer.
-pub(super) fn warn_all(warnings: &[ViewerError]) {
+/// Prints what went wrong with a viewer. Returns whether it went away.
+pub(super) fn warn_all(warnings: &[ViewerError]) -> bool {
     for warning in warnings {
         output::warn(&warning.to_string());
     }
+    warnings.iter().any(ViewerError::is_loss)
 }

@@ -30,6 +30,9 @@ pub(super) struct Recorded {
     /// Whether writing it failed.
     #[serde(skip)]
     pub(super) is_rrd_lost: bool,
+    /// Whether a viewer went away before it had everything.
+    #[serde(skip)]
+    pub(super) is_viewer_lost: bool,
     /// SHA-256 of the recording's content.
     pub(super) content_digest: String,
 }

@@ -21,7 +21,7 @@ pub(super) struct Child {
     path: String,
 }
 
-/// Number from which the parts of a replacement are numbered.
+/// Number after which new parts of a changed layout are numbered.
 const REPLACEMENT: u64 = 1 << 16;
 
 /// A blueprint under construction.
@@ -56,12 +56,9 @@ impl Layout {
         }
     }
 
-    /// A layout that replaces one that has been sent before. Its parts are new, so none inherits properties of an old one.
-    pub(super) fn replacement(recording: &StoreId) -> Self {
-        Self {
-            children: REPLACEMENT,
-            ..Self::changes(recording)
-        }
+    /// Makes the following parts new ones, which inherit no properties of the parts that were sent before.
+    pub(super) fn start_new_parts(&mut self) {
+        self.children = REPLACEMENT;
     }
 
     /// Sets components of a part of the layout.
@@ -119,12 +116,11 @@ impl Layout {
         let contents = children
             .iter()
             .map(|child| components::IncludedContent(child.path.as_str().into()));
-        let mut container = container.with_contents(contents);
+        let mut filled = container.with_contents(contents);
         if let Some(first) = children.first() {
-            container =
-                container.with_active_tab(components::ActiveTab(first.path.as_str().into()));
+            filled = filled.with_active_tab(components::ActiveTab(first.path.as_str().into()));
         }
-        self.log(&child.path, &container);
+        self.log(&child.path, &filled);
         child
     }
 

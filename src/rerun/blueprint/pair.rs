@@ -5,6 +5,7 @@ use rerun::blueprint::components::{Corner2D, LinkAxis};
 use rerun::blueprint::datatypes::TextLogColumnKind;
 use rerun::components::Name;
 
+use super::axis::{MIN_SPAN, axis_range};
 use super::builder::{Child, Layout, Messages, column, row, tabs};
 use super::charts::{
     Chart, FRICTION_CONTRASTS, MORE_CONTRASTS, MOTION_CONTRASTS, RATE_CONTRASTS, TABLE_CONTRASTS,
@@ -13,16 +14,18 @@ use super::charts::{
 use super::views::{
     Stage, bound, events, scene, speed, target, time_panel, time_series, titled, window,
 };
-use crate::physics::math;
 use crate::rerun::entity::{self, ABOUT, STAGE, SUMMARY};
 use crate::rerun::identity::{Geometry, Playback};
 use crate::rerun::look::Look;
 use crate::rerun::pair::PairIdentity;
 use crate::rerun::plots::Plots;
-use crate::rerun::scale::power_of_ten;
 use crate::telemetry::Topic;
-use crate::telemetry::fields::{EVENTS, POSE, Plot};
+use crate::telemetry::fields::{EVENTS, NUTATION, POSE, Plot};
 use crate::telemetry::side::Side;
+
+/// Shortest value axis of a difference, relative to the typical magnitude of the quantity: shorter ones would show the
+/// errors of integration.
+const MIN_DIFFERENCE: f64 = 1e-9;
 
 /// Distance of the camera in each of two views next to each other, relative to that in a single view: the arrows must
 /// fit into the narrower views.
@@ -32,7 +35,9 @@ const NARROW: f64 = 1.5;
 pub(crate) struct Extent<'a> {
     /// Duration of the longer run, s.
     pub(crate) duration: f64,
-    /// The least and the greatest difference of a plot.
+    /// The values of both runs.
+    pub(crate) runs: [&'a Plots; 2],
+    /// The differences.
     pub(crate) differences: &'a Plots,
 }
 
@@ -52,7 +57,7 @@ pub(crate) fn messages(identity: &PairIdentity, extent: Option<&Extent<'_>>) -> 
     let right = charts.pages();
     let speed = extent.map_or(1.0, |extent| speed(extent.duration));
     let panel = time_panel(Playback::FromStart, speed);
-    window(layout, left, right, [38.0, 62.0], true, &panel)
+    window(layout, left, right, [38.0, 62.0], &panel)
 }
 
 /// The scene, if there is one, and below it the summary and the events.
@@ -99,7 +104,7 @@ fn scenes(layout: &mut Layout, identity: &PairIdentity) -> Option<Child> {
         let Look::Compared(side, _) = look else {
             continue;
         };
-        let name = titled_run(identity, *side);
+        let name = format!("{}: {}", side.name(), identity.name_of(*side));
         let target = target(look, own);
         views.push(stage(layout, &name, &[run], &geometry, target, NARROW));
     }
@@ -139,10 +144,11 @@ fn stage(
 
 /// The looks and geometries of the runs that have a topic.
 fn looks(identity: &PairIdentity, topic: Topic) -> Vec<(Look, &Geometry)> {
-    let sides = [Side::A, Side::B].into_iter();
-    let sides = sides.filter(|side| identity.run(*side).has(topic));
-    let of = |side| (identity.look(side), &identity.run(side).geometry);
-    sides.map(of).collect()
+    [Side::A, Side::B]
+        .into_iter()
+        .filter(|side| identity.run(*side).has(topic))
+        .map(|side| (identity.look(side), &identity.run(side).geometry))
+        .collect()
 }
 
 /// Tabs with the summary and the run descriptions.
@@ -204,28 +210,39 @@ impl Charts<'_> {
     fn overlay(&mut self, contrast: &Chart) -> Option<Child> {
         let identity = self.identity;
         let contents = [Side::A, Side::B].map(|side| {
-            let is_there = |plot: Plot| identity.run(side).has(plot.topic());
-            entities(contrast.plots, is_there, &identity.look(side))
+            entities(
+                contrast.plots,
+                |plot| identity.run(side).has(plot.topic()),
+                &identity.look(side),
+            )
         });
         let name = titled(contrast.name, contrast.plots[0].unit());
-        self.curves(&name, &contents.concat(), contrast.legend)
+        let legend = contrast.legend.or_else(|| legend_of_parts(contrast.plots));
+        let view = self.curves(&name, &contents.concat(), legend)?;
+        if let Some(extent) = self.extent {
+            let magnitudes = &self.identity.a.magnitudes;
+            if let Some(range) = axis_range(contrast.plots, &extent.runs, magnitudes, MIN_SPAN) {
+                bound(self.layout, &view, range);
+            }
+        }
+        Some(view)
     }
 
     /// The difference of the curves, if both runs have them.
     fn difference(&mut self, contrast: &Chart) -> Option<Child> {
         let plots = contrast.differences;
-        let is_there = |plot| self.identity.has_difference_of(plot);
-        let contents = entities(plots, is_there, &Look::Difference);
+        let contents = entities(
+            plots,
+            |plot| self.identity.has_difference_of(plot),
+            &Look::Difference,
+        );
         let name = format!("{}: B − A", contrast.name);
         let name = titled(&name, contrast.plots[0].unit());
-        let view = self.curves(&name, &contents, None)?;
+        let view = self.curves(&name, &contents, legend_of_parts(plots))?;
         if let Some(extent) = self.extent {
-            let whole = plots
-                .iter()
-                .flat_map(|plot| extent.differences.ranges(*plot))
-                .map(|(_, range)| range)
-                .reduce(|[low, high], [least, most]| [low.min(least), high.max(most)]);
-            if let Some(range) = whole.and_then(with_ticks) {
+            let magnitudes = &self.identity.a.magnitudes;
+            let values = [extent.differences];
+            if let Some(range) = axis_range(plots, &values, magnitudes, MIN_DIFFERENCE) {
                 bound(self.layout, &view, range);
             }
         }
@@ -234,8 +251,11 @@ impl Charts<'_> {
 
     /// The logarithm of the difference, if both runs have the curves.
     fn magnitude(&mut self, contrast: &Chart) -> Option<Child> {
-        let is_there = |plot| self.identity.has_magnitude_of(plot);
-        let contents = entities(contrast.differences, is_there, &Look::Magnitude);
+        let contents = entities(
+            contrast.differences,
+            |plot| self.identity.has_magnitude_of(plot),
+            &Look::Magnitude,
+        );
         let name = format!("{}: log₁₀ |B − A|", contrast.name);
         self.curves(&name, &contents, None)
     }
@@ -252,59 +272,21 @@ impl Charts<'_> {
     }
 }
 
+/// The corner of a legend that names several numbers of a run, if a chart shows more than one. The colours of runs mean the
+/// same in all charts, and nutation means lie on the curves that they belong to.
+fn legend_of_parts(plots: &[Plot]) -> Option<Corner2D> {
+    let numbers = plots
+        .iter()
+        .filter(|plot| plot.topic() != NUTATION)
+        .flat_map(|plot| plot.numbers());
+    (numbers.count() > 1).then_some(Corner2D::RightTop)
+}
+
 /// The entities of the existing plots.
-fn entities(plots: &[Plot], is_there: impl Fn(Plot) -> bool, look: &Look) -> Vec<String> {
-    let plots = plots.iter().filter(|plot| is_there(**plot));
-    plots.map(|plot| look.entity(&plot.to_string())).collect()
-}
-
-/// Maximum number of labelled ticks of a small chart.
-const MOST_TICKS: f64 = 7.0;
-
-/// Ranges below this fraction of the values are rounding errors.
-const SMALLEST_SPAN: f64 = 1e-12;
-
-/// A range that contains these values and at least three labelled ticks; `None` if the values are equal.
-fn with_ticks([low, high]: [f64; 2]) -> Option<[f64; 2]> {
-    let size = high - low;
-    let is_rounding = size <= SMALLEST_SPAN * low.abs().max(high.abs());
-    if is_rounding || !size.is_finite() {
-        return None;
-    }
-    let step = power_of_ten(math::log10(size / MOST_TICKS).ceil());
-    let air = 0.05 * size;
-    let [mut first, mut last] = [(low / step).ceil(), (high / step).floor()];
-    while last - first < 2.0 {
-        if high / step - last > first - low / step {
-            last += 1.0;
-        } else {
-            first -= 1.0;
-        }
-    }
-    Some([(first * step).min(low) - air, (last * step).max(high) + air])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        #[test]
-        fn every_range_has_three_ticks(low in -1e3..1e3, size in 1e-9..1e3) {
-            let [least, most] = with_ticks([low, low + size]).unwrap();
-            prop_assert!(least <= low && low + size <= most);
-            let step = power_of_ten(math::log10(size / MOST_TICKS).ceil());
-            let ticks = (most / step).floor() - (least / step).ceil() + 1.0;
-            prop_assert!((3.0..=MOST_TICKS + 3.0).contains(&ticks), "{ticks} from {least} to {most}");
-        }
-    }
-
-    #[test]
-    fn equal_values_have_no_range() {
-        assert_eq!(with_ticks([1.0, 1.0]), None);
-        assert_eq!(with_ticks([1.0, 1.0_f64.next_up()]), None);
-        assert_eq!(with_ticks([0.0, 0.0]), None);
-        assert_eq!(with_ticks([f64::INFINITY, f64::NEG_INFINITY]), None);
-    }
+fn entities(plots: &[Plot], exists: impl Fn(Plot) -> bool, look: &Look) -> Vec<String> {
+    plots
+        .iter()
+        .filter(|plot| exists(**plot))
+        .map(|plot| look.entity(&plot.to_string()))
+        .collect()
 }

@@ -5,6 +5,7 @@ use rerun::blueprint::datatypes::TextLogColumnKind;
 use rerun::components::Name;
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
+use super::axis::{MIN_SPAN, axis_range};
 use super::builder::{Child, Layout, Messages, column, tabs};
 use super::charts::{Chart, MORE, RATES, RISE, TABLE, TRAVEL};
 use super::views::{
@@ -15,7 +16,6 @@ use crate::rerun::identity::{Geometry, Identity, Playback};
 use crate::rerun::look::Look;
 use crate::rerun::magnitude::Magnitudes;
 use crate::rerun::plots::Plots;
-use crate::telemetry::axis::range_of_values;
 use crate::telemetry::fields::{EVENTS, POSE, Plot};
 use crate::telemetry::proportions::Proportions;
 
@@ -25,41 +25,61 @@ pub(crate) fn messages(identity: &Identity, playback: Playback) -> Messages {
     complete(layout, identity, None, &time_panel(playback, 1.0))
 }
 
-/// The messages of the layout that replaces the first one when the run has ended (`duration` in s). It plays the run from
-/// the start, and its charts fit the values.
-pub(crate) fn messages_at_end(identity: &Identity, duration: f64, plots: &Plots) -> Messages {
-    let layout = Layout::replacement(&identity.store());
-    let panel = time_panel(Playback::FromStart, speed(duration));
-    complete(layout, identity, Some(plots), &panel)
+/// A run that has ended.
+pub(crate) struct EndedRun<'a> {
+    /// Its duration, s.
+    pub(crate) duration: f64,
+    /// The ranges of its values.
+    pub(crate) plots: &'a Plots,
+    /// Whether its description begins with the reason for the motion.
+    pub(crate) has_story: bool,
 }
 
-/// The layout, given the values of the plots if they are known.
+/// The messages that change the layout when the run has ended: it plays the run from the start, and its charts fit the
+/// values.
+pub(crate) fn messages_at_end(identity: &Identity, ended: &EndedRun<'_>) -> Messages {
+    let layout = Layout::changes(&identity.store());
+    let panel = time_panel(Playback::FromStart, speed(ended.duration));
+    complete(layout, identity, Some(ended), &panel)
+}
+
+/// The layout of a run, which fits its values if it has ended.
 fn complete(
     mut layout: Layout,
     identity: &Identity,
-    plots: Option<&Plots>,
+    ended: Option<&EndedRun<'_>>,
     panel: &parts::TimePanelBlueprint,
 ) -> Messages {
-    let left = left_side(&mut layout, identity);
-    let right = right_side(&mut layout, identity, plots);
+    let left = left_side(
+        &mut layout,
+        identity,
+        ended.is_some_and(|ended| ended.has_story),
+    );
+    if ended.is_some() {
+        // Only charts move. The viewer would place the camera of a new scene differently.
+        layout.start_new_parts();
+    }
+    let right = right_side(&mut layout, identity, ended.map(|ended| ended.plots));
     // Without a scene the left side has only text.
     let shares = if identity.has(POSE) {
         [42.0, 58.0]
     } else {
         [25.0, 75.0]
     };
-    window(layout, left, right, shares, identity.is_alone, panel)
+    window(layout, left, right, shares, panel)
 }
 
-/// The scene, if there is one, and below it the events and the description.
-fn left_side(layout: &mut Layout, identity: &Identity) -> Child {
+/// The scene, if there is one, and below it the events and the description, which comes first if it has the reason for
+/// the motion.
+fn left_side(layout: &mut Layout, identity: &Identity, has_story: bool) -> Child {
     let about = layout.view("TextDocument", "About this run", ABOUT, &["$origin"]);
     let mut pages = vec![about];
     if identity.has(EVENTS) {
+        let place = usize::from(has_story);
         for (name, entity) in [("Each event", EACH_EVENT), ("Events", entity::EVENTS)] {
             let contents = [Look::Alone.entity(entity)];
             let log = events(layout, name, &contents, &[TextLogColumnKind::Body]);
-            pages.insert(0, log);
+            pages.insert(place, log);
         }
     }
     let words = layout.contain(tabs(), &pages);
@@ -67,15 +87,13 @@ fn left_side(layout: &mut Layout, identity: &Identity) -> Child {
         return words;
     }
     let whole = ["$origin/**".to_owned()];
-    // Next to the recordings panel the scene is narrower and must still show all arrow labels.
-    let distance = if identity.is_alone { 1.0 } else { 1.2 };
     let stage = Stage {
         name: &identity.title,
         contents: &whole,
         runs: &[(Look::Alone, &identity.geometry)],
         geometry: &identity.geometry,
         target: target(&Look::Alone, &identity.geometry),
-        distance,
+        distance: 1.0,
     };
     let scene = scene(layout, &stage);
     layout.contain(column(&[76.0, 24.0]), &[scene, words])
@@ -112,9 +130,13 @@ fn pages(identity: &Identity, plots: Option<&Plots>) -> Vec<Page> {
 
 /// The page of these charts, without those that have no data.
 fn page(name: &'static str, charts: &'static [Chart], identity: &Identity) -> Page {
-    let has_data = |chart: &&Chart| chart.plots.iter().any(|plot| identity.has(plot.topic()));
-    let charts = charts.iter().filter(has_data).collect();
-    Page { name, charts }
+    Page {
+        name,
+        charts: charts
+            .iter()
+            .filter(|chart| chart.plots.iter().any(|plot| identity.has(plot.topic())))
+            .collect(),
+    }
 }
 
 /// Exchanges the constant charts of the first page for others, as long as there are any.
@@ -151,28 +173,6 @@ fn is_constant(chart: &Chart, plots: &Plots, magnitudes: &Magnitudes) -> bool {
     })
 }
 
-/// Shortest value axis, relative to the typical magnitude of the quantity.
-const MIN_SPAN: f64 = 1e-6;
-
-/// The range of a chart's value axis; none if the viewer's choice, the range of the values, magnifies no rounding errors.
-fn axis_range(chart: &Chart, plots: &Plots, magnitudes: &Magnitudes) -> Option<[f64; 2]> {
-    let numbers: Vec<_> = chart
-        .plots
-        .iter()
-        .flat_map(|plot| plots.ranges(*plot))
-        .collect();
-    let values = numbers
-        .iter()
-        .map(|(_, range)| *range)
-        .reduce(|[low, high], [least, most]| [low.min(least), high.max(most)])?;
-    let typical = numbers
-        .iter()
-        .map(|(number, _)| magnitudes.typical(number.leaf().quantity))
-        .fold(0.0, f64::max);
-    let range = range_of_values(values, MIN_SPAN * typical);
-    (range != values).then_some(range)
-}
-
 /// The range of a chart that shows a quantity with this unit of a tippe top: it passes through upright, where its Euler
 /// rates are infinite. The bounds are the largest magnitudes outside the peaks caused by this singularity.
 fn bounds_of_tippe_top(unit: &str, geometry: &Geometry) -> Option<[f64; 2]> {
@@ -199,7 +199,7 @@ fn right_side(layout: &mut Layout, identity: &Identity, plots: Option<&Plots>) -
             let link = LinkAxis::Independent;
             let view = time_series(layout, &name, &contents, chart.legend, link);
             let range = bounds_of_tippe_top(unit, &identity.geometry)
-                .or_else(|| axis_range(chart, plots?, &identity.magnitudes));
+                .or_else(|| axis_range(chart.plots, &[plots?], &identity.magnitudes, MIN_SPAN));
             if let Some(range) = range {
                 bound(layout, &view, range);
             }
@@ -229,7 +229,7 @@ mod tests {
         values.set("stop.duration", "1").unwrap();
         let scenario = Scenario::new(values).unwrap();
         let topics: Vec<_> = Topic::all_with(scenario.model.support).collect();
-        let identity = Identity::of("test", &scenario, topics, Playback::FromStart);
+        let identity = Identity::new("test", &scenario, topics, Playback::FromStart);
         let mut outlet = Outlet::open(identity.store(), Destinations::default());
         let mut plots = Plots::new(|plot| identity.has(plot.topic()), &Look::Alone, &mut outlet);
         let mut telemetry = Telemetry::with_topics(&Topics::All);
@@ -248,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn constant_charts_give_their_places_to_others() {
+    fn moves_constant_charts_to_the_last_page() {
         let (identity, plots) = plots("free-viscous");
         let before = pages(&identity, None);
         let after = pages(&identity, Some(&plots));
@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn charts_that_move_keep_their_places() {
+    fn keeps_charts_that_vary() {
         let (identity, plots) = plots("paper");
         let before = pages(&identity, None);
         let after = pages(&identity, Some(&plots));
@@ -277,9 +277,15 @@ mod tests {
         assert!(high - low < 1e-12, "energy is conserved");
         let torque = &RISE[4];
         assert!(is_constant(torque, &plots, &identity.magnitudes));
-        let [low, high] = axis_range(torque, &plots, &identity.magnitudes).unwrap();
+        let [low, high] =
+            axis_range(torque.plots, &[&plots], &identity.magnitudes, MIN_SPAN).unwrap();
         assert!(high - low > 0.0);
-        let rate = axis_range(&RISE[1], &plots, &identity.magnitudes);
-        assert_eq!(rate, None, "the top nutates");
+        let (_, values) = plots.ranges(RISE[1].plots[0]).next().unwrap();
+        let [low, high] =
+            axis_range(RISE[1].plots, &[&plots], &identity.magnitudes, MIN_SPAN).unwrap_or(values);
+        assert!(
+            high - low < 2.0 * (values[1] - values[0]),
+            "the top nutates"
+        );
     }
 }

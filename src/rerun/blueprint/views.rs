@@ -1,5 +1,6 @@
 //! Views and panels used by both layouts.
 
+use nalgebra::Vector3;
 use rerun::blueprint::components::{
     BackgroundKind, Corner2D, Eye3DKind, LinkAxis, LoopMode, PanelState, PlayState, TextLogColumn,
     TimelineColumn, VisibleTimeRange,
@@ -45,14 +46,15 @@ pub(super) fn target(look: &Look, geometry: &Geometry) -> Option<String> {
 pub(super) fn scene(layout: &mut Layout, stage: &Stage<'_>) -> Child {
     let view = layout.view("3D", stage.name, STAGE, stage.contents);
     let proportions = Proportions::new(&stage.geometry.top);
-    let in_heights = |coordinate: f64| (coordinate * proportions.size()) as f32;
-    let target = [0.0, 0.0, 0.55];
-    let position = [2.4, 3.05, 0.85].map(|coordinate| coordinate * stage.distance);
-    let position = [position[0], position[1], position[2] + target[2]];
+    // In heights of the top: the middle of the scene, and the place of the camera as seen from there.
+    let middle = Vector3::new(0.0, 0.0, 0.55);
+    let place = middle + stage.distance * Vector3::new(2.4, 3.05, 0.85);
+    let [target, position]: [[f32; 3]; 2] =
+        [middle, place].map(|point| (proportions.size() * point).cast().into());
     let camera = parts::EyeControls3D::new()
         .with_kind(Eye3DKind::Orbital)
-        .with_position(position.map(in_heights))
-        .with_look_target(target.map(in_heights))
+        .with_position(position)
+        .with_look_target(target)
         .with_spin_speed(0.0)
         .with_eye_up([0.0, 0.0, 1.0]);
     let camera = match &stage.target {
@@ -137,12 +139,11 @@ pub(super) fn time_series(
     link: LinkAxis,
 ) -> Child {
     let view = layout.view("TimeSeries", name, "/", contents);
-    let shown = parts::PlotLegend::new().with_visible(legend.is_some());
-    let legend = match legend {
-        Some(corner) => shown.with_corner(corner),
-        None => shown,
-    };
-    layout.property(&view, "PlotLegend", &legend);
+    let mut shown = parts::PlotLegend::new().with_visible(legend.is_some());
+    if let Some(corner) = legend {
+        shown = shown.with_corner(corner);
+    }
+    layout.property(&view, "PlotLegend", &shown);
     layout.property(&view, "TimeAxis", &parts::TimeAxis::new().with_link(link));
     layout.property(
         &view,
@@ -164,7 +165,6 @@ pub(super) fn window(
     left: Child,
     right: Option<Child>,
     shares: [f32; 2],
-    is_alone: bool,
     time_panel: &parts::TimePanelBlueprint,
 ) -> Messages {
     let root = match right {
@@ -172,15 +172,15 @@ pub(super) fn window(
         None => left,
     };
     layout.fill(&root);
-    let panel = |state| parts::PanelBlueprint::new().with_state(state);
-    // Needed to select among several recordings.
-    let recordings = if is_alone {
-        PanelState::Hidden
-    } else {
-        PanelState::Expanded
-    };
-    layout.log("blueprint_panel", &panel(recordings));
-    layout.log("selection_panel", &panel(PanelState::Hidden));
+    // The list of recordings is open: the layout can't depend on whether another recording is open too.
+    layout.log(
+        "blueprint_panel",
+        &parts::PanelBlueprint::new().with_state(PanelState::Expanded),
+    );
+    layout.log(
+        "selection_panel",
+        &parts::PanelBlueprint::new().with_state(PanelState::Hidden),
+    );
     layout.log("time_panel", time_panel);
     layout.finish()
 }

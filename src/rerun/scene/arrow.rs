@@ -249,18 +249,24 @@ mod tests {
         ("paper-precession-term-only", "angular momentum"),
     ];
 
+    /// Arrows that are too short for a label all the time: the scale of the gravity torque is that of a top that may
+    /// invert, and this one stays almost upright.
+    const SHORT: [(&str, &str); 1] = [("tippe-top-hangs", "gravity torque")];
+
     #[test]
-    fn arrows_of_every_preset_fit_into_the_view_and_have_labels() {
+    fn arrows_of_presets_fit_the_view() {
         for preset in PRESETS.iter() {
             let mut values = preset.values().unwrap();
             values.set("sampling.period", "0.005").unwrap();
             let scenario = Scenario::new(values).unwrap();
             let topics = Topic::all_with(scenario.model.support).collect();
-            let identity = Identity::of("test", &scenario, topics, Playback::FromStart);
+            let identity = Identity::new("test", &scenario, topics, Playback::FromStart);
             for (arrow, longest) in longest(&identity, &scenario) {
                 let name = preset.name.as_str();
-                assert!(
-                    longest >= MIN_LABELED,
+                let has_label = longest >= MIN_LABELED;
+                assert_eq!(
+                    has_label,
+                    !SHORT.contains(&(name, arrow)),
                     "{name}: {arrow} has {longest} at most"
                 );
                 let is_cut = longest > scale::max_length(1.0);

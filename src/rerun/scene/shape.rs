@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn the_front_of_each_triangle_faces_outwards() {
+    fn triangles_face_outwards() {
         let presets = ["paper", "tippe-top"].map(|name| Preset::find(name).unwrap());
         let mut surface = Surface::default();
         for preset in presets {

@@ -94,13 +94,13 @@ pub fn foxglove_layout() -> String {
     let tabs = [("Motion", &MOTION[..]), ("On the table", &TABLE)]
         .map(|(title, plots)| json!({ "title": title, "layout": grid(plots) }));
     panels.insert(PLOTS.to_owned(), json!({ "activeTabIdx": 0, "tabs": tabs }));
-    let left = split("column", json!(SCENE), json!(LOG), 75);
+    let left = split("column", &json!(SCENE), &json!(LOG), 75);
     let layout = json!({
         "configById": panels,
         "globalVariables": {},
         "userNodes": {},
         "playbackConfig": { "speed": 1 },
-        "layout": split("row", left, json!(PLOTS), 42),
+        "layout": split("row", &left, &json!(PLOTS), 42),
     });
     format!("{layout:#}\n")
 }
@@ -210,13 +210,13 @@ fn stack(direction: &str, mut parts: Vec<Value>) -> Value {
     let mut count = 1;
     while let Some(part) = parts.pop() {
         count += 1;
-        whole = split(direction, part, whole, 100 / count);
+        whole = split(direction, &part, &whole, 100 / count);
     }
     whole
 }
 
 /// Two parts, of which the first takes this percentage.
-fn split(direction: &str, first: Value, second: Value, percentage: u32) -> Value {
+fn split(direction: &str, first: &Value, second: &Value, percentage: u32) -> Value {
     json!({
         "direction": direction,
         "first": first,

@@ -1,0 +1,117 @@
+//! Ranges of value axes: their ticks are labelled, and rounding errors don't fill them.
+
+use crate::physics::math;
+use crate::rerun::magnitude::Magnitudes;
+use crate::rerun::plots::Plots;
+use crate::rerun::scale::power_of_ten;
+use crate::telemetry::fields::Plot;
+
+/// Shortest value axis, relative to the typical magnitude of its quantity.
+pub(super) const MIN_SPAN: f64 = 1e-6;
+
+/// Maximum length of an axis relative to the range of its values, for labelled ticks.
+const MAX_STRETCH: f64 = 1.6;
+
+/// The range of an axis for the values of these plots in some runs, at least `least` times as long as the quantity's typical
+/// magnitude. None if the viewer's choice, the range of the values, is as good.
+pub(super) fn axis_range(
+    plots: &[Plot],
+    runs: &[&Plots],
+    magnitudes: &Magnitudes,
+    least: f64,
+) -> Option<[f64; 2]> {
+    let mut values = [f64::INFINITY, f64::NEG_INFINITY];
+    let mut typical = 0.0_f64;
+    for run in runs {
+        for (number, range) in plots.iter().flat_map(|plot| run.ranges(*plot)) {
+            values = [values[0].min(range[0]), values[1].max(range[1])];
+            typical = typical.max(magnitudes.typical(number.leaf().quantity));
+        }
+    }
+    let [low, high] = range_of_values(values, least * typical);
+    let [first, last] = with_ticks([low, high])?;
+    if last - first <= MAX_STRETCH * (high - low) {
+        Some([first, last])
+    } else {
+        (values != [low, high]).then_some([low, high])
+    }
+}
+
+/// The shortest axis, relative to the magnitude of its values.
+const MIN_RELATIVE_SPAN: f64 = 0.01;
+
+/// A range of an axis that contains these values: from the least to the greatest, or around them a range of 1 % of their
+/// magnitude, or of `least`, if that is longer.
+fn range_of_values([low, high]: [f64; 2], least: f64) -> [f64; 2] {
+    let span = least.max(MIN_RELATIVE_SPAN * low.abs().max(high.abs()));
+    if high - low >= span {
+        return [low, high];
+    }
+    let middle = f64::midpoint(low, high);
+    [middle - 0.5 * span, middle + 0.5 * span]
+}
+
+/// Maximum number of labelled ticks of a small chart.
+const MAX_TICKS: f64 = 7.0;
+
+/// Ranges below this fraction of the values are rounding errors.
+const ROUNDING: f64 = 1e-12;
+
+/// A range that contains these values and at least three labelled ticks; `None` if the values are equal.
+fn with_ticks([low, high]: [f64; 2]) -> Option<[f64; 2]> {
+    let size = high - low;
+    let is_rounding = size <= ROUNDING * low.abs().max(high.abs());
+    if is_rounding || !size.is_finite() {
+        return None;
+    }
+    let step = power_of_ten(math::log10(size / MAX_TICKS).ceil());
+    let air = 0.05 * size;
+    let [mut first, mut last] = [(low / step).ceil(), (high / step).floor()];
+    while last - first < 2.0 {
+        if high / step - last > first - low / step {
+            last += 1.0;
+        } else {
+            first -= 1.0;
+        }
+    }
+    Some([(first * step).min(low) - air, (last * step).max(high) + air])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn every_range_has_three_ticks(low in -1e3..1e3, size in 1e-9..1e3) {
+            let [least, most] = with_ticks([low, low + size]).unwrap();
+            prop_assert!(least <= low && low + size <= most);
+            let step = power_of_ten(math::log10(size / MAX_TICKS).ceil());
+            let ticks = (most / step).floor() - (least / step).ceil() + 1.0;
+            prop_assert!((3.0..=MAX_TICKS + 3.0).contains(&ticks), "{ticks} from {least} to {most}");
+        }
+    }
+
+    #[test]
+    fn equal_values_have_no_range() {
+        assert_eq!(with_ticks([1.0, 1.0]), None);
+        assert_eq!(with_ticks([1.0, 1.0_f64.next_up()]), None);
+        assert_eq!(with_ticks([0.0, 0.0]), None);
+        assert_eq!(with_ticks([f64::INFINITY, f64::NEG_INFINITY]), None);
+    }
+
+    #[test]
+    fn noise_is_not_magnified() {
+        let [low, high] = range_of_values([1.0856, 1.0856 + 1e-14], 0.0);
+        assert!(low < 1.0803 && high > 1.0909, "{low} to {high}");
+        assert_eq!(range_of_values([-1e-17, 1e-17], 2.0), [-1.0, 1.0]);
+    }
+
+    #[test]
+    fn variations_keep_their_range() {
+        assert_eq!(range_of_values([1.0, 1.02], 0.0), [1.0, 1.02]);
+        assert_eq!(range_of_values([-3.0, 5.0], 1.0), [-3.0, 5.0]);
+        assert_eq!(range_of_values([0.0, 0.0], 0.0), [0.0, 0.0]);
+    }
+}
