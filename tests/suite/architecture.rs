@@ -45,7 +45,7 @@ fn code() -> BTreeMap<String, String> {
 fn rooms_use_only_those_below() {
     for (file, text) in code() {
         let room = file.split(['/', '.']).next().unwrap();
-        if ["lib", "main", "cli"].contains(&room) {
+        if ["lib", "main", "bin", "cli"].contains(&room) {
             continue;
         }
         let place = ROOMS.iter().find(|(name, _)| *name == room);
