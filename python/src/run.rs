@@ -22,7 +22,7 @@ use toprise::archive::writer::Form;
 use toprise::figures::{Figure, RunData};
 use toprise::run::outcome::Outcome;
 use toprise::run::scenario::Scenario as Checked;
-use toprise::run::simulation::{Record, Tally};
+use toprise::run::simulation::{Record, StopReason, Tally};
 use toprise::telemetry::digest::ContentDigest;
 use toprise::telemetry::fields::{EVENTS, NUTATION};
 use toprise::telemetry::{Message, RunMessages, Topic, Topics};

@@ -196,7 +196,7 @@ fn is_preset(word: &Path) -> bool {
 }
 
 /// The name of a scenario file, recording or sweep table without its extensions; `None` for presets and standard input.
-pub(crate) fn file_stem(word: &Path) -> Option<String> {
+pub fn file_stem(word: &Path) -> Option<String> {
     if is_preset(word) || is_standard_input(word) {
         return None;
     }
