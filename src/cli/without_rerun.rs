@@ -101,7 +101,7 @@ pub(super) mod diff {
             _names: [&str; 2],
             _drafts: &Drafts,
         ) -> Result<Option<Self>, Error> {
-            Ok(Completed::default())
+            Ok(None)
         }
 
         pub(in crate::cli) fn write(&mut self, _side: Side, _message: &Message<'_>) {
