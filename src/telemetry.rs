@@ -11,6 +11,7 @@ mod channel;
 mod decoding;
 pub mod digest;
 pub mod encoding;
+mod event;
 pub mod fields;
 mod handle;
 pub mod json;
@@ -29,6 +30,8 @@ pub mod views;
 mod wire;
 
 pub use self::channel::{ChannelInfo, Content, Leaf, Member};
+pub use self::event::event_sentence;
+pub(crate) use self::event::event_state;
 pub use self::logging::{Telemetry, TelemetryError};
 pub use self::message::{Message, Numbers};
 pub use self::quantity::Quantity;

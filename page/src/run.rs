@@ -131,7 +131,7 @@ impl Run {
                 if !event.kind.is_of_nutation() {
                     self.events.push(json!({
                         "time": event.time,
-                        "text": event.description,
+                        "text": event.sentence(&self.scenario.model.top),
                         "kind": event.kind.name(),
                         "plural": event.kind.plural(&self.scenario.model.top),
                     }));

@@ -36,6 +36,7 @@ use crate::analysis::history::{RunHistory, RunSummary};
 use crate::analysis::phrase::moment;
 use crate::analysis::subject::{ReadEnd, Subject};
 use crate::archive::recording::RecordingError;
+use crate::physics::top::Top;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::{EventKind, StopReason};
 use crate::telemetry::fields::{ACCELERATION, ENERGY, EVENTS, NUTATION, STATE};
@@ -289,7 +290,7 @@ fn explanation(evidence: Evidence) -> Explanation {
         events: if lacks_events {
             Vec::new()
         } else {
-            event_summaries(history)
+            event_summaries(history, &evidence.scenario.model.top)
         },
         stages: if lacks_averages {
             Vec::new()
@@ -338,7 +339,7 @@ fn title(evidence: &Evidence) -> String {
 }
 
 /// Event kinds, without nutation extremes.
-fn event_summaries(history: &RunHistory) -> Vec<EventSummary> {
+fn event_summaries(history: &RunHistory, top: &Top) -> Vec<EventSummary> {
     let mut summaries: Vec<EventSummary> = Vec::new();
     for event in &history.events {
         let Some(kind) = event.kind else { continue };
@@ -352,7 +353,7 @@ fn event_summaries(history: &RunHistory) -> Vec<EventSummary> {
                 count: 1,
                 first: event.time,
                 last: event.time,
-                description: event.description.clone(),
+                description: kind.sentence(top, event.state),
             }),
         }
     }

@@ -21,7 +21,6 @@ use self::level::FirstCrossing;
 use crate::analysis::missing::Missing;
 use crate::archive::format::{Entries, INVERSION_TIME, SAMPLE_COUNT, STOP_REASON, STOP_TIME};
 use crate::physics::kinematics::Euler;
-use crate::physics::math::cos;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::{EventKind, StopReason};
 use crate::run::time::seconds;
@@ -29,7 +28,7 @@ use crate::telemetry::fields::{
     ACCELERATION, CONTACT, ENERGY, EVENTS, IMPACTS, MOMENTUM, NUTATION, STATE, acceleration,
     contact, events, momentum, nutation, state,
 };
-use crate::telemetry::{Message, Topic};
+use crate::telemetry::{Message, Topic, event_state};
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -177,13 +176,10 @@ impl RunHistory {
     }
 
     fn event(&mut self, message: &Message<'_>) {
-        let theta = events::THETA.of(message);
         let event = Event {
             kind: EventKind::find(events::NAME.of(message)),
-            description: events::DESCRIPTION.of(message).to_owned(),
             time: events::TIME.of(message),
-            theta,
-            axial_rate: events::PSI_DOT.of(message) + events::PHI_DOT.of(message) * cos(theta),
+            state: event_state(message),
         };
         if let Some(peg) = &mut self.peg {
             peg.event(&event);

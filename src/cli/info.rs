@@ -146,7 +146,7 @@ impl InfoReport {
                 rows.push(vec![
                     format!("{:.6} s", event.time),
                     event.name.replace('_', " "),
-                    event.description.clone(),
+                    event.description.clone().unwrap_or_default(),
                 ]);
             }
         }

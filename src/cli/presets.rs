@@ -44,7 +44,7 @@ pub(super) fn presets(arguments: &PresetsArguments) -> Result<Status, Error> {
             scenarios.push(PresetReport {
                 name: scenario.name().to_owned(),
                 description: scenario.word("description").to_owned(),
-                scenario: scenario.to_toml(),
+                scenario: scenario.to_commented_toml(),
             });
         }
         Some(name) => scenarios.push(PresetReport::new(Preset::find(&name.to_string_lossy())?)?),
@@ -65,7 +65,7 @@ impl PresetReport {
         Ok(Self {
             name: preset.name.clone(),
             description: preset.description.clone(),
-            scenario: preset.scenario()?.to_toml(),
+            scenario: preset.scenario()?.to_commented_toml(),
         })
     }
 }

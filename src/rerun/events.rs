@@ -9,8 +9,8 @@ use super::outlet::{Columns, Outlet};
 use super::track::Track;
 use crate::physics::top::Top;
 use crate::run::simulation::EventKind;
-use crate::telemetry::Message;
 use crate::telemetry::fields::{EVENTS, events};
+use crate::telemetry::{Message, event_sentence};
 
 /// The logs of a run's events: one with repetitions merged, one with every event, and one with the nutation extremes.
 pub(super) struct Events {
@@ -48,8 +48,8 @@ impl Events {
             return;
         }
         let time_ns = message.time_ns;
-        let (time, description) = (events::TIME.of(message), events::DESCRIPTION.of(message));
-        let text = format!("{time:.6} s: {description}");
+        let time = events::TIME.of(message);
+        let text = format!("{time:.6} s: {}", event_sentence(message, &self.top));
         let kind = EventKind::find(events::NAME.of(message));
         if kind.is_some_and(EventKind::is_of_nutation) {
             self.nutation.push(outlet, time_ns, [text]);

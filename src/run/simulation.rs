@@ -17,7 +17,7 @@ mod tally;
 mod watch;
 
 pub use error::{ContactPhase, SimulationError};
-pub use event::{Event, EventKind, StopReason, UPRIGHT};
+pub use event::{Event, EventKind, EventState, StopReason, UPRIGHT};
 pub use free::{FreeSample, ImpactRecord};
 pub use nutation::NutationCycle;
 pub use record::{Record, RunEnd};

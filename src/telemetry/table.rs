@@ -24,7 +24,9 @@ use std::sync::OnceLock;
 /// 5. Reversals of the precession and nutation cycles of rounding are omitted: cusps, cycles that an impact begins or ends,
 ///    half nutations. The slow rate of regular precession of a peg in the air is 0. The efforts of `/view/inclination`
 ///    are as many as its joints.
-pub const VERSION: u32 = 5;
+/// 6. Events have no description, and scenarios no comments: words are made by the version that reads. Tippe tops have
+///    the event `inverts`.
+pub const VERSION: u32 = 6;
 
 /// A channel whose messages are made from values of type `S`.
 #[derive(Debug)]
@@ -378,7 +380,6 @@ channels! {
         EVENTS events: channel("/events", "toprise.Event",
             "events, and the state at each") {
             NAME = text("name", "kind of event", |e| e.kind.name());
-            DESCRIPTION = text("description", "human-readable description", |e| &e.description);
             TIME = number("time", Time, "time, not rounded to nanoseconds", |e| e.time);
             PHI = number("phi", Angle, "precession angle φ", |e| e.motion.angles.phi);
             THETA = number("theta", Angle, "nutation angle (inclination) θ", |e| e.motion.angles.theta);

@@ -66,7 +66,7 @@ fn has_one_level(evidence: &Evidence<'_>, kind: EventKind) -> bool {
     }
     let [a, b] = evidence.histories().map(|run| run.first(kind));
     if let (Some(a), Some(b)) = (a, b) {
-        return (a.theta - b.theta).abs() <= SAME_LEVEL;
+        return (a.state.theta - b.state.theta).abs() <= SAME_LEVEL;
     }
     // A run without the event may have a higher level.
     let [a, b] = evidence

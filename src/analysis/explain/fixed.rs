@@ -3,7 +3,6 @@
 use super::evidence::{Evidence, ROUNDED, known_deviations};
 use super::fact::Fact;
 use super::precession;
-use crate::analysis::history::Event;
 use crate::physics::friction::Dissipation;
 use crate::run::simulation::EventKind;
 
@@ -25,16 +24,16 @@ pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
 /// The inclinations at which a top has risen or fallen, if it reached them.
 pub(super) fn limits(evidence: &Evidence) -> Vec<Fact> {
     let mut facts = Vec::new();
-    if let Some(Event { theta, time, .. }) = evidence.history.first(EventKind::Risen) {
+    if let Some(event) = evidence.history.first(EventKind::Risen) {
         facts.push(Fact::Risen {
-            theta: *theta,
-            time: *time,
+            theta: event.state.theta,
+            time: event.time,
         });
     }
-    if let Some(Event { theta, time, .. }) = evidence.history.first(EventKind::Fallen) {
+    if let Some(event) = evidence.history.first(EventKind::Fallen) {
         facts.push(Fact::Fallen {
-            theta: *theta,
-            time: *time,
+            theta: event.state.theta,
+            time: event.time,
         });
     }
     facts

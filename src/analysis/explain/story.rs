@@ -191,13 +191,13 @@ fn weak_top_falls(evidence: &Evidence) -> Option<Claim> {
     }
     let critical = (4.0 * top.gravity_moment() * top.transverse_moment).sqrt();
     // The run may go on after the fall.
-    let axial = [span.from.axial, top.axial_moment * fallen.axial_rate];
+    let axial = [span.from.axial, top.axial_moment * fallen.axial_rate()];
     let is_weak = axial[1].abs() < critical;
-    let falls = fallen.theta > span.from.theta;
+    let falls = fallen.state.theta > span.from.theta;
     (is_weak && falls).then_some(Claim::WeakTopFalls {
         axial,
         critical,
-        theta: [span.from.theta, fallen.theta],
+        theta: [span.from.theta, fallen.state.theta],
         time: fallen.time,
         has_friction: model.friction.acts_at_contact(),
         has_air_drag: model.friction.has_air_drag(),
@@ -301,7 +301,7 @@ fn rests(evidence: &Evidence) -> Option<Claim> {
     let kinetic = evidence.observations.kinetic?;
     Some(Claim::Rests {
         from: rest.time,
-        theta: rest.theta,
+        theta: rest.state.theta,
         kinetic: [kinetic.first, kinetic.last],
     })
 }

@@ -1,6 +1,7 @@
 //! Events, and quantities that should be constant between them.
 
-use crate::run::simulation::EventKind;
+use crate::physics::math::cos;
+use crate::run::simulation::{EventKind, EventState};
 
 /// An event.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,12 +10,15 @@ pub(crate) struct Event {
     pub(crate) kind: Option<EventKind>,
     /// Time, s.
     pub(crate) time: f64,
-    /// Inclination θ then, rad.
-    pub(crate) theta: f64,
+    /// The state then.
+    pub(crate) state: EventState,
+}
+
+impl Event {
     /// Angular velocity about the symmetry axis then, rad/s.
-    pub(crate) axial_rate: f64,
-    /// The recorded description.
-    pub(crate) description: String,
+    pub(crate) fn axial_rate(&self) -> f64 {
+        self.state.psi_dot + self.state.phi_dot * cos(self.state.theta)
+    }
 }
 
 /// A quantity that should be constant: its first value, and the largest deviation from it.

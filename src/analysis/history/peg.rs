@@ -125,7 +125,7 @@ impl PegHistory {
         if self.changes.is_empty() {
             self.flies_at_first |= event.kind == Some(EventKind::Landing);
         }
-        self.changes.push((phase, event.time, event.theta));
+        self.changes.push((phase, event.time, event.state.theta));
     }
 
     fn contact(&mut self, message: &Message<'_>) {

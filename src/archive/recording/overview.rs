@@ -7,9 +7,10 @@ use crate::archive::container::channels::FileChannel;
 use crate::archive::container::loss::Loss;
 use crate::archive::error::RecordingError;
 use crate::archive::format::Entries;
-use crate::telemetry::Message;
+use crate::physics::top::Top;
 use crate::telemetry::encoding::Row;
 use crate::telemetry::fields::{EVENTS, events};
+use crate::telemetry::{Message, event_sentence};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
@@ -126,8 +127,9 @@ pub struct EventOverview {
     pub name: String,
     /// Time, s.
     pub time: f64,
-    /// The recorded sentence that describes the event.
-    pub description: String,
+    /// A sentence about the event; absent if the scenario can't be read.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub description: Option<String>,
 }
 
 impl Overview {
@@ -152,6 +154,7 @@ impl Overview {
         let is_events = |channel: &&FileChannel| channel.table == Some(EVENTS);
         let of_events = recording.channels().iter().find(is_events);
         let decoder = of_events.and_then(|channel| channel.decoder()?.ok());
+        let top = recording.scenario().ok().map(|scenario| scenario.model.top);
         let (mut events, mut row) = (Vec::new(), Row::default());
         let mut reader = recording.reader(Selection::default());
         while let Some(message) = reader.next_undecoded() {
@@ -160,7 +163,7 @@ impl Overview {
                 && let Some(decoder) = &decoder
                 && decoder.decode(message.data, &mut row).is_ok()
             {
-                events.push(event(&row));
+                events.push(event(&row, top.as_ref()));
             }
         }
         for channel in &mut counted {
@@ -215,7 +218,7 @@ impl Overview {
     }
 }
 
-fn event(row: &Row) -> EventOverview {
+fn event(row: &Row, top: Option<&Top>) -> EventOverview {
     let message = Message {
         channel: EVENTS.index(),
         sequence: 0,
@@ -226,6 +229,6 @@ fn event(row: &Row) -> EventOverview {
     EventOverview {
         name: events::NAME.of(&message).to_owned(),
         time: events::TIME.of(&message),
-        description: events::DESCRIPTION.of(&message).to_owned(),
+        description: top.map(|top| event_sentence(&message, top)),
     }
 }

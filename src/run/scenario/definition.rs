@@ -119,9 +119,19 @@ impl Scenario {
         Self::new(values)
     }
 
-    /// The scenario as TOML in canonical form: all keys in table order, with unit and description. Parsing it returns a
-    /// bit-identical scenario.
+    /// The scenario as TOML in canonical form: all keys in table order. Parsing it returns a bit-identical scenario.
+    ///
+    /// Recordings hold this text, so it has no words that a later version may improve.
     pub fn to_toml(&self) -> String {
+        self.write_toml(|_| String::new())
+    }
+
+    /// The canonical TOML with the unit and description of each key as a comment, for people who edit it.
+    pub fn to_commented_toml(&self) -> String {
+        self.write_toml(|key| format!("  # {}{}", key.meaning, key.in_unit()))
+    }
+
+    fn write_toml(&self, comment: impl Fn(&Key) -> String) -> String {
         let mut text = String::new();
         let mut section = "";
         for key in KEYS {
@@ -133,8 +143,7 @@ impl Scenario {
                 section = next;
                 text.push_str(&format!("\n[{section}]\n"));
             }
-            let unit = key.in_unit();
-            text.push_str(&format!("{name} = {value}  # {}{unit}\n", key.meaning));
+            text.push_str(&format!("{name} = {value}{}\n", comment(key)));
         }
         text
     }

@@ -1,6 +1,7 @@
 //! Events of a top, and reasons why a run ends.
 
 use crate::physics::dynamics::{Motion, Transition};
+use crate::physics::math::cos;
 use crate::physics::top::Top;
 use crate::run::listed::listed;
 
@@ -17,8 +18,30 @@ pub struct Event {
     pub index: u32,
     /// The motion at that time.
     pub motion: Motion,
-    /// Human-readable description.
-    pub description: String,
+}
+
+/// The part of a state that a sentence about an event mentions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EventState {
+    /// Inclination θ, rad.
+    pub theta: f64,
+    /// Precession rate φ̇, rad/s.
+    pub phi_dot: f64,
+    /// Spin rate ψ̇, rad/s.
+    pub psi_dot: f64,
+}
+
+impl Event {
+    /// A sentence about this event of `top`.
+    pub fn sentence(&self, top: &Top) -> String {
+        let rates = self.motion.tilt.rates;
+        let state = EventState {
+            theta: self.motion.angles.theta,
+            phi_dot: rates.phi,
+            psi_dot: rates.psi,
+        };
+        self.kind.sentence(top, state)
+    }
 }
 
 listed! {
@@ -110,19 +133,20 @@ impl EventKind {
         }
     }
 
-    /// Human-readable description of an event.
-    pub(super) fn describe(self, top: &Top, motion: &Motion) -> String {
-        let theta = motion.angles.theta;
-        let rates = &motion.tilt.rates;
+    /// A sentence about an event of `top` in this state.
+    pub fn sentence(self, top: &Top, state: EventState) -> String {
+        let EventState {
+            theta,
+            phi_dot,
+            psi_dot,
+        } = state;
         match self {
             Self::Start => format!(
-                "The top starts inclined by {theta:.4} rad, spinning at {:.2} rad/s and precessing at {:.4} rad/s.",
-                rates.psi, rates.phi
+                "The top starts inclined by {theta:.4} rad, spinning at {psi_dot:.2} rad/s and precessing at {phi_dot:.4} rad/s."
             ),
             Self::Risen => format!("The top has risen to within {theta:.4} rad of upright."),
             Self::Fallen => format!(
-                "The top has fallen to {theta:.4} rad; its spin is down to {:.2} rad/s.",
-                rates.psi
+                "The top has fallen to {theta:.4} rad; its spin is down to {psi_dot:.2} rad/s."
             ),
             Self::NutationMinimum => format!("Nutation: the inclination is least, {theta:.6} rad."),
             Self::NutationMaximum => {
@@ -144,21 +168,18 @@ impl EventKind {
             Self::LoopingEnds => format!("The precession turns forward again, at {theta:.4} rad."),
             // A top that swings may come back.
             Self::Inverts => format!(
-                "The axis passes the horizontal: the top inverts, spinning at {:.2} rad/s.",
-                rates.psi
+                "The axis passes the horizontal: the top inverts, spinning at {psi_dot:.2} rad/s."
             ),
-            Self::WeakTop => format!(
-                "The spin, {:.2} rad/s, has become too weak to hold an upright top.",
-                rates.psi
-            ),
-            Self::StrongTop => format!(
-                "The spin, {:.2} rad/s, is strong enough to hold an upright top.",
-                rates.psi
-            ),
+            Self::WeakTop => {
+                format!("The spin, {psi_dot:.2} rad/s, has become too weak to hold an upright top.")
+            }
+            Self::StrongTop => {
+                format!("The spin, {psi_dot:.2} rad/s, is strong enough to hold an upright top.")
+            }
             Self::SlipStops => format!("The contact point stops slipping, at {theta:.4} rad."),
             Self::Stick => format!(
                 "The contact point sticks: the top turns as a whole, inclined by {theta:.4} rad, at {:.2} rad/s.",
-                motion.tilt.omega_lean.z
+                phi_dot + psi_dot * cos(theta)
             ),
             Self::SlipResumes => format!("The contact point slips again, at {theta:.4} rad."),
             Self::Rest => format!("The top rests, inclined by {theta:.4} rad."),

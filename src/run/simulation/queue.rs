@@ -4,14 +4,13 @@ use super::event::{Event, EventKind};
 use super::record::Record;
 use super::tally::Tally;
 use crate::physics::dynamics::Motion;
-use crate::physics::top::Top;
 use crate::run::time::nanoseconds;
 use std::collections::VecDeque;
 
 /// Pending records in time order, with counts of the emitted ones.
 #[derive(Default)]
 pub(super) struct Queue {
-    /// Events without index and description, impacts without index and bounce.
+    /// Events without index, impacts without index and bounce.
     pending: VecDeque<Record>,
     /// Number of emitted events.
     pub(super) events: u32,
@@ -46,17 +45,12 @@ impl Queue {
     }
 
     /// Removes and returns the next record.
-    pub(super) fn pop(&mut self, top: &Top) -> Option<Record> {
+    pub(super) fn pop(&mut self) -> Option<Record> {
         let mut record = self.pending.pop_front()?;
         match &mut record {
             Record::Event(event) => {
-                event.description = event.kind.describe(top, &event.motion);
-                // Only now is it known how many impacts came before.
                 if event.kind == EventKind::Landing {
-                    event.description += &match std::mem::take(&mut self.bounces) {
-                        1 => " After 1 impact.".to_owned(),
-                        bounces => format!(" After {bounces} impacts."),
-                    };
+                    self.bounces = 0;
                 }
                 event.index = self.events;
                 self.events += 1;
@@ -106,6 +100,5 @@ pub(super) fn event_at(kind: EventKind, time: f64, motion: Motion) -> Record {
         time_ns: nanoseconds(time),
         index: 0,
         motion,
-        description: String::new(),
     }))
 }

@@ -568,8 +568,7 @@ impl<F: Formulation<N>, const N: usize> RecordStream for Runner<F, N> {
             {
                 return self.sample(time_ns).map(Some);
             }
-            let top = &self.integrator.system().model().top;
-            if let Some(record) = self.queue.pop(top) {
+            if let Some(record) = self.queue.pop() {
                 if let Record::Event(event) = &record {
                     self.last = (event.time, event.motion);
                 }
