@@ -62,7 +62,7 @@ class VerifyReport(Report):
 
     @property
     def verdict(self) -> str:
-        """verified, packed_otherwise, other_version, incomplete or different."""
+        """verified, incomplete or different; `equality` says how a verified recording is equal."""
         return str(self["verdict"])
 
     @property

@@ -58,6 +58,8 @@ pub const NUTATION_COUNT: &str = "nutations";
 pub const STEPS: &str = "steps_accepted";
 /// Key of [`END_RECORD`]: the digest of all messages of the table's channels.
 pub const CONTENT_DIGEST: &str = "content_digest";
+/// Topics and fields of words that earlier versions recorded; they have no values.
+pub(crate) const FORMER_WORDS: [(&str, &str); 1] = [("/events", "description")];
 /// The value of [`TOPICS`] for all topics of the table.
 const ALL_TOPICS: &str = "all";
 

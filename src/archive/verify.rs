@@ -2,7 +2,8 @@
 //!
 //! Identical bytes verify everything. Otherwise [`verify`] compares messages and reports the first difference. A
 //! repacked file (other chunks, compression or order) has the same messages, records and channels, also for readers
-//! that use its index.
+//! that use its index. A file of another version is verified by its values: its words may differ from those of this
+//! version.
 
 mod bytes;
 mod container;
@@ -14,7 +15,7 @@ mod messages;
 mod readings;
 mod rerun;
 
-use crate::archive::format::{TELEMETRY, VERSION};
+use crate::archive::format::{FORMER_WORDS, TELEMETRY, VERSION};
 use crate::archive::recording::{Condition, Loss, Recording, RecordingError};
 use crate::archive::writer::{Form, Header};
 use crate::run::scenario::Scenario;
@@ -30,16 +31,25 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// The file is byte-identical to a new run.
+    /// The file holds what its scenario gives.
     Verified,
-    /// The content is identical, but chunks, compression or order differ.
-    PackedOtherwise,
-    /// Recorded by another version; all common values match.
-    OtherVersion,
-    /// All readable messages match, but parts of the run are missing.
+    /// All readable messages match, but parts of the run are missing or can't be compared.
     Incomplete,
     /// The file differs from a new run.
     Different,
+}
+
+/// How the content of a verified recording equals that of a new run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Equality {
+    /// All bytes are equal.
+    ByteIdentical,
+    /// All content is equal; chunks, compression or order differ.
+    PackedOtherwise,
+    /// Another version made the recording: all its values are equal. Its words, such as descriptions of fields, and its
+    /// channels for viewers are not compared.
+    SameValues,
 }
 
 /// The result of comparing a recording with its scenario, run again.
@@ -47,6 +57,9 @@ pub enum Verdict {
 pub struct Report {
     /// The result as a whole.
     pub verdict: Verdict,
+    /// How the content is equal; absent unless verified.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub equality: Option<Equality>,
     /// The kind of file.
     pub state: Condition,
     /// The first difference; absent if there is none.
@@ -64,6 +77,9 @@ pub struct Report {
     pub more_losses: Option<u64>,
     /// Topics that were not recorded.
     pub without: Vec<String>,
+    /// Recorded fields and topics that this version doesn't know, so that they are not compared.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub unknown: Vec<String>,
     /// The version of toprise that recorded it, if different from this one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recorded_by: Option<String>,
@@ -77,6 +93,7 @@ pub struct Report {
 pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Result<Report, VerifyError> {
     let mut report = Report {
         verdict: Verdict::Different,
+        equality: None,
         state: recording.condition(),
         difference: None,
         equal: None,
@@ -84,6 +101,7 @@ pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Result<Report, V
         losses: recording.losses().to_vec(),
         more_losses: recording.layout.losses.unlisted(),
         without: Vec::new(),
+        unknown: Vec::new(),
         recorded_by: other_version(recording),
     };
     let (scenario, form, topics) = match what_to_run(recording) {
@@ -101,7 +119,7 @@ pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Result<Report, V
         }
     };
     report.without = Topic::all_with(scenario.model.support)
-        .filter(|topic| !topics.include(topic))
+        .filter(|topic| !topics.include(topic) || !recording.has(*topic))
         .map(|topic| topic.to_string())
         .collect();
     let started = RunMessages::new(&scenario, &topics)
@@ -121,6 +139,7 @@ pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Result<Report, V
         && bytes::are_equal(recording, first, &header, progress) == Some(true)
     {
         report.verdict = Verdict::Verified;
+        report.equality = Some(Equality::ByteIdentical);
         return Ok(report);
     }
     let rerun = Rerun::new(second, &header);
@@ -155,15 +174,35 @@ fn compare(
     if report.difference.is_none() && is_readable {
         report.difference = readings::difference(recording)?;
     }
-    report.verdict = match (&report.difference, &report.recorded_by) {
-        (Some(_), _) => Verdict::Different,
-        (None, _) if is_part => Verdict::Incomplete,
-        (None, Some(_)) => Verdict::OtherVersion,
-        (None, None) => Verdict::PackedOtherwise,
+    report.unknown = unknown_fields(recording);
+    report.verdict = if report.difference.is_some() {
+        Verdict::Different
+    } else if is_part || !report.unknown.is_empty() {
+        Verdict::Incomplete
+    } else {
+        report.equality = Some(if is_by_value {
+            Equality::SameValues
+        } else {
+            Equality::PackedOtherwise
+        });
+        Verdict::Verified
     };
     report.equal = Some(compared.equal);
     report.missing = compared.missing;
     Ok(())
+}
+
+/// The fields and topics of a recording that this version doesn't know, except words that earlier versions recorded.
+fn unknown_fields(recording: &Recording) -> Vec<String> {
+    let mut unknown = Vec::new();
+    for (topic, fields) in recording.differences() {
+        for field in fields.unknown {
+            if !FORMER_WORDS.contains(&(&topic, &field)) {
+                unknown.push(format!("{topic}: {field}"));
+            }
+        }
+    }
+    unknown
 }
 
 /// The reason why a recording can't be run again.

@@ -8,7 +8,7 @@ use super::status::Status;
 use super::table::Table;
 use super::{output, report};
 use crate::archive::recording::{Condition, Recording};
-use crate::archive::verify::{Report, Verdict, verify as check};
+use crate::archive::verify::{Equality, Report, Verdict, verify as check};
 use crate::telemetry::table;
 use anyhow::Error;
 use clap::Args;
@@ -87,8 +87,8 @@ impl VerifiedFile {
     /// The status, and its rank from good to bad.
     fn status(&self) -> (u8, Status) {
         match self.report.as_ref().map(|report| report.verdict) {
-            Some(Verdict::Verified | Verdict::PackedOtherwise) => (0, Status::Success),
-            Some(Verdict::OtherVersion | Verdict::Incomplete) => (1, Status::Partial),
+            Some(Verdict::Verified) => (0, Status::Success),
+            Some(Verdict::Incomplete) => (1, Status::Partial),
             Some(Verdict::Different) => (2, Status::Different),
             None => (3, Status::Failed),
         }
@@ -116,13 +116,17 @@ impl VerifyReport {
     }
 }
 
-const OTHER_VERSION: &str = "recorded by another version; all common values match";
+fn verified(equality: Option<Equality>) -> &'static str {
+    match equality {
+        Some(Equality::ByteIdentical) | None => "verified (byte-identical to a new run)",
+        Some(Equality::PackedOtherwise) => "verified (same content, repacked)",
+        Some(Equality::SameValues) => "verified (same values, recorded by another version)",
+    }
+}
 
 fn section(file: &str, report: &Report) -> Section {
     let (tone, conclusion) = match report.verdict {
-        Verdict::Verified => (Tone::Good, "verified (byte-identical to a new run)"),
-        Verdict::PackedOtherwise => (Tone::Good, "verified (same content, repacked)"),
-        Verdict::OtherVersion => (Tone::Weak, OTHER_VERSION),
+        Verdict::Verified => (Tone::Good, verified(report.equality)),
         Verdict::Incomplete if report.equal == Some(0) => (Tone::Weak, "nothing can be compared"),
         Verdict::Incomplete => (Tone::Weak, "all readable messages match"),
         Verdict::Different => (Tone::Bad, "DIFFERENT from a new run of its scenario"),
@@ -153,6 +157,13 @@ fn section(file: &str, report: &Report) -> Section {
     }
     if report.missing > 0 {
         facts.push(("missing", counted(report.missing, "message")));
+    }
+    if !report.unknown.is_empty() {
+        facts.push(("not compared", report.unknown.join(", ")));
+    }
+    if report.equality == Some(Equality::SameValues) {
+        let words = "descriptions of fields, channels for viewers";
+        facts.push(("not compared", words.to_owned()));
     }
     if !report.without.is_empty() {
         facts.push(("not recorded", report.without.join(", ")));

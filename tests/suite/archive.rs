@@ -5,10 +5,13 @@ use mcap::MessageStream;
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
+use toprise::analysis::diff::{Options, compare};
+use toprise::analysis::explain::explain;
 use toprise::archive::pipeline::{Archived, McapSink};
 use toprise::archive::publish::{Existing, partial_name};
 use toprise::archive::recording::{Condition, Overview, Recording};
 use toprise::archive::sink::{Sink, SinkError, record, record_all};
+use toprise::archive::verify::{Equality, verify};
 use toprise::archive::writer::Form;
 use toprise::physics::dynamics::Support;
 use toprise::run::scenario::Scenario;
@@ -234,4 +237,34 @@ fn distinguishes_damaged_from_foreign_files() {
     let error = Overview::read(directory.path()).unwrap_err();
     assert_eq!(error.to_string(), "it is a directory, not an MCAP file");
     assert_eq!(Recording::open(&truncated).unwrap().end(), None);
+}
+
+/// Recordings of older versions open and are explained and compared. They hold what their scenarios give, except where a
+/// fault was mended before 1.0.
+#[test]
+fn recordings_of_older_versions_are_read_and_verified() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/older");
+    for (telemetry, difference) in [
+        // The ranges of the rates in a nutation were those of the samples.
+        (2, Some("/top/nutation")),
+        (3, None),
+        (4, None),
+        (5, None),
+    ] {
+        let path = folder.join(format!("telemetry-{telemetry}.mcap"));
+        let recording = Recording::open(&path).unwrap();
+        let overview = Overview::of(&recording);
+        assert_eq!(overview.condition, Condition::Whole, "{telemetry}");
+        assert!(overview.events[0].description.is_some(), "{telemetry}");
+        assert!(explain(&recording).is_ok(), "{telemetry}");
+        let scenario = recording.scenario().unwrap();
+        let compared = compare(&recording, &scenario, &Options::default()).unwrap();
+        assert!(compared.is_complete, "{telemetry}");
+        let report = verify(&recording, &|_| {}).unwrap();
+        let found = report.difference.as_ref().map(|found| found.place.as_str());
+        assert_eq!(found, difference, "{telemetry}: {report:#?}");
+        if difference.is_none() {
+            assert_eq!(report.equality, Some(Equality::SameValues), "{report:#?}");
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::difference::Difference;
 use crate::archive::container::record::AttachmentHeader;
-use crate::archive::format::{CONTENT_DIGEST, END_RECORD, Entries, RUN_RECORD};
+use crate::archive::format::{CONTENT_DIGEST, END_RECORD, Entries, RUN_RECORD, TELEMETRY, VERSION};
 use crate::archive::recording::Recording;
 use crate::archive::writer::Header;
 use crate::run::plural::plural;
@@ -12,9 +12,8 @@ use std::collections::BTreeMap;
 /// Values by location and field; the field is empty for a value described as a whole.
 type Facts = BTreeMap<(String, String), String>;
 
-/// The first entry in which a recording differs from its run. A partial run may lack some entries. For a run of another
-/// version, only entries of the end record that this version also has are compared, except the digest, which is specific
-/// to a version.
+/// The first entry in which a recording differs from its run. A partial run may lack some entries. A recording of another
+/// version may have other words and fewer entries, but no further records or topics.
 pub(super) fn difference(
     recording: &Recording,
     header: &Header,
@@ -29,10 +28,13 @@ pub(super) fn difference(
         simulated.retain(|key, _| !is_of_end(key));
     }
     if is_by_value {
-        simulated.retain(|key, _| {
-            is_of_end(key) && key.1 != CONTENT_DIGEST && recorded.contains_key(key)
-        });
-        recorded.retain(|key, _| simulated.contains_key(key));
+        let has_same_fields = recording.differences().is_empty();
+        for facts in [&mut recorded, &mut simulated] {
+            keep_values(facts, has_same_fields);
+        }
+        recorded.retain(|(place, _), _| !is_view(recording, place));
+        simulated.retain(|key, _| recorded.contains_key(key));
+        recorded.retain(|key, _| key.1.is_empty() || simulated.contains_key(key));
     }
     if is_part {
         simulated.retain(|(place, _), _| recorded.keys().any(|key| key.0 == *place));
@@ -41,6 +43,29 @@ pub(super) fn difference(
     let key = keys.find(|key| recorded.get(*key) != simulated.get(*key))?;
     let values = [&recorded, &simulated].map(|facts| facts.get(key).cloned());
     Some(Difference::new(&key.0, &key.1, values))
+}
+
+/// Leaves out what depends on the version that recorded it. The digest covers all fields, so it is that of this version
+/// if the fields are.
+fn keep_values(facts: &mut Facts, has_same_fields: bool) {
+    facts.remove(&(RUN_RECORD.to_owned(), VERSION.to_owned()));
+    facts.remove(&(RUN_RECORD.to_owned(), TELEMETRY.to_owned()));
+    if !has_same_fields {
+        facts.remove(&(END_RECORD.to_owned(), CONTENT_DIGEST.to_owned()));
+    }
+    for ((_, field), text) in facts {
+        // Attachments and channels are described as a whole, with their words.
+        if field.is_empty() {
+            "present".clone_into(text);
+        }
+    }
+}
+
+fn is_view(recording: &Recording, topic: &str) -> bool {
+    recording
+        .channels()
+        .iter()
+        .any(|channel| channel.topic == topic && channel.is_view())
 }
 
 /// Whether this is an entry of the end record.
