@@ -20,6 +20,7 @@ mod message;
 pub mod proportions;
 pub mod protobuf;
 mod quantity;
+mod sampled;
 pub mod schema;
 pub mod side;
 mod stream;

@@ -103,3 +103,29 @@ pub fn run_without_samples(
         FormulationKind::Body => Body::new(scenario, detail)?.run_without_samples(carry_on),
     }
 }
+
+/// Simulates a scenario and passes the sample at each of these times (s, ascending, from 0 on) to `take`, with the index
+/// of the time. Steps are those of the [`Simulation`], but only the events that end a phase or the run are located.
+///
+/// The running integrals of a sample (work, slip path) are not computed beyond the first two. The run ends at
+/// `stop.duration` of the scenario, or before; later times have no sample.
+///
+/// # Errors
+/// As those of a [`Simulation`].
+pub fn sample_at(
+    scenario: &Scenario,
+    times: &[f64],
+    take: &mut dyn FnMut(usize, &Sample),
+) -> Result<RunEnd, SimulationError> {
+    type Free = Runner<FreeRotation, { FreeRotation::SHORT_STATE_LENGTH }>;
+    type Euler = Runner<EulerAngles, { EulerAngles::SHORT_STATE_LENGTH }>;
+    type Body = Runner<BodyRotation, { BodyRotation::SHORT_STATE_LENGTH }>;
+    let detail = Detail::Motion;
+    match scenario.formulation {
+        _ if scenario.model.support.is_free() => {
+            Free::new(scenario, detail)?.take_samples(times, take)
+        }
+        FormulationKind::Euler => Euler::new(scenario, detail)?.take_samples(times, take),
+        FormulationKind::Body => Body::new(scenario, detail)?.take_samples(times, take),
+    }
+}

@@ -1,5 +1,7 @@
 //! The simulation loop: take a step, locate events, yield records in time order.
 
+mod sampling;
+
 use super::error::{ContactPhase, SimulationError};
 use super::event::{EventKind, StopReason, UPRIGHT, consequences};
 use super::free::ImpactRecord;
@@ -40,6 +42,20 @@ pub(super) enum Detail {
     All,
     /// Only events and nutations, as needed for an outcome.
     Outcome,
+    /// Only the motion: no events but those that end a phase or the run.
+    Motion,
+}
+
+impl Detail {
+    /// The functions that are watched in a phase.
+    fn watches<F: Formulation<N>, const N: usize>(self, stop: &Stop, system: &F) -> Vec<Watch> {
+        let mut watches = watches(stop, system);
+        match self {
+            Self::All | Self::Outcome => {}
+            Self::Motion => watches.retain(|watch| watch.kind.may_end(stop)),
+        }
+        watches
+    }
 }
 
 /// A run in one formulation.
@@ -110,7 +126,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             1.0
         };
         Ok(Self {
-            watches: watches(&scenario.stop, integrator.system()),
+            watches: detail.watches(&scenario.stop, integrator.system()),
             integrator,
             detail,
             period_ns: scenario.sample_period_ns,
@@ -455,25 +471,26 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
 
     fn sample(&mut self, time_ns: u64) -> Result<Record, SimulationError> {
         let time = seconds(time_ns);
-        let state = match &self.dense {
-            Some(dense) => dense.at((time - dense.t0) / dense.h),
-            None => *self.integrator.y(),
-        };
-        let system = self.integrator.system();
-        let motion = system.motion(&state, self.reference);
-        let sample = Sample::new(
-            self.next_sample,
-            time_ns,
-            system.model(),
-            &motion,
-            system.world_from_body(&state),
-        );
+        let (sample, motion) = self.sample_at(time, self.next_sample, time_ns);
         self.next_sample = self
             .next_sample
             .checked_add(1)
             .ok_or(SimulationError::TooManySamples)?;
         self.last = (time, motion);
         Ok(Record::Sample(Box::new(sample)))
+    }
+
+    /// The sample and the motion at a time in the last step, s; the sample gets this index and this time, ns.
+    fn sample_at(&self, time: f64, index: u32, time_ns: u64) -> (Sample, Motion) {
+        let state = match &self.dense {
+            Some(dense) => dense.at((time - dense.t0) / dense.h),
+            None => *self.integrator.y(),
+        };
+        let system = self.integrator.system();
+        let motion = system.motion(&state, self.reference);
+        let rotation = system.world_from_body(&state);
+        let sample = Sample::new(index, time_ns, system.model(), &motion, rotation);
+        (sample, motion)
     }
 
     /// Starts another phase within the last step.
@@ -494,7 +511,8 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let quarters = 4_u32.pow((phases - 1).min(10));
         self.integrator
             .limit_next_step(entry.first_step / f64::from(quarters));
-        let before = std::mem::replace(&mut self.watches, watches(&self.stop, &system));
+        let next = self.detail.watches(&self.stop, &system);
+        let before = std::mem::replace(&mut self.watches, next);
         let motion = system.motion(&entry.state, self.reference);
         if self.model().support.is_free() || system.phase() == phase {
             self.nutation.record_impact(time, &motion);

@@ -61,6 +61,20 @@ pub(super) enum ZeroKind {
 }
 
 impl ZeroKind {
+    /// Whether such a zero can end the phase or, with these stop conditions, the run.
+    pub fn may_end(self, stop: &Stop) -> bool {
+        match self {
+            Self::Guard(_) | Self::Risen(_) => true,
+            Self::Fallen(_) => stop.theta_fallen.is_some(),
+            Self::Nutation
+            | Self::NutationRate
+            | Self::Envelope
+            | Self::Precession
+            | Self::Strength
+            | Self::Inversion => false,
+        }
+    }
+
     /// The values of the watched function in motions with this sense of precession (+1 or −1). Factors of sin θ make it
     /// regular upright.
     #[inline]
