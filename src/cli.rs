@@ -12,6 +12,8 @@ mod explain;
 #[cfg(feature = "rerun")]
 mod explained;
 mod figures;
+#[cfg(feature = "fit")]
+mod fit;
 mod info;
 mod input;
 mod interrupt;
@@ -119,6 +121,8 @@ Analyse:
   toprise explain paper                    why the top rises
   toprise diff paper full-coulomb          compare two friction models
   toprise diff a.mcap b.mcap --rel 1e-9    compare with a tolerance
+  toprise fit paper data.csv --free friction.k,initial
+                                           estimate k from measured angles
   toprise figures                          the paper's figures, and more, as SVG and PNG
   toprise sweep paper --over friction.k=0.005..0.1/64log -o k.parquet
 
@@ -133,7 +137,7 @@ writes the JSON Schemas of reports and of the messages in recordings.
 
 Exit codes:
   0  success; recordings verified, runs equal
-  1  verification failed, or runs differ
+  1  verification failed, runs differ, or a model does not describe the data
   2  bad usage, unreadable input or failed output
   3  partial result: interrupted, file partly unreadable, runs compared in part,
      or the motion could not be computed to its end
@@ -169,6 +173,14 @@ enum Command {
         after_help = "Exit codes: 0 equal within the tolerances, 1 different, 2 unreadable or nothing to compare, 3 the common part is equal (a run is damaged, interrupted or sampled more finely)."
     )]
     Diff(diff::DiffArguments),
+    /// Estimate friction and start from a measured motion, and compare friction laws.
+    ///
+    /// Reports first which parameters the data can determine. Estimates have standard deviations and 95 % intervals.
+    #[cfg(feature = "fit")]
+    #[command(
+        after_help = "Exit codes: 0 fitted (and, comparing laws, decided), 1 the model does not describe the data, or undecided, 2 unreadable, or the data can't determine the parameters, 3 no minimum was found, or the model ends before the data."
+    )]
+    Fit(Box<fit::FitArguments>),
     /// Draw the paper's figures and others, as SVG and PNG.
     ///
     /// figure-2, figure-3 and figure-4 are those of the paper. The others: acceleration (terms of the equations),
@@ -298,6 +310,8 @@ fn dispatch(command: Command, drafts: &Drafts) -> Result<Status, Error> {
         Command::View(arguments) => rerun::view(&arguments, drafts),
         Command::Explain(arguments) => explain::explain(&arguments),
         Command::Diff(arguments) => diff::diff(&arguments, drafts),
+        #[cfg(feature = "fit")]
+        Command::Fit(arguments) => fit::fit(&arguments, drafts),
         Command::Figures(arguments) => figures::figures(&arguments, drafts),
         #[cfg(feature = "sweep")]
         Command::Sweep(arguments) => sweep::sweep(&arguments, drafts),
@@ -321,6 +335,8 @@ pub fn schemas() -> Vec<(String, String)> {
         schema::<rerun::ViewReport>("ViewReport"),
         schema::<analysis::explain::Explanation>("ExplainReport"),
         schema::<analysis::diff::Report>("DiffReport"),
+        #[cfg(feature = "fit")]
+        schema::<fit::FitReport>("FitReport"),
         schema::<crate::figures::FiguresReport>("FiguresReport"),
         #[cfg(feature = "sweep")]
         schema::<sweep::SweepReport>("SweepReport"),

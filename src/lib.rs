@@ -19,10 +19,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Nine modules: [`physics`] (mechanics), [`run`] (scenarios, simulation), [`telemetry`] (channels, encodings),
-//! [`archive`] (recordings, verify), [`analysis`] (diff, explain), `sweep` (tables of runs; feature `sweep`), `rerun`
-//! (Rerun viewer; feature `rerun`), [`figures`] (drawings for print), `cli` (the program; feature `cli`). Each uses only
-//! those before it; `analysis`, `sweep` and `rerun` don't use each other.
+//! Ten modules: [`physics`] (mechanics), [`run`] (scenarios, simulation), [`telemetry`] (channels, encodings),
+//! [`archive`] (recordings, verify), [`analysis`] (diff, explain), `sweep` (tables of runs; feature `sweep`), `fit`
+//! (friction from measured motions; feature `fit`), `rerun` (Rerun viewer; feature `rerun`), [`figures`] (drawings for
+//! print), `cli` (the program; feature `cli`). Each uses only those before it; `analysis`, `sweep`, `fit` and `rerun`
+//! don't use each other.
 //!
 //! On WebAssembly there is no file access: [`archive::writer`] writes to memory.
 
@@ -45,6 +46,8 @@ pub mod archive;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod figures;
+#[cfg(feature = "fit")]
+pub mod fit;
 pub mod physics;
 #[cfg(feature = "rerun")]
 pub mod rerun;

@@ -7,13 +7,14 @@ use std::path::Path;
 use toprise::telemetry::channels;
 
 /// The rooms from the bottom up, each with the number of rooms above it in the table that it may use; `cli` may use all.
-/// Analysis, rerun and sweep don't use each other.
-const ROOMS: [(&str, usize); 8] = [
+/// Analysis, fit, rerun and sweep don't use each other.
+const ROOMS: [(&str, usize); 9] = [
     ("physics", 0),
     ("run", 1),
     ("telemetry", 2),
     ("archive", 3),
     ("analysis", 4),
+    ("fit", 4),
     ("rerun", 4),
     ("sweep", 4),
     ("figures", 5),

@@ -83,6 +83,9 @@ fn documented_commands_parse() {
             if cfg!(not(feature = "rerun")) && needs_rerun(line) {
                 continue;
             }
+            if cfg!(not(feature = "fit")) && line.starts_with("fit ") {
+                continue;
+            }
             let needs_sweep = line.contains("sweep") || line.contains("--row");
             if cfg!(not(feature = "sweep")) && needs_sweep {
                 continue;

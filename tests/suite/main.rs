@@ -23,6 +23,8 @@ mod documents;
 mod effort;
 mod explain;
 mod figures;
+#[cfg(feature = "fit")]
+mod fit;
 mod foreign;
 mod forgeries;
 mod free_peg;

@@ -1,0 +1,303 @@
+//! `toprise fit`.
+
+mod page;
+
+use super::arguments::{Override, parse_override, parse_positive};
+use super::input::checked;
+use super::progress::Progress;
+use super::report::{self, WrittenFile};
+use super::status::Status;
+use crate::archive::input::values;
+use crate::archive::pipeline::McapSink;
+use crate::archive::publish::{Draft, Drafts, Existing};
+use crate::archive::sink::{RecordedRun, record_all};
+use crate::archive::writer::{Form, Header};
+use crate::fit::{self, Data, Fit, FitError, Loss, Report, Request, SignalSpec, Verdict};
+use crate::run::scenario::Scenario;
+use crate::telemetry::{RunMessages, Topics};
+use anyhow::Context as _;
+use clap::{Args, ValueEnum};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::io::Write as _;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Arguments of `toprise fit`.
+#[derive(Args, Debug, Default, PartialEq)]
+pub(super) struct FitArguments {
+    /// Preset, scenario file or recording with the known keys and the start values of the free ones
+    #[arg(value_name = "SCENARIO")]
+    scenario: PathBuf,
+
+    /// Measured data: CSV files, recordings, MCAP files with JSON messages. Each file after the first has a clock of
+    /// its own, whose offset is fitted
+    #[arg(value_name = "DATA", required = true)]
+    data: Vec<PathBuf>,
+
+    /// Free parameters: keys (comma-separated), and `initial` for all of the start that the signals show
+    #[arg(long, value_name = "KEYS", value_delimiter = ',', required = true)]
+    free: Vec<String>,
+
+    /// A signal: its field, column (or topic and path) and standard deviation, e.g. theta="tilt (deg)":2mrad; without
+    /// standard deviation it is estimated [default: columns named like fields]
+    #[arg(long = "signal", value_name = "FIELD=COLUMN:SIGMA", value_parser = parse_signal)]
+    signals: Vec<SignalSpec>,
+
+    /// The column of times [default: t or time]
+    #[arg(long, value_name = "COLUMN")]
+    time: Option<String>,
+
+    /// Set a key of the scenario, e.g. friction.k=0.02
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_override)]
+    overrides: Vec<Override>,
+
+    /// Bounds of a free parameter, e.g. friction.k=0..0.1
+    #[arg(long = "bound", value_name = "KEY=LOW..HIGH", value_parser = parse_bound)]
+    bounds: Vec<Bound>,
+
+    /// Time in the data at which the scenario starts, s [default: the first sample; 0 for recordings of toprise]
+    #[arg(long, value_name = "TIME", allow_negative_numbers = true, value_parser = parse_finite)]
+    start: Option<f64>,
+
+    /// Use only the data until this time after the start, s
+    #[arg(long, value_name = "TIME", value_parser = parse_positive)]
+    until: Option<f64>,
+
+    /// How residuals count: squares, or huber for data with outliers
+    #[arg(long, value_enum, default_value_t, hide_possible_values = true)]
+    loss: LossArgument,
+
+    /// Multiply variances by χ²/ν, as if all standard deviations were wrong by one factor
+    #[arg(long)]
+    rescale: bool,
+
+    /// Compare friction laws (comma-separated); `toprise laws` lists them
+    #[arg(long, value_name = "LAWS", value_delimiter = ',')]
+    compare: Vec<String>,
+
+    /// Predict this part of the data at the end instead of fitting it, e.g. 0.2
+    #[arg(long, value_name = "PART", default_value = "0", hide_default_value = true, value_parser = parse_part)]
+    holdout: f64,
+
+    /// Profile likelihood of parameters (comma-separated)
+    #[arg(long, value_name = "KEYS", value_delimiter = ',')]
+    profile: Vec<String>,
+
+    /// Show all numbers
+    #[arg(long)]
+    all: bool,
+
+    /// Record the best fit as an MCAP file
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+
+    /// Write the best fit as a scenario file
+    #[arg(long = "scenario", value_name = "FILE")]
+    best: Option<PathBuf>,
+
+    /// Overwrite existing files
+    #[arg(long)]
+    force: bool,
+}
+
+/// How residuals count, on the command line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum LossArgument {
+    #[default]
+    Squares,
+    Huber,
+}
+
+impl From<LossArgument> for Loss {
+    fn from(argument: LossArgument) -> Self {
+        match argument {
+            LossArgument::Squares => Self::Squares,
+            LossArgument::Huber => Self::Huber,
+        }
+    }
+}
+
+/// A parameter and its bounds.
+type Bound = (String, [f64; 2]);
+
+/// What the command does.
+struct FitPlan {
+    request: Request,
+    output: Option<PathBuf>,
+    best: Option<PathBuf>,
+    existing: Existing,
+}
+
+/// The report of the command.
+#[derive(Debug, Serialize, JsonSchema)]
+#[schemars(rename = "FitReport")]
+pub(super) struct FitReport {
+    /// The fit.
+    #[serde(flatten)]
+    fit: Report,
+    /// The files that were written.
+    written: Vec<WrittenFile>,
+}
+
+/// Fits a scenario to data.
+pub(super) fn fit(arguments: &FitArguments, drafts: &Drafts) -> Result<Status, anyhow::Error> {
+    let plan = arguments.plan()?;
+    let progress = Progress::for_state();
+    let result = fit::fit(&plan.request, &|state| show(&progress, state));
+    progress.finish();
+    let fitted = match result {
+        Ok(fitted) => fitted,
+        Err(error @ FitError::ModelEnds { .. }) => {
+            // The fit came to nothing, but for a reason that lies in the motion and not in the input.
+            super::output::error(&error.to_string());
+            report::print_error(&error.to_string(), None);
+            return Ok(Status::Partial);
+        }
+        Err(error) => return Err(error.into()),
+    };
+    let written = plan.write(&fitted, drafts)?;
+    let status = match fitted.report.verdict {
+        Verdict::Fitted => Status::Success,
+        Verdict::BadFit | Verdict::Undecided => Status::Different,
+        Verdict::NotConverged => Status::Partial,
+    };
+    let report = FitReport {
+        fit: fitted.report,
+        written,
+    };
+    report::print(&report, || page::page(&report, arguments.all))?;
+    Ok(status)
+}
+
+fn show(progress: &Progress, state: fit::Progress) {
+    if state.chi2.is_finite() {
+        progress.set_text(format!(
+            "fitting {:.2} s: χ² = {:.6e}, {} simulations",
+            state.window, state.chi2, state.evaluations
+        ));
+    }
+}
+
+impl FitArguments {
+    fn plan(&self) -> Result<FitPlan, anyhow::Error> {
+        let scenario = checked(&self.scenario, values(&self.scenario)?, &self.overrides)?;
+        let data: Data = fit::read(&self.data, &self.signals, self.time.as_deref())?;
+        Ok(FitPlan {
+            request: Request {
+                scenario,
+                data,
+                free: self.free.clone(),
+                bounds: self.bounds.clone(),
+                loss: self.loss.into(),
+                origin: self.start,
+                until: self.until,
+                holdout: self.holdout,
+                compare: self.compare.clone(),
+                profile: self.profile.clone(),
+                rescale: self.rescale,
+            },
+            output: self.output.clone(),
+            best: self.best.clone(),
+            existing: Existing::forced(self.force),
+        })
+    }
+}
+
+impl FitPlan {
+    /// Writes the files that were asked for.
+    fn write(&self, fitted: &Fit, drafts: &Drafts) -> Result<Vec<WrittenFile>, anyhow::Error> {
+        let mut written = Vec::new();
+        if let Some(path) = &self.best {
+            let draft = Draft::new_in(drafts, path, self.existing)?;
+            written.push(write_scenario(draft, &fitted.scenario)?);
+        }
+        if let Some(path) = &self.output {
+            let draft = Draft::new_in(drafts, path, self.existing)?;
+            written.push(write_recording(draft, &fitted.scenario)?);
+        }
+        Ok(written)
+    }
+}
+
+fn write_scenario(mut draft: Draft, scenario: &Scenario) -> Result<WrittenFile, anyhow::Error> {
+    let written = draft.write_all(scenario.to_toml().as_bytes());
+    written.with_context(|| format!("cannot write {}", draft.path().display()))?;
+    Ok(WrittenFile::publish(draft)?)
+}
+
+/// Records the run of the best fit.
+fn write_recording(draft: Draft, scenario: &Scenario) -> Result<WrittenFile, anyhow::Error> {
+    let mut run = RunMessages::new(scenario, &Topics::All)?;
+    let header = Header::new(scenario, run.telemetry(), Form::default());
+    let mut sink = McapSink::open(draft, &header)?;
+    let RecordedRun { end, error } = record_all(&mut run, &mut [&mut sink])?;
+    if let Some(error) = error {
+        return Err(error.into());
+    }
+    let archived = sink.finish(&end)?;
+    Ok(WrittenFile::new(&archived.path, archived.bytes))
+}
+
+fn parse_signal(text: &str) -> Result<SignalSpec, fit::DataError> {
+    SignalSpec::parse(text)
+}
+
+fn parse_bound(text: &str) -> Result<Bound, FitArgumentError> {
+    let (key, range) = text.split_once('=').ok_or(FitArgumentError::Bound)?;
+    let (low, high) = range.split_once("..").ok_or(FitArgumentError::Bound)?;
+    match (low.trim().parse::<f64>(), high.trim().parse::<f64>()) {
+        (Ok(low), Ok(high)) if low < high => Ok((key.trim().to_owned(), [low, high])),
+        (Ok(_) | Err(_), Ok(_) | Err(_)) => Err(FitArgumentError::Bound),
+    }
+}
+
+fn parse_finite(text: &str) -> Result<f64, FitArgumentError> {
+    match text.parse::<f64>() {
+        Ok(time) if time.is_finite() => Ok(time),
+        Ok(_) | Err(_) => Err(FitArgumentError::Finite),
+    }
+}
+
+fn parse_part(text: &str) -> Result<f64, FitArgumentError> {
+    match text.parse::<f64>() {
+        Ok(part) if (0.0..=0.9).contains(&part) => Ok(part),
+        Ok(_) | Err(_) => Err(FitArgumentError::Part),
+    }
+}
+
+/// What is wrong with the value of an option.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+enum FitArgumentError {
+    #[error("must be KEY=LOW..HIGH, as in friction.k=0..0.1")]
+    Bound,
+    #[error("must be a number")]
+    Finite,
+    #[error("must be a number from 0 to 0.9")]
+    Part,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::arguments::parse;
+
+    #[test]
+    fn parses_a_fit() {
+        let line =
+            "paper data.csv --free friction.k,initial --bound friction.k=0..0.1 --loss huber";
+        let arguments = parse::<FitArguments>(line).unwrap();
+        assert_eq!(arguments.free, ["friction.k", "initial"]);
+        assert_eq!(arguments.bounds, [("friction.k".to_owned(), [0.0, 0.1])]);
+        assert_eq!(arguments.loss, LossArgument::Huber);
+        for line in [
+            "paper --free friction.k",
+            "paper data.csv",
+            "paper data.csv --free friction.k --bound friction.k=1..0",
+            "paper data.csv --free friction.k --holdout 1",
+            "paper data.csv --free friction.k --signal theta:0",
+        ] {
+            assert!(parse::<FitArguments>(line).is_err(), "{line}");
+        }
+    }
+}

@@ -1,0 +1,425 @@
+//! The human-readable report of a fit.
+
+use super::FitReport;
+use crate::cli::numbers::{count, counted, number};
+use crate::cli::page::{Section, Tone};
+use crate::cli::report::WrittenFile;
+use crate::cli::table::Table;
+use crate::fit::Loss;
+use crate::fit::report::{
+    Comparison, Estimate, Extension, ExtensionKind, LawFit, Limit, Mode, Profile, Quality, Report,
+    SignalReport, Verdict,
+};
+
+/// A profile whose interval differs from the curvature's by more than this is mentioned.
+const CURVATURE_LIES: f64 = 0.2;
+
+/// p-values below this reject a fit.
+const REJECTED: f64 = 1e-3;
+
+/// p-values below this are printed as a bound.
+const SMALLEST_P: f64 = 1e-6;
+
+/// The report as sections.
+pub(super) fn page(report: &FitReport, all: bool) -> Vec<Section> {
+    let fit = &report.fit;
+    let mut sections = vec![headline(fit), parameters(fit, all), signals(&fit.signals)];
+    sections.push(remarks(fit));
+    if !fit.modes.is_empty() {
+        sections.push(modes(fit));
+    }
+    for profile in &fit.profiles {
+        sections.push(profile_section(profile, all));
+    }
+    if let Some(comparison) = &fit.comparison {
+        sections.push(laws(comparison));
+        if all {
+            for law in &comparison.laws {
+                sections.push(law_parameters(law));
+            }
+        }
+    }
+    let written = report.written.iter().map(WrittenFile::line);
+    sections.push(Section::from_lines("Written", written));
+    sections.retain(|section| !section.parts.is_empty() || !section.note.is_empty());
+    sections
+}
+
+fn headline(fit: &Report) -> Section {
+    let (tone, verdict) = match fit.verdict {
+        Verdict::Fitted => (Tone::Good, "describes the data"),
+        Verdict::BadFit => (Tone::Bad, "does not describe the data"),
+        Verdict::Undecided => (Tone::Weak, "undecided between laws"),
+        Verdict::NotConverged => (Tone::Bad, "no minimum was found"),
+    };
+    let mut section =
+        Section::with_tone(tone, format!("{} ({}): {verdict}", fit.scenario, fit.law));
+    section.note = match fit.loss {
+        Loss::Squares => goodness(&fit.quality),
+        // The loss has no known distribution.
+        Loss::Huber => format!("Huber's loss {:.1}", fit.quality.chi2),
+    };
+    let samples: usize = fit.signals.iter().map(|signal| signal.samples).sum();
+    section.line(format!(
+        "{} in {} s; the scenario starts at t = {} s in the data. {}.",
+        counted(samples as u64, "sample"),
+        plain(fit.until),
+        plain(fit.origin),
+        counted(fit.evaluations, "simulation")
+    ));
+    section
+}
+
+/// χ² and its probability in a line.
+fn goodness(quality: &Quality) -> String {
+    let chi2 = format!(
+        "χ²/ν = {:.3} ({:.1}/{})",
+        quality.chi2 / quality.freedom as f64,
+        quality.chi2,
+        quality.freedom
+    );
+    match quality.p_value {
+        Some(p) => format!("{chi2}, {}", probability(p)),
+        None => chi2,
+    }
+}
+
+fn probability(p: f64) -> String {
+    if p < SMALLEST_P {
+        "p < 1e-6".to_owned()
+    } else if p < 0.01 {
+        format!("p = {p:.1e}")
+    } else {
+        format!("p = {p:.2}")
+    }
+}
+
+/// A number without trailing zeros.
+fn plain(value: f64) -> String {
+    let text = format!("{value:.6}");
+    let short = text.trim_end_matches('0').trim_end_matches('.');
+    short.replace('-', "−")
+}
+
+fn parameters(fit: &Report, all: bool) -> Section {
+    let mut section = Section::new("Parameters");
+    section.table(estimates(&fit.parameters, all));
+    for correlation in &fit.correlations {
+        let [a, b] = &correlation.parameters;
+        let value = number(correlation.correlation, 3);
+        section.line(format!("{a} and {b} are correlated: {value}."));
+    }
+    section
+}
+
+fn estimates(parameters: &[Estimate], all: bool) -> Table {
+    let mut header = ["", "estimate ± sd", "95 % interval", "start"].map(str::to_owned);
+    let mut rows = Vec::new();
+    for estimate in parameters {
+        let name = match estimate.unit.as_str() {
+            "" => estimate.name.clone(),
+            unit => format!("{} [{unit}]", estimate.name),
+        };
+        let value = match (estimate.sd, estimate.limit) {
+            (Some(sd), None) => with_error(estimate.value, sd),
+            (Some(_) | None, _) => "–".to_owned(),
+        };
+        let interval = match (estimate.interval, estimate.limit) {
+            (_, Some(Limit::Below(limit))) => format!("< {}", rounded(limit, 3)),
+            (_, Some(Limit::Above(limit))) => format!("> {}", rounded(limit, 3)),
+            (_, Some(Limit::AtBound)) => format!("at its bound, {}", rounded(estimate.value, 3)),
+            (_, Some(Limit::None)) => "not determined".to_owned(),
+            (Some([low, high]), None) => {
+                let sd = estimate.sd.unwrap_or_default();
+                let digits = decimals(sd);
+                format!("{} to {}", fixed(low, digits), fixed(high, digits))
+            }
+            (None, None) => "–".to_owned(),
+        };
+        let start = rounded(estimate.start, 4);
+        let value = if all && estimate.limit.is_some() {
+            rounded(estimate.value, 6)
+        } else {
+            value
+        };
+        rows.push(vec![name, value, interval, start]);
+    }
+    if parameters.is_empty() {
+        header.fill(String::new());
+    }
+    Table {
+        header: header.into(),
+        rows,
+        left: 1,
+    }
+}
+
+/// Decimals that show two digits of a standard deviation.
+fn decimals(sd: f64) -> usize {
+    // The exponent of the rounded number: 0.0996 with two digits is 0.10.
+    let scientific = format!("{sd:.1e}");
+    let exponent = scientific.rsplit_once('e').map_or("0", |(_, e)| e);
+    let exponent: i32 = exponent.parse().unwrap_or_default();
+    usize::try_from(1 - exponent).unwrap_or_default().min(17)
+}
+
+fn fixed(value: f64, digits: usize) -> String {
+    number(value, digits)
+}
+
+/// An estimate and its standard deviation with the digits that are known.
+fn with_error(value: f64, sd: f64) -> String {
+    let digits = decimals(sd);
+    format!("{} ± {}", fixed(value, digits), fixed(sd, digits))
+}
+
+/// A number with significant digits.
+fn rounded(value: f64, digits: usize) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let scientific = format!("{value:.*e}", digits - 1);
+    let rounded: f64 = scientific.parse().unwrap_or(value);
+    let text = if (1e-4..1e6).contains(&rounded.abs()) {
+        rounded.to_string()
+    } else {
+        scientific
+    };
+    text.replacen('-', "−", usize::from(value < 0.0))
+}
+
+fn signals(signals: &[SignalReport]) -> Section {
+    let has_held_out = signals.iter().any(|signal| signal.held_out_samples > 0);
+    let mut header = vec!["", "samples", "σ", "RMS/σ"];
+    if has_held_out {
+        header.push("held out");
+    }
+    header.extend(["white", ""]);
+    let mut rows = Vec::new();
+    for signal in signals {
+        let given = if signal.is_sigma_estimated {
+            " (estimated)"
+        } else {
+            ""
+        };
+        let mut row = vec![
+            signal.field.clone(),
+            count(signal.samples as u64),
+            format!("{} {}{given}", rounded(signal.sigma, 3), signal.unit),
+            rounded(signal.rms, 3),
+        ];
+        if has_held_out {
+            row.push(
+                signal
+                    .held_out_rms
+                    .map_or("–".to_owned(), |rms| rounded(rms, 3)),
+            );
+        }
+        row.push(signal.whiteness.map_or("–".to_owned(), probability));
+        row.push(losses(signal));
+        rows.push(row);
+    }
+    let mut section = Section::new("Signals");
+    section.table(Table {
+        header: header.into_iter().map(str::to_owned).collect(),
+        rows,
+        left: 1,
+    });
+    section
+}
+
+/// What a signal lacks.
+fn losses(signal: &SignalReport) -> String {
+    let mut losses = Vec::new();
+    if signal.missing > 0 {
+        losses.push(format!("{} missing", count(signal.missing)));
+    }
+    if signal.out_of_order > 0 {
+        losses.push(format!("{} out of order", count(signal.out_of_order)));
+    }
+    if signal.outliers > 0 {
+        losses.push(format!("{} above 5 σ", count(signal.outliers as u64)));
+    }
+    losses.join(", ")
+}
+
+fn remarks(fit: &Report) -> Section {
+    let mut remarks = fit.notes.clone();
+    let quality = &fit.quality;
+    let reduced = quality.chi2 / quality.freedom as f64;
+    if quality.p_value.is_some_and(|p| p < REJECTED) {
+        remarks.push(format!(
+            "The residuals are larger than σ (χ²/ν = {reduced:.2}): the model is wrong, or σ is. The standard deviations of the parameters are too small."
+        ));
+    }
+    let mut tests = fit.signals.iter().filter_map(|signal| signal.whiteness);
+    if tests.any(|p| p < REJECTED) {
+        remarks.push(
+            "The residuals are correlated in time: the model misses something, and the standard deviations of the parameters are too small."
+                .to_owned(),
+        );
+    }
+    let outliers: usize = fit.signals.iter().map(|signal| signal.outliers).sum();
+    if outliers > 0 && fit.loss == Loss::Squares {
+        let outliers = counted(outliers as u64, "residual");
+        remarks.push(format!(
+            "{outliers} above 5 σ: if these are outliers, use --loss huber."
+        ));
+    }
+    Section::from_lines("Remarks", remarks.into_iter())
+}
+
+fn modes(fit: &Report) -> Section {
+    let mut section = Section::with_tone(Tone::Weak, "Other minima");
+    "the data don't exclude them".clone_into(&mut section.note);
+    let mut header = vec!["Δχ²".to_owned()];
+    header.extend(
+        fit.parameters
+            .iter()
+            .map(|parameter| parameter.name.clone()),
+    );
+    let row = |mode: &Mode| {
+        let mut row = vec![number(mode.delta_chi2, 2)];
+        for (value, sd) in mode.values.iter().zip(&mode.sds) {
+            row.push(with_error(*value, *sd));
+        }
+        row
+    };
+    section.table(Table {
+        header,
+        rows: fit.modes.iter().map(row).collect(),
+        left: 0,
+    });
+    section
+}
+
+fn profile_section(profile: &Profile, all: bool) -> Section {
+    let mut section = Section::new(format!("Profile of {}", profile.parameter));
+    for (level, [low, high]) in [
+        ("68.3 % (Δχ² < 1)", profile.interval_1),
+        ("95.4 % (Δχ² < 4)", profile.interval_4),
+    ] {
+        let [low, high] = [low, high].map(|side| match side {
+            Some(value) => rounded(value, 6),
+            None => "bound".to_owned(),
+        });
+        section.line(format!("{level}: {low} to {high}"));
+    }
+    if let Some(error) = profile.curvature_error
+        && error > CURVATURE_LIES
+    {
+        section.tone = Tone::Weak;
+        section.line(format!(
+            "The interval from the standard deviation is wrong by {:.0} %: use this one.",
+            100.0 * error
+        ));
+    }
+    if all {
+        let rows = profile.values.iter().zip(&profile.delta_chi2);
+        section.table(Table {
+            header: vec![profile.parameter.clone(), "Δχ²".to_owned()],
+            rows: rows
+                .map(|(value, delta)| vec![rounded(*value, 8), number(*delta, 4)])
+                .collect(),
+            left: 0,
+        });
+    }
+    section
+}
+
+fn laws(comparison: &Comparison) -> Section {
+    let mut section = Section::with_tone(
+        if comparison.is_decided {
+            Tone::Good
+        } else {
+            Tone::Weak
+        },
+        "Laws",
+    );
+    let has_held_out = comparison.laws.iter().any(|law| law.held_out_rms.is_some());
+    let mut header = vec!["", "parameters", "χ²/ν", "p", "ΔAIC", "ΔBIC"];
+    if has_held_out {
+        header.push("held out RMS/σ");
+    }
+    let mut rows = Vec::new();
+    for law in &comparison.laws {
+        if let Some(failure) = &law.failure {
+            section.line(format!("{} could not be fitted: {failure}", law.law));
+            continue;
+        }
+        let quality = &law.quality;
+        let p = quality.p_value.map_or("–".to_owned(), |p| {
+            probability(p)
+                .trim_start_matches("p = ")
+                .trim_start_matches("p ")
+                .to_owned()
+        });
+        let mut row = vec![
+            law.law.clone(),
+            law.parameters.len().to_string(),
+            rounded(quality.chi2 / quality.freedom as f64, 5),
+            p,
+            number(law.delta_aic, 1),
+            number(law.delta_bic, 1),
+        ];
+        if has_held_out {
+            row.push(
+                law.held_out_rms
+                    .map_or("–".to_owned(), |rms| rounded(rms, 3)),
+            );
+        }
+        rows.push(row);
+    }
+    section.table(Table {
+        header: header.into_iter().map(str::to_owned).collect(),
+        rows,
+        left: 1,
+    });
+    section.line(comparison.sentence.clone());
+    if !comparison.extensions.is_empty() {
+        let extensions: Vec<String> = comparison.extensions.iter().map(extension).collect();
+        section.line(format!("To decide: {}.", extensions.join("; or ")));
+    }
+    section
+}
+
+fn extension(extension: &Extension) -> String {
+    let delta = rounded(extension.delta_chi2, 2);
+    match extension.kind {
+        ExtensionKind::Longer => format!(
+            "measure {} s (expected Δχ² = {delta})",
+            rounded(extension.amount, 3)
+        ),
+        ExtensionKind::Finer => format!(
+            "take {} times as many samples, or repeat the measurement as often (expected Δχ² = {delta})",
+            rounded(extension.amount, 2)
+        ),
+        ExtensionKind::Azimuth => format!("measure φ, too (expected Δχ² = {delta})"),
+        ExtensionKind::Inclination => format!("measure θ, too (expected Δχ² = {delta})"),
+    }
+}
+
+fn law_parameters(law: &LawFit) -> Section {
+    let mut section = Section::new(format!("Parameters of {}", law.law));
+    section.table(estimates(&law.parameters, true));
+    section
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounds_estimates_to_their_errors() {
+        for (value, sd, expected) in [
+            (0.0517144, 1.507e-5, "0.051714 ± 0.000015"),
+            (-0.1203, 0.0047, "−0.1203 ± 0.0047"),
+            (231.0009, 0.0996, "231.00 ± 0.10"),
+            (1234.0, 56.0, "1234 ± 56"),
+        ] {
+            assert_eq!(with_error(value, sd), expected);
+        }
+        assert_eq!(rounded(0.00001234, 3), "1.23e-5");
+        assert_eq!(rounded(-2.0, 3), "−2");
+    }
+}

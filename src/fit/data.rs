@@ -1,0 +1,62 @@
+//! Measured data from files.
+
+use super::error::DataError;
+use super::signal::{Signal, SignalSpec};
+use super::{recorded, table};
+use std::path::{Path, PathBuf};
+
+/// Measured signals. Each file has a clock of its own; that of the first is the reference.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Data {
+    /// The signals.
+    pub signals: Vec<Signal>,
+    /// Number of files.
+    pub files: usize,
+    /// Whether the first file is a recording of toprise, whose clock starts with the run.
+    pub starts_with_run: bool,
+}
+
+impl Data {
+    /// The time on the clock of the first file at which the scenario starts, unless given, s.
+    pub(super) fn origin(&self) -> f64 {
+        if self.starts_with_run {
+            return 0.0;
+        }
+        let firsts = self.signals.iter().filter(|signal| signal.file == 0);
+        let firsts = firsts.filter_map(|signal| signal.times.first().copied());
+        let origin = firsts.fold(f64::INFINITY, f64::min);
+        if origin.is_finite() { origin } else { 0.0 }
+    }
+}
+
+/// Reads the signals of files. `time` is the name of the columns of times.
+///
+/// # Errors
+/// [`DataError`] with the file, line and column.
+pub fn read(
+    files: &[PathBuf],
+    specs: &[SignalSpec],
+    time: Option<&str>,
+) -> Result<Data, DataError> {
+    let mut data = Data {
+        signals: Vec::new(),
+        files: files.len(),
+        starts_with_run: false,
+    };
+    for (index, path) in files.iter().enumerate() {
+        if is_recording(path) {
+            let read = recorded::read(path, index, specs)?;
+            data.starts_with_run |= index == 0 && read.is_ours;
+            data.signals.extend(read.signals);
+        } else {
+            data.signals.extend(table::read(path, index, specs, time)?);
+        }
+    }
+    Ok(data)
+}
+
+/// Whether a file is an MCAP file, by its name.
+fn is_recording(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|kind| kind == "mcap" || kind == "partial")
+}

@@ -1,0 +1,242 @@
+//! Errors of fits.
+
+use crate::archive::recording::RecordingError;
+use crate::run::scenario::ScenarioError;
+use crate::run::simulation::SimulationError;
+use crate::telemetry::fields::state;
+use std::io;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Error of reading measured data.
+#[derive(Debug, Error)]
+pub enum DataError {
+    /// The file can't be read.
+    #[error("cannot read {}: {reason}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The system error.
+        #[source]
+        reason: io::Error,
+    },
+    /// The recording can't be read.
+    #[error("{}: {reason}", path.display())]
+    Recording {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        #[source]
+        reason: RecordingError,
+    },
+    /// The file has no rows of numbers.
+    #[error("{}: no rows of numbers", path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file is too large.
+    #[error("{}: more than {limit} rows: thin out the data", path.display())]
+    TooLong {
+        /// The file.
+        path: PathBuf,
+        /// Maximum number of rows.
+        limit: usize,
+    },
+    /// The file is too large to be held in memory.
+    #[error("{}: larger than {} MB: thin out the data", path.display(), limit >> 20)]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Maximum size, bytes.
+        limit: u64,
+    },
+    /// There is no such column or topic.
+    #[error("{}: no {what} {name}; there {}: {}", path.display(), if known.len() == 1 { "is" } else { "are" }, known.join(", "))]
+    Missing {
+        /// The file.
+        path: PathBuf,
+        /// What is missing: a column, topic or field.
+        what: &'static str,
+        /// Its name.
+        name: String,
+        /// What the file has instead.
+        known: Vec<String>,
+    },
+    /// No column has the name of a field.
+    #[error("{}: no column is named like a field of the top; name the columns with --signal, e.g. --signal theta={}; columns: {}", path.display(), quoted(columns.last()), columns.join(", "))]
+    NoSignals {
+        /// The file.
+        path: PathBuf,
+        /// Its columns.
+        columns: Vec<String>,
+    },
+    /// A recording has all fields: some must be chosen.
+    #[error("{}: choose the fields to fit, e.g. --signal {}:1mrad", path.display(), state::THETA)]
+    ChooseSignals {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A cell is not a number.
+    #[error("{}:{line}: column {column}: {text:?} is not a number", path.display())]
+    NotANumber {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: u64,
+        /// Column.
+        column: String,
+        /// The text.
+        text: String,
+    },
+    /// A standard deviation is not positive.
+    #[error("{}:{line}: column {column}: the standard deviation {value} is not positive", path.display())]
+    Sigma {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: u64,
+        /// Column.
+        column: String,
+        /// The value.
+        value: f64,
+    },
+    /// A unit is unknown or does not suit the field.
+    #[error("column {column}: {unit:?} is not a unit of {quantity}; allowed: {}", allowed.join(", "))]
+    Unit {
+        /// Column.
+        column: String,
+        /// The unit.
+        unit: String,
+        /// What is measured.
+        quantity: &'static str,
+        /// Allowed units.
+        allowed: Vec<&'static str>,
+    },
+    /// A signal can't be parsed.
+    #[error("--signal {text}: {reason}; write FIELD=COLUMN:SIGMA, e.g. theta=\"tilt (deg)\":2mrad")]
+    Signal {
+        /// The argument.
+        text: String,
+        /// The reason.
+        reason: SignalError,
+    },
+    /// All values of a signal are missing.
+    #[error("{}: column {column} has no values", path.display())]
+    NoValues {
+        /// The file.
+        path: PathBuf,
+        /// Column.
+        column: String,
+    },
+}
+
+/// Reason why the description of a signal can't be used.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SignalError {
+    /// There is no such field.
+    #[error("unknown field {name}; fields: {known}")]
+    UnknownField {
+        /// Its name.
+        name: String,
+        /// The fields that can be measured.
+        known: String,
+    },
+    /// The standard deviation is not positive.
+    #[error("the standard deviation {0} is not a positive number")]
+    Sigma(String),
+    /// A name is empty.
+    #[error("a name is empty")]
+    Empty,
+}
+
+/// Error of a fit.
+#[derive(Debug, Error)]
+pub enum FitError {
+    /// The data can't be read.
+    #[error(transparent)]
+    Data(#[from] DataError),
+    /// A key can't be fitted, or a scenario is invalid.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// A key can't be fitted.
+    #[error("{name} can't be fitted: {reason}")]
+    Key {
+        /// The key.
+        name: String,
+        /// The reason.
+        reason: &'static str,
+    },
+    /// There is no such law.
+    #[error("unknown law {name}; laws: {known}")]
+    UnknownLaw {
+        /// Its name.
+        name: String,
+        /// The laws.
+        known: String,
+    },
+    /// Bounds exclude the start, or each other.
+    #[error("{name}: the bounds {low} to {high} must contain the start, {start}")]
+    Bounds {
+        /// The parameter.
+        name: String,
+        /// Lower bound.
+        low: f64,
+        /// Upper bound.
+        high: f64,
+        /// Start value.
+        start: f64,
+    },
+    /// A bound is given for a parameter that is not free.
+    #[error("--bound {name}: the parameter is not free")]
+    NotFree {
+        /// The parameter.
+        name: String,
+    },
+    /// No parameter is free.
+    #[error("nothing to fit: none of the free parameters changes any signal")]
+    NothingFree,
+    /// The data are too few.
+    #[error("{samples} samples can't determine {parameters} parameters")]
+    TooFew {
+        /// Number of samples in the fit.
+        samples: usize,
+        /// Number of free parameters.
+        parameters: usize,
+    },
+    /// Parameters can't be told apart.
+    #[error("{}", sentences.join("; "))]
+    NotIdentifiable {
+        /// A sentence for each group of parameters.
+        sentences: Vec<String>,
+    },
+    /// The model ends before the data.
+    #[error(
+        "the model ends at t = {end:.4} s ({reason}), the data at {needed:.4} s: fit only the data before that (--until {end:.3}), or start closer to the motion (--set)"
+    )]
+    ModelEnds {
+        /// End of the model, s.
+        end: f64,
+        /// Why it ends.
+        reason: String,
+        /// End of the data, s.
+        needed: f64,
+    },
+    /// A simulation failed.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// The optimiser refused its input.
+    #[error("the optimiser failed: {0}")]
+    Optimiser(&'static str),
+}
+
+/// A name in quotes for an example on the command line.
+fn quoted(name: Option<&String>) -> String {
+    match name {
+        Some(name) if name.contains(|c: char| !c.is_ascii_alphanumeric() && c != '_') => {
+            format!("\"{name}\"")
+        }
+        Some(name) => name.clone(),
+        None => "COLUMN".to_owned(),
+    }
+}

@@ -1,0 +1,152 @@
+//! From a minimum to estimates with their uncertainties.
+
+use super::model::{Loss, Point, Problem};
+use super::parameter::principal;
+use super::report::{Correlation, Estimate, Limit, Quality, SignalReport};
+use super::solve::Solution;
+use super::statistics::{chi2_p_value, median_size, rms, whiteness};
+use crate::physics::math::ln;
+
+/// Half width of a 95 % interval, and of a one-sided one, in standard deviations.
+pub(super) const TWO_SIDED: f64 = 1.959963984540054;
+pub(super) const ONE_SIDED: f64 = 1.6448536269514722;
+
+/// A magnitude below this many standard deviations is not clearly above zero.
+const SIGNIFICANT: f64 = 2.0;
+
+/// Correlations above this are reported.
+const HIGH_CORRELATION: f64 = 0.9;
+
+/// A residual above this, in σ, is an outlier: of normal noise there is one in two million.
+pub(super) const OUTLIER: f64 = 5.0;
+
+/// p-values below this reject a fit.
+pub(super) const REJECTED: f64 = 1e-3;
+
+/// Residuals below this, in σ, are not noise: σ was given generously, and nothing follows from their correlations.
+const TINY: f64 = 0.1;
+
+/// The estimates of all parameters.
+pub(super) fn estimates(problem: &Problem, solution: &Solution, rescale: f64) -> Vec<Estimate> {
+    let mut all = Vec::new();
+    for (at, parameter) in problem.parameters.iter().enumerate() {
+        let mut value = solution.values[at];
+        if parameter.is_turning() {
+            value = principal(value);
+        }
+        let [low, high] = parameter.bounds;
+        let sd = (solution.covariance[(at, at)] * rescale).sqrt();
+        let is_known = !solution.held[at] && sd > 0.0 && sd < high - low;
+        let is_significant = !parameter.is_magnitude() || value > SIGNIFICANT * sd;
+        let (mut interval, mut limit) = (None, None);
+        if solution.held[at] {
+            limit = Some(Limit::AtBound);
+        } else if !is_known {
+            limit = Some(Limit::None);
+        } else if is_significant {
+            interval = Some([value - TWO_SIDED * sd, value + TWO_SIDED * sd]);
+        } else {
+            limit = Some(Limit::Below((value + ONE_SIDED * sd).min(high)));
+        }
+        all.push(Estimate {
+            name: parameter.name(),
+            unit: parameter.unit().to_owned(),
+            start: parameter.start,
+            value,
+            sd: is_known.then_some(sd),
+            interval,
+            limit,
+        });
+    }
+    all
+}
+
+/// The correlations between parameters that are high.
+pub(super) fn correlations(problem: &Problem, solution: &Solution) -> Vec<Correlation> {
+    let mut high = Vec::new();
+    let covariance = &solution.covariance;
+    for i in 0..problem.parameters.len() {
+        for j in 0..i {
+            let scale = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
+            let correlation = covariance[(i, j)] / scale;
+            if scale > 0.0 && correlation.abs() > HIGH_CORRELATION {
+                high.push(Correlation {
+                    parameters: [j, i].map(|at| problem.parameters[at].name()),
+                    correlation,
+                });
+            }
+        }
+    }
+    high
+}
+
+/// Goodness of a fit to these points.
+pub(super) fn quality(problem: &Problem, points: &[Point], solution: &Solution) -> Quality {
+    let estimated = problem.signals.iter().filter(|s| s.is_sigma_estimated);
+    let estimated = estimated.count();
+    let freedom = points.len().saturating_sub(problem.parameters.len());
+    let is_tested = estimated == 0 && problem.loss == Loss::Squares;
+    // −2 ln L up to a constant: χ², and the logarithms of the standard deviations that are estimated.
+    let mut deviance = solution.chi2;
+    for point in points {
+        if problem.signals[point.signal].is_sigma_estimated {
+            deviance += 2.0 * ln(point.sigma);
+        }
+    }
+    let parameters = (problem.parameters.len() + estimated) as f64;
+    Quality {
+        chi2: solution.chi2,
+        freedom,
+        p_value: is_tested.then(|| chi2_p_value(solution.chi2, freedom as f64)),
+        is_converged: solution.is_converged,
+        aic: deviance + 2.0 * parameters,
+        bic: deviance + parameters * ln(points.len() as f64),
+    }
+}
+
+/// The signals with their residuals in the fitted and the held-out part.
+pub(super) fn signals(
+    problem: &Problem,
+    fitted: (&[Point], &[f64]),
+    held_out: Option<(&[Point], &[f64])>,
+) -> Vec<SignalReport> {
+    let mut reports = Vec::new();
+    for (index, signal) in problem.signals.iter().enumerate() {
+        let own = |(points, residuals): (&[Point], &[f64])| -> Vec<f64> {
+            let pairs = points.iter().zip(residuals);
+            let own = pairs.filter(|(point, _)| point.signal == index);
+            own.map(|(_, residual)| *residual).collect()
+        };
+        let residuals = own(fitted);
+        let later = held_out.map(own).unwrap_or_default();
+        let rms_here = rms(&residuals);
+        let clipped: Vec<f64> = residuals
+            .iter()
+            .map(|r| problem.loss.transformed(*r) * problem.loss.slope(*r))
+            .collect();
+        reports.push(SignalReport {
+            field: signal.field.to_string(),
+            source: signal.name.clone(),
+            file: signal.file + 1,
+            unit: signal.field.unit().to_owned(),
+            sigma: median_size(&signal.sigmas),
+            is_sigma_estimated: signal.is_sigma_estimated,
+            samples: residuals.len(),
+            missing: signal.missing,
+            out_of_order: signal.out_of_order,
+            rms: rms_here,
+            held_out_rms: (!later.is_empty()).then(|| rms(&later)),
+            held_out_samples: later.len(),
+            outliers: residuals.iter().filter(|r| r.abs() > OUTLIER).count(),
+            whiteness: whiteness(&clipped).filter(|_| rms_here > TINY),
+        });
+    }
+    reports
+}
+
+/// Whether the model describes the data: neither χ² nor the residuals' correlations reject it.
+pub(super) fn is_good(quality: &Quality, signals: &[SignalReport]) -> bool {
+    let is_rejected = quality.p_value.is_some_and(|p| p < REJECTED);
+    let mut tests = signals.iter().filter_map(|signal| signal.whiteness);
+    !is_rejected && tests.all(|p| p >= REJECTED)
+}

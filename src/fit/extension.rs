@@ -1,0 +1,162 @@
+//! Which further data would tell two laws apart.
+
+use super::Split;
+use super::compare::Candidate;
+use super::error::FitError;
+use super::model::{Point, Problem};
+use super::report::{Extension, ExtensionKind};
+use super::signal::Signal;
+use super::solve::{Watch, complete, minimise};
+use crate::telemetry::fields::{NumberField, state};
+
+/// Expected Δχ² that decides: the right law then wins in 99 % of cases.
+const WANTED: f64 = 20.0;
+
+/// Trial durations, relative to that of the data.
+const LONGER: [f64; 6] = [1.25, 1.5, 2.0, 3.0, 4.0, 6.0];
+
+/// The smallest extensions for which the expected Δχ² reaches [`WANTED`], if `best` is the right law.
+pub(super) fn extensions(
+    best: &Candidate,
+    rival: &Candidate,
+    split: &Split,
+    watch: &Watch<'_>,
+) -> Result<Vec<Extension>, FitError> {
+    let mut found = Vec::new();
+    let points = &split.fitted;
+    for factor in LONGER {
+        let longer = prolonged(points, factor);
+        let Some(delta_chi2) = expected(best, rival, &longer, watch)? else {
+            break;
+        };
+        if delta_chi2 >= WANTED {
+            found.push(Extension {
+                kind: ExtensionKind::Longer,
+                amount: factor * split.end,
+                delta_chi2,
+            });
+            break;
+        }
+    }
+    // Δχ² is proportional to the number of samples in the same time.
+    if let Some(now) = expected(best, rival, points, watch)?
+        && now > 0.0
+    {
+        let amount = (WANTED / now).max(1.0);
+        found.push(Extension {
+            kind: ExtensionKind::Finer,
+            amount,
+            delta_chi2: amount * now,
+        });
+    }
+    for (kind, field) in [
+        (ExtensionKind::Azimuth, state::PHI),
+        (ExtensionKind::Inclination, state::THETA),
+    ] {
+        if let Some([best, rival]) = with_signal([best, rival], field) {
+            let more = with_points(points, &best.problem);
+            if let Some(delta_chi2) = expected(&best, &rival, &more, watch)? {
+                found.push(Extension {
+                    kind,
+                    amount: 1.0,
+                    delta_chi2,
+                });
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// Points with the same spacing over a longer time.
+fn prolonged(points: &[Point], factor: f64) -> Vec<Point> {
+    let mut longer = points.to_vec();
+    let mut signals: Vec<usize> = points.iter().map(|point| point.signal).collect();
+    signals.sort_unstable();
+    signals.dedup();
+    for signal in signals {
+        let own: Vec<Point> = points
+            .iter()
+            .filter(|p| p.signal == signal)
+            .copied()
+            .collect();
+        let (Some(first), Some(last)) = (own.first(), own.last()) else {
+            continue;
+        };
+        let span = last.time - first.time;
+        let period = span / (own.len() - 1).max(1) as f64;
+        let more = ((factor - 1.0) * span / period) as usize;
+        for index in 1..=more {
+            longer.push(Point {
+                time: last.time + index as f64 * period,
+                ..*last
+            });
+        }
+    }
+    longer
+}
+
+/// Both fits with a further signal, as precise as the angles measured so far; `None` if it is measured already, or no
+/// angle is.
+fn with_signal(candidates: [&Candidate; 2], field: NumberField) -> Option<[Candidate; 2]> {
+    let signals = &candidates[0].problem.signals;
+    if signals.iter().any(|signal| signal.field == field) {
+        return None;
+    }
+    let angle = signals.iter().find(|signal| signal.field.unit() == "rad")?;
+    let added = Signal {
+        field,
+        ..angle.clone()
+    };
+    Some(candidates.map(|candidate| {
+        let mut problem = candidate.problem.clone();
+        problem.signals.push(added.clone());
+        Candidate {
+            law: candidate.law,
+            problem,
+            solution: candidate.solution.clone(),
+        }
+    }))
+}
+
+/// The points, and those of the last signal at the times of another angle.
+fn with_points(points: &[Point], problem: &Problem) -> Vec<Point> {
+    let added = problem.signals.len() - 1;
+    let signals = &problem.signals;
+    let angle = signals
+        .iter()
+        .position(|signal| signal.field.unit() == "rad");
+    let mut more = points.to_vec();
+    for point in points {
+        if Some(point.signal) == angle {
+            more.push(Point {
+                signal: added,
+                ..*point
+            });
+        }
+    }
+    more
+}
+
+/// The expected Δχ²: that of the rival, fitted to the motion of the best law without noise. `None` if a motion ends
+/// before.
+fn expected(
+    best: &Candidate,
+    rival: &Candidate,
+    points: &[Point],
+    watch: &Watch<'_>,
+) -> Result<Option<f64>, FitError> {
+    let Ok(motion) = best.problem.predict(&best.solution.values, points) else {
+        return Ok(None);
+    };
+    let mut exact = points.to_vec();
+    for (point, value) in exact.iter_mut().zip(motion) {
+        point.value = value;
+    }
+    let problem = &rival.problem;
+    let Ok(start) = complete(problem, &exact, rival.solution.values.clone()) else {
+        return Ok(None);
+    };
+    let fixed = vec![false; start.len()];
+    let found = minimise(problem, &exact, &start, None, &fixed, watch)?;
+    Ok(found.is_converged.then_some(found.chi2))
+}

@@ -1,0 +1,319 @@
+//! The problem to solve: data, parameters, and the simulation as their model.
+
+use super::parameter::{Parameter, Target};
+use super::signal::Signal;
+use crate::run::scenario::{Scenario, ScenarioError};
+use crate::run::simulation::{SimulationError, StopReason, sample_at};
+use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// How residuals count.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Loss {
+    /// Squared.
+    #[default]
+    Squares,
+    /// Huber's: squared up to 1.345 σ, linear beyond, for data with outliers.
+    Huber,
+}
+
+/// Where Huber's loss becomes linear, in σ: 95 % efficiency for normal noise (Huber 1981).
+pub(super) const HUBER_LIMIT: f64 = 1.345;
+
+impl Loss {
+    /// A residual whose square is the loss.
+    pub(super) fn transformed(self, residual: f64) -> f64 {
+        let size = residual.abs();
+        match self {
+            Self::Huber if size > HUBER_LIMIT => {
+                let loss = 2.0 * HUBER_LIMIT * size - HUBER_LIMIT * HUBER_LIMIT;
+                loss.sqrt().copysign(residual)
+            }
+            Self::Huber | Self::Squares => residual,
+        }
+    }
+
+    /// The derivative of the transformed residual with respect to the residual.
+    pub(super) fn slope(self, residual: f64) -> f64 {
+        match self {
+            Self::Huber if residual.abs() > HUBER_LIMIT => {
+                HUBER_LIMIT / self.transformed(residual).abs()
+            }
+            Self::Huber | Self::Squares => 1.0,
+        }
+    }
+}
+
+/// A measured value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Point {
+    /// Index of its signal.
+    pub signal: usize,
+    /// Time on the clock of the model, without the offset of its file, s.
+    pub time: f64,
+    pub value: f64,
+    pub sigma: f64,
+}
+
+/// Tolerance of the simulations. Derivatives by differences need it: at 1e-12 and steps of 1e-5 they are right to 1e-7,
+/// at 1e-6 they are useless.
+const TOLERANCE: f64 = 1e-12;
+
+/// Step of the differences, relative to a parameter's scale.
+pub(super) const STEP: f64 = 1e-5;
+
+/// Relative change of χ² that counts as none: of 10⁴ values it is 1e-3 σ of a parameter.
+const PRECISION: f64 = 1e-10;
+
+/// Time that the model goes on after the last sample, s, so that rounding can't end it before.
+const MARGIN: f64 = 1e-6;
+
+/// The problem of a fit.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    /// The scenario; free keys have their start values.
+    pub scenario: Scenario,
+    /// The free parameters.
+    pub parameters: Vec<Parameter>,
+    /// The measured signals.
+    pub signals: Vec<Signal>,
+    /// How residuals count.
+    pub loss: Loss,
+    /// Relative change of χ² that counts as none.
+    pub(super) precision: f64,
+    pub(super) points: Vec<Point>,
+}
+
+/// Why a set of parameters has no complete motion.
+#[derive(Clone, Debug)]
+pub(super) enum Refusal {
+    /// The scenario is invalid.
+    Invalid(ScenarioError),
+    /// The simulation failed.
+    Failed(SimulationError),
+    /// The run ends before the data.
+    Ends {
+        time: f64,
+        reason: StopReason,
+        needed: f64,
+    },
+}
+
+impl Problem {
+    /// A problem whose model starts at `origin`, s, on the clock of the first file.
+    pub(super) fn new(
+        scenario: &Scenario,
+        parameters: Vec<Parameter>,
+        signals: Vec<Signal>,
+        loss: Loss,
+        origin: f64,
+    ) -> Result<Self, ScenarioError> {
+        let tolerances = scenario.tolerances;
+        let scenario = scenario.with([
+            (
+                "integrator.relative_tolerance",
+                tolerances.relative.min(TOLERANCE).into(),
+            ),
+            (
+                "integrator.absolute_tolerance",
+                tolerances.absolute.min(TOLERANCE).into(),
+            ),
+        ])?;
+        let mut problem = Self {
+            scenario,
+            parameters,
+            signals,
+            loss,
+            precision: PRECISION,
+            points: Vec::new(),
+        };
+        problem.collect_points(origin);
+        Ok(problem)
+    }
+
+    /// Collects the points of all signals, relative to the start of the model. Points before it are left out.
+    fn collect_points(&mut self, origin: f64) {
+        for (index, signal) in self.signals.iter().enumerate() {
+            for (at, time) in signal.times.iter().enumerate() {
+                let point = Point {
+                    signal: index,
+                    time: time - origin,
+                    value: signal.values[at],
+                    sigma: signal.sigmas[at],
+                };
+                if point.time >= 0.0 || signal.file > 0 {
+                    self.points.push(point);
+                }
+            }
+        }
+    }
+
+    /// Leaves out the points after a time since the start, s.
+    pub(super) fn keep_until(&mut self, until: Option<f64>) {
+        if let Some(until) = until {
+            let signals = &self.signals;
+            self.points
+                .retain(|point| point.time <= until || signals[point.signal].file > 0);
+        }
+    }
+
+    /// Copies the standard deviations of the signals to the points after a change. They are the same for all values.
+    pub(super) fn set_sigma(&mut self, signal: usize, sigma: f64) {
+        self.signals[signal].set_sigma(sigma);
+        for point in &mut self.points {
+            if point.signal == signal {
+                point.sigma = sigma;
+            }
+        }
+    }
+
+    /// The start values.
+    pub(super) fn start(&self) -> Vec<f64> {
+        self.parameters.iter().map(|p| p.start).collect()
+    }
+
+    /// Offset of the clock of a file, s.
+    pub(super) fn offset(&self, values: &[f64], file: usize) -> f64 {
+        let mut pairs = self.parameters.iter().zip(values);
+        let found = pairs.find(|(p, _)| matches!(p.target, Target::Offset(of) if of == file));
+        found.map_or(0.0, |(_, value)| *value)
+    }
+
+    /// The time of a point on the model's clock, s.
+    pub(super) fn model_time(&self, values: &[f64], point: &Point) -> f64 {
+        point.time + self.offset(values, self.signals[point.signal].file)
+    }
+
+    /// The scenario with these values of the parameters, which runs at least to `duration`, s.
+    pub(super) fn scenario_for(
+        &self,
+        values: &[f64],
+        duration: f64,
+    ) -> Result<Scenario, ScenarioError> {
+        let mut changes = vec![("stop.duration", toml::Value::from(duration + MARGIN))];
+        for (parameter, value) in self.parameters.iter().zip(values) {
+            if let Target::Key(key) = parameter.target {
+                changes.push((key.path, (*value).into()));
+            }
+        }
+        self.scenario.with(changes)
+    }
+
+    /// The values of the model at these points.
+    pub(super) fn predict(&self, values: &[f64], points: &[Point]) -> Result<Vec<f64>, Refusal> {
+        let mut order: Vec<(f64, usize)> = Vec::with_capacity(points.len());
+        for (at, point) in points.iter().enumerate() {
+            // A clock's offset may take its first point slightly before the start.
+            order.push((self.model_time(values, point).max(0.0), at));
+        }
+        order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut times: Vec<f64> = order.iter().map(|(time, _)| *time).collect();
+        times.dedup();
+        let needed = times.last().copied().unwrap_or_default();
+        let scenario = self
+            .scenario_for(values, needed)
+            .map_err(Refusal::Invalid)?;
+        let mut predicted = vec![f64::NAN; points.len()];
+        let mut pending = order.iter().peekable();
+        let mut taken = 0;
+        let ended = sample_at(&scenario, &times, &mut |index, sample| {
+            while let Some((time, at)) = pending.peek()
+                && *time == times[index]
+            {
+                let field = self.signals[points[*at].signal].field;
+                predicted[*at] = field.of_sample(sample);
+                pending.next();
+            }
+            taken = index + 1;
+        });
+        let end = ended.map_err(Refusal::Failed)?;
+        if taken < times.len() || predicted.iter().any(|value| !value.is_finite()) {
+            return Err(Refusal::Ends {
+                time: end.time,
+                reason: end.stop,
+                needed,
+            });
+        }
+        Ok(predicted)
+    }
+
+    /// The residuals (model − data)/σ at these points.
+    pub(super) fn residuals(&self, values: &[f64], points: &[Point]) -> Result<Vec<f64>, Refusal> {
+        let mut residuals = self.predict(values, points)?;
+        for (residual, point) in residuals.iter_mut().zip(points) {
+            *residual = (*residual - point.value) / point.sigma;
+        }
+        Ok(residuals)
+    }
+
+    /// The derivatives of the residuals: a column for each parameter, zero for those that are `fixed` and where no
+    /// derivative can be computed. `residuals` are those at `values`.
+    pub(super) fn jacobian(
+        &self,
+        values: &[f64],
+        residuals: &[f64],
+        points: &[Point],
+        fixed: &[bool],
+    ) -> Vec<Vec<f64>> {
+        let columns = (0..self.parameters.len()).into_par_iter();
+        columns
+            .map(|j| {
+                if fixed[j] {
+                    return vec![0.0; points.len()];
+                }
+                self.derivative(j, values, residuals, points)
+            })
+            .collect()
+    }
+
+    /// The derivatives with respect to a parameter: by central differences, or one-sided ones at a bound and where the
+    /// model ends on one side.
+    fn derivative(
+        &self,
+        j: usize,
+        values: &[f64],
+        residuals: &[f64],
+        points: &[Point],
+    ) -> Vec<f64> {
+        let parameter = &self.parameters[j];
+        let step = STEP * parameter.scale.max(values[j].abs());
+        let [low, high] = parameter.bounds;
+        let moved = |steps: f64| {
+            let mut moved = values.to_vec();
+            moved[j] += steps * step;
+            if (low..=high).contains(&moved[j]) {
+                self.residuals(&moved, points).ok()
+            } else {
+                None
+            }
+        };
+        let mut column = vec![0.0; points.len()];
+        match (moved(1.0), moved(-1.0)) {
+            (Some(up), Some(down)) => {
+                for (at, derivative) in column.iter_mut().enumerate() {
+                    *derivative = (up[at] - down[at]) / (2.0 * step);
+                }
+            }
+            (Some(one), None) => {
+                one_sided(&mut column, step, residuals, &one, moved(2.0).as_deref());
+            }
+            (None, Some(one)) => {
+                one_sided(&mut column, -step, residuals, &one, moved(-2.0).as_deref());
+            }
+            (None, None) => {}
+        }
+        column
+    }
+}
+
+/// Differences to one side: of second order if there is a second value, else of first order.
+fn one_sided(column: &mut [f64], step: f64, here: &[f64], one: &[f64], two: Option<&[f64]>) {
+    for (at, derivative) in column.iter_mut().enumerate() {
+        *derivative = match two {
+            Some(two) => (4.0 * one[at] - 3.0 * here[at] - two[at]) / (2.0 * step),
+            None => (one[at] - here[at]) / step,
+        };
+    }
+}

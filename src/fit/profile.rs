@@ -1,0 +1,174 @@
+//! Profile likelihoods: χ² as a function of one parameter, minimised over all others.
+
+use super::error::FitError;
+use super::estimate::ONE_SIDED;
+use super::model::{Point, Problem};
+use super::report::{Limit, Profile};
+use super::solve::{Solution, Watch, minimise};
+
+/// Distance of the values, in standard deviations.
+const STEP: f64 = 0.5;
+
+/// The profile goes on until Δχ² is above this: that of 95.4 %, with room for interpolation.
+const HIGHEST: f64 = 4.5;
+
+/// Maximum number of values on each side.
+const MAX_VALUES: usize = 20;
+
+/// Computes the profile of a parameter around a minimum.
+pub(super) fn profile(
+    problem: &Problem,
+    points: &[Point],
+    solution: &Solution,
+    name: &str,
+    watch: &Watch<'_>,
+) -> Result<Profile, FitError> {
+    let mut parameters = problem.parameters.iter();
+    let Some(at) = parameters.position(|parameter| parameter.name() == name) else {
+        return Err(FitError::Key {
+            name: name.to_owned(),
+            reason: "it is not free, so it has no profile",
+        });
+    };
+    let parameter = &problem.parameters[at];
+    let best = solution.values[at];
+    let sd = solution.covariance[(at, at)].sqrt();
+    // A parameter at a bound has no standard deviation.
+    let sd = if sd > 0.0 { sd } else { parameter.scale };
+    let mut curve = vec![(best, 0.0)];
+    for side in [-1.0, 1.0] {
+        let mut values = solution.values.clone();
+        let mut fixed = vec![false; values.len()];
+        fixed[at] = true;
+        for step in 1..=MAX_VALUES {
+            let value = parameter.clamp(best + side * sd * STEP * step as f64);
+            if values[at] == value {
+                break;
+            }
+            values[at] = value;
+            if problem.predict(&values, points).is_err() {
+                break;
+            }
+            let found = minimise(problem, points, &values, None, &fixed, watch)?;
+            values = found.values;
+            curve.push((value, found.chi2 - solution.chi2));
+            if found.chi2 - solution.chi2 > HIGHEST {
+                break;
+            }
+        }
+    }
+    curve.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let interval_1 = crossings(&curve, best, 1.0);
+    let interval_4 = crossings(&curve, best, 4.0);
+    let mut curvature_error: Option<f64> = None;
+    for side in interval_4.iter().flatten() {
+        let error = ((side - best).abs() / (2.0 * sd) - 1.0).abs();
+        curvature_error = Some(curvature_error.map_or(error, |known| known.max(error)));
+    }
+    Ok(Profile {
+        parameter: name.to_owned(),
+        values: curve.iter().map(|(value, _)| *value).collect(),
+        delta_chi2: curve.iter().map(|(_, delta)| *delta).collect(),
+        interval_1,
+        interval_4,
+        curvature_error,
+    })
+}
+
+/// The one-sided 95 % limit of a parameter that a bound holds: where χ², minimised over the others, has grown by 1.645².
+pub(super) fn limit(
+    problem: &Problem,
+    points: &[Point],
+    solution: &Solution,
+    at: usize,
+    watch: &Watch<'_>,
+) -> Result<Limit, FitError> {
+    /// The distance from the bound is found to this factor, or given up after so many trials.
+    const PRECISION: f64 = 1.02;
+    const TRIALS: usize = 24;
+    const FACTOR: f64 = 4.0;
+    let parameter = &problem.parameters[at];
+    let [low, high] = parameter.bounds;
+    let is_low = solution.values[at] <= low;
+    let mut fixed = vec![false; solution.values.len()];
+    fixed[at] = true;
+    let (mut inside, mut outside) = (0.0_f64, f64::INFINITY);
+    let mut distance = 1e-2 * parameter.scale.max(parameter.start.abs());
+    for _ in 0..TRIALS {
+        let mut values = solution.values.clone();
+        values[at] = if is_low {
+            low + distance
+        } else {
+            high - distance
+        };
+        // A motion that ends before the data contradicts them.
+        let growth = match problem.predict(&values, points) {
+            Ok(_) => minimise(problem, points, &values, None, &fixed, watch)?.chi2 - solution.chi2,
+            Err(_) => f64::INFINITY,
+        };
+        if growth < ONE_SIDED * ONE_SIDED {
+            inside = distance;
+        } else {
+            outside = distance;
+        }
+        distance = if outside.is_infinite() {
+            FACTOR * inside
+        } else if inside == 0.0 {
+            outside / FACTOR
+        } else {
+            (inside * outside).sqrt()
+        };
+        if distance >= high - low {
+            return Ok(Limit::None);
+        }
+        if outside < PRECISION * inside {
+            break;
+        }
+    }
+    Ok(match (outside.is_finite(), is_low) {
+        (true, true) => Limit::Below(low + distance),
+        (true, false) => Limit::Above(high - distance),
+        (false, _) => Limit::None,
+    })
+}
+
+/// Where a profile reaches a level on both sides of its minimum.
+fn crossings(curve: &[(f64, f64)], best: f64, level: f64) -> [Option<f64>; 2] {
+    // √Δχ² is nearly a straight line on each side: interpolate that.
+    let height = level.sqrt();
+    let mut found = [None, None];
+    for pair in curve.windows(2) {
+        let [(a, low), (b, high)] = [pair[0], pair[1]].map(|(v, d)| (v, d.max(0.0).sqrt()));
+        if (low - height) * (high - height) <= 0.0 && low != high {
+            let crossing = a + (height - low) / (high - low) * (b - a);
+            let side = usize::from(crossing > best);
+            // On the left the last crossing before the minimum counts, on the right the first.
+            if side == 0 || found[1].is_none() {
+                found[side] = Some(crossing);
+            }
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn crossings_of_a_parabola_are_exact() {
+        let curve: Vec<(f64, f64)> = (-5..=5)
+            .map(|i| {
+                (
+                    f64::from(i) * 0.5,
+                    (f64::from(i) * 0.5) * (f64::from(i) * 0.5),
+                )
+            })
+            .collect();
+        for (level, width) in [(1.0, 1.0), (4.0, 2.0)] {
+            let [low, high] = crossings(&curve, 0.0, level).map(Option::unwrap);
+            assert!((low + width).abs() < 1e-12 && (high - width).abs() < 1e-12);
+        }
+        assert_eq!(crossings(&curve[5..], 0.0, 1.0), [None, Some(1.0)]);
+    }
+}

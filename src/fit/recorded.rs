@@ -1,0 +1,187 @@
+//! Measured values from MCAP files: recordings of toprise, and JSON messages of other software.
+
+use super::error::{DataError, SignalError};
+use super::signal::{Row, SigmaSpec, Signal, SignalSpec};
+use super::table::MAX_ROWS;
+use crate::archive::recording::{FileChannel, Recording, Selection};
+use crate::run::time::seconds;
+use crate::telemetry::fields::NumberField;
+use crate::telemetry::{Numbers as _, Topics};
+use serde_json::Value as Json;
+use std::path::Path;
+
+/// The signals of an MCAP file.
+pub(super) struct Read {
+    pub signals: Vec<Signal>,
+    /// Whether the file is a recording of toprise.
+    pub is_ours: bool,
+}
+
+/// Where the values of a signal are.
+enum Place {
+    /// A field of toprise's channels.
+    Field(NumberField),
+    /// A member of JSON messages: topic, and names from the outside in.
+    Json(String, Vec<String>),
+}
+
+/// Reads signals whose sources are `TOPIC.PATH`.
+pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Read, DataError> {
+    let recording = Recording::open(path).map_err(|reason| DataError::Recording {
+        path: path.to_owned(),
+        reason,
+    })?;
+    if specs.is_empty() {
+        return Err(DataError::ChooseSignals {
+            path: path.to_owned(),
+        });
+    }
+    let mut places = Vec::new();
+    for spec in specs {
+        // Messages have no columns: the text after the colon can only be meant as a number.
+        if let SigmaSpec::Column(sigma) = &spec.sigma {
+            return Err(DataError::Signal {
+                text: spec.source.clone(),
+                reason: SignalError::Sigma(sigma.clone()),
+            });
+        }
+        if let Some(place) = find_place(&recording, spec) {
+            places.push((spec, place));
+        }
+    }
+    if places.is_empty() {
+        return Err(missing(&recording, path, &specs[0].source));
+    }
+    let mut signals = Vec::new();
+    for (spec, place) in places {
+        let rows = rows(&recording, path, &place)?;
+        let (mut found, mut missing) = (Vec::new(), 0);
+        for (time, value) in rows {
+            match value {
+                Some(value) => found.push(Row {
+                    time,
+                    value,
+                    sigma: None,
+                }),
+                None => missing += 1,
+            }
+        }
+        if found.is_empty() {
+            return Err(DataError::NoValues {
+                path: path.to_owned(),
+                column: spec.source.clone(),
+            });
+        }
+        signals.push(Signal::new(spec, file, found, missing)?);
+    }
+    Ok(Read {
+        signals,
+        is_ours: recording.is_ours(),
+    })
+}
+
+/// The place that a source names, if the file has it.
+fn find_place(recording: &Recording, spec: &SignalSpec) -> Option<Place> {
+    let source = &spec.source;
+    for channel in recording.channels() {
+        let Some(rest) = source.strip_prefix(&channel.topic) else {
+            continue;
+        };
+        let Some(path) = rest.strip_prefix('.') else {
+            continue;
+        };
+        match channel.table {
+            Some(topic) => {
+                if let Some(field) = topic.numbers().find(|field| field.path() == path) {
+                    return Some(Place::Field(field));
+                }
+            }
+            None if channel.encoding == "json" => {
+                let names = path.split('.').map(str::to_owned).collect();
+                return Some(Place::Json(channel.topic.clone(), names));
+            }
+            None => {}
+        }
+    }
+    // A field of toprise may be named by its path alone.
+    let field = spec.field;
+    let is_named = *source == field.path() && recording.has(field.topic());
+    is_named.then_some(Place::Field(field))
+}
+
+fn missing(recording: &Recording, path: &Path, name: &str) -> DataError {
+    let channels = recording.channels().iter();
+    let readable = channels.filter(|c| c.table.is_some() || c.encoding == "json");
+    let mut known: Vec<String> = readable
+        .map(|channel: &FileChannel| channel.topic.clone())
+        .collect();
+    known.sort();
+    known.dedup();
+    DataError::Missing {
+        path: path.to_owned(),
+        what: "field (TOPIC.PATH)",
+        name: name.to_owned(),
+        known,
+    }
+}
+
+/// Times (s) and values of a place; no value where it is missing or not a number.
+fn rows(
+    recording: &Recording,
+    path: &Path,
+    place: &Place,
+) -> Result<Vec<(f64, Option<f64>)>, DataError> {
+    let topic = match place {
+        Place::Field(field) => field.topic().name().to_owned(),
+        Place::Json(topic, _) => topic.clone(),
+    };
+    let mut reader = recording.reader(Selection {
+        topics: Topics::Only(vec![topic]),
+        ..Selection::default()
+    });
+    let mut rows: Vec<(f64, Option<f64>)> = Vec::new();
+    // Times since the epoch have no fraction of a microsecond as doubles: they count from the file's first message.
+    let mut whole = recording.reader(Selection::default());
+    let start = whole.next_undecoded().map_or(0, |first| first.log_time);
+    loop {
+        let row = match place {
+            Place::Field(field) => match reader.next() {
+                None => break,
+                Some(Err(_)) => continue,
+                Some(Ok(message)) => {
+                    let numbers = message.numbers(field.topic());
+                    let value = numbers.map(|numbers| numbers[field.index()]);
+                    (seconds(message.time_ns), value.filter(|v| v.is_finite()))
+                }
+            },
+            Place::Json(_, names) => match reader.next_undecoded() {
+                None => break,
+                Some(message) => {
+                    let time = i128::from(message.log_time) - i128::from(start);
+                    (time as f64 / 1e9, member(message.data, names))
+                }
+            },
+        };
+        if rows.len() == MAX_ROWS {
+            return Err(DataError::TooLong {
+                path: path.to_owned(),
+                limit: MAX_ROWS,
+            });
+        }
+        rows.push(row);
+    }
+    Ok(rows)
+}
+
+/// The number at a path in a JSON message.
+fn member(data: &[u8], names: &[String]) -> Option<f64> {
+    let mut value: Json = serde_json::from_slice(data).ok()?;
+    for name in names {
+        value = match &mut value {
+            Json::Object(members) => members.get_mut(name)?.take(),
+            Json::Array(items) => items.get_mut(name.parse::<usize>().ok()?)?.take(),
+            Json::Null | Json::Bool(_) | Json::Number(_) | Json::String(_) => return None,
+        };
+    }
+    value.as_f64().filter(|number| number.is_finite())
+}

@@ -1,0 +1,242 @@
+//! The report of a fit.
+
+use super::model::Loss;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// The result of a fit as a whole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The model describes the data and, if laws were compared, one of them is clearly best.
+    Fitted,
+    /// The model does not describe the data: p < 0.001, or the residuals are not white.
+    BadFit,
+    /// Laws were compared, and the data can't tell them apart.
+    Undecided,
+    /// No minimum was found.
+    NotConverged,
+}
+
+/// Result of fitting a scenario to data.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Report {
+    /// The result as a whole.
+    pub verdict: Verdict,
+    /// The scenario's name.
+    pub scenario: String,
+    /// Law of friction of the fitted model.
+    pub law: String,
+    /// Time in the data at which the scenario starts, s.
+    pub origin: f64,
+    /// How residuals count.
+    pub loss: Loss,
+    /// End of the data that were fitted, s after the start.
+    pub until: f64,
+    /// The signals.
+    pub signals: Vec<SignalReport>,
+    /// Remarks on the data and on what they determine.
+    pub notes: Vec<String>,
+    /// The parameters.
+    pub parameters: Vec<Estimate>,
+    /// Correlations between parameters that are above 0.9.
+    pub correlations: Vec<Correlation>,
+    /// Goodness of the fit.
+    pub quality: Quality,
+    /// Other minima within Δχ² < 6.
+    pub modes: Vec<Mode>,
+    /// Profile likelihoods.
+    pub profiles: Vec<Profile>,
+    /// The comparison of laws.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub comparison: Option<Comparison>,
+    /// Number of simulations.
+    pub evaluations: u64,
+}
+
+/// A signal and its residuals.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct SignalReport {
+    /// The field of the simulation.
+    pub field: String,
+    /// The column or topic.
+    pub source: String,
+    /// Number of the file, from 1.
+    pub file: usize,
+    /// Unit; empty for pure numbers.
+    pub unit: String,
+    /// Standard deviation; the median if it varies.
+    pub sigma: f64,
+    /// Whether the standard deviation was estimated from the residuals.
+    pub is_sigma_estimated: bool,
+    /// Number of samples in the fit.
+    pub samples: usize,
+    /// Number of rows without a value.
+    pub missing: u64,
+    /// Number of rows that were earlier than the row before them.
+    pub out_of_order: u64,
+    /// Root mean square of the residuals, in σ.
+    pub rms: f64,
+    /// Root mean square of the residuals in the held-out part, in σ; absent if there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub held_out_rms: Option<f64>,
+    /// Number of samples in the held-out part.
+    pub held_out_samples: usize,
+    /// Number of residuals above 5 σ.
+    pub outliers: usize,
+    /// p-value of the Ljung–Box test for uncorrelated residuals; absent if it can't be made, or if the residuals are
+    /// below 0.1 σ.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub whiteness: Option<f64>,
+}
+
+/// A parameter and its uncertainty.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Estimate {
+    /// Its name.
+    pub name: String,
+    /// Unit; may be empty.
+    pub unit: String,
+    /// Value at the start of the fit.
+    pub start: f64,
+    /// The estimate; the bound for a parameter at its bound.
+    pub value: f64,
+    /// Standard deviation; absent for a parameter at a bound, or one that the data don't determine.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sd: Option<f64>,
+    /// 95 % interval, from the curvature of χ².
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval: Option<[f64; 2]>,
+    /// One-sided 95 % limit, for a parameter at a bound or not clearly above zero.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit: Option<Limit>,
+}
+
+/// A one-sided limit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Limit {
+    /// The parameter is below this.
+    Below(f64),
+    /// The parameter is above this.
+    Above(f64),
+    /// It is at its bound; the limit was not computed.
+    AtBound,
+    /// The data don't limit it.
+    None,
+}
+
+/// A correlation of two parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Correlation {
+    /// Names of the parameters.
+    pub parameters: [String; 2],
+    /// Coefficient of correlation.
+    pub correlation: f64,
+}
+
+/// Goodness of a fit.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Quality {
+    /// Sum of the squared residuals, in σ²; with Huber's loss, that loss.
+    pub chi2: f64,
+    /// Degrees of freedom.
+    pub freedom: usize,
+    /// Probability of a larger χ²; absent with estimated standard deviations and with Huber's loss.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub p_value: Option<f64>,
+    /// Whether a minimum was found.
+    pub is_converged: bool,
+    /// Akaike's information criterion.
+    pub aic: f64,
+    /// Bayes's information criterion.
+    pub bic: f64,
+}
+
+/// Another minimum.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Mode {
+    /// χ² above that of the best minimum.
+    pub delta_chi2: f64,
+    /// Values of the parameters, in their order.
+    pub values: Vec<f64>,
+    /// Standard deviations.
+    pub sds: Vec<f64>,
+}
+
+/// The profile likelihood of a parameter: χ² minimised over all others.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Profile {
+    /// The parameter.
+    pub parameter: String,
+    /// Values, ascending.
+    pub values: Vec<f64>,
+    /// χ² above the minimum for each value.
+    pub delta_chi2: Vec<f64>,
+    /// Interval with Δχ² < 1 (68.3 %); absent sides are bounds.
+    pub interval_1: [Option<f64>; 2],
+    /// Interval with Δχ² < 4 (95.4 %).
+    pub interval_4: [Option<f64>; 2],
+    /// Largest relative difference of the half widths at Δχ² = 4 from twice the standard deviation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub curvature_error: Option<f64>,
+}
+
+/// Comparison of laws.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Comparison {
+    /// The laws, best first by BIC.
+    pub laws: Vec<LawFit>,
+    /// Whether one law is clearly best and describes the data.
+    pub is_decided: bool,
+    /// The verdict in a sentence.
+    pub sentence: String,
+    /// Extensions of the data that would decide between the two best laws, if undecided.
+    pub extensions: Vec<Extension>,
+}
+
+/// The fit of one law.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct LawFit {
+    /// The law.
+    pub law: String,
+    /// Goodness of its fit.
+    pub quality: Quality,
+    /// AIC above the lowest.
+    pub delta_aic: f64,
+    /// BIC above the lowest.
+    pub delta_bic: f64,
+    /// Root mean square of the residuals in the held-out part, in σ; absent if there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub held_out_rms: Option<f64>,
+    /// Its parameters.
+    pub parameters: Vec<Estimate>,
+    /// Why there is no fit; other members are then meaningless.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub failure: Option<String>,
+}
+
+/// An extension of the data.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Extension {
+    /// What is extended.
+    pub kind: ExtensionKind,
+    /// The new duration (s), or the factor of the number of samples; 1 for another signal.
+    pub amount: f64,
+    /// Expected Δχ² between the two laws.
+    pub delta_chi2: f64,
+}
+
+/// Kind of an extension of the data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ExtensionKind {
+    /// A longer measurement.
+    Longer,
+    /// More samples in the same time, or repetitions.
+    Finer,
+    /// Measuring φ, too.
+    Azimuth,
+    /// Measuring θ, too.
+    Inclination,
+}

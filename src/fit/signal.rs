@@ -1,0 +1,361 @@
+//! Measured signals, and their descriptions on the command line.
+
+use super::error::{DataError, SignalError};
+use super::unit::{Dimension, split_number};
+use crate::run::suggestion::suggestion;
+use crate::telemetry::Topic;
+use crate::telemetry::fields::{
+    ACCELERATION, CENTER_OF_MASS, FREE_PEG, NumberField, POSE, STATE, pose, state,
+};
+use std::f64::consts::{PI, TAU};
+
+/// A measured quantity: values of a field at times.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Signal {
+    /// The field of the simulation that it measures.
+    pub field: NumberField,
+    /// Name of its column or topic.
+    pub name: String,
+    /// Index of its file. Each file has a clock.
+    pub file: usize,
+    /// Times on the clock of its file, s, ascending.
+    pub times: Vec<f64>,
+    /// Values in SI units.
+    pub values: Vec<f64>,
+    /// Standard deviation of each value.
+    pub sigmas: Vec<f64>,
+    /// Whether the standard deviation was not given, but has to be estimated.
+    pub is_sigma_estimated: bool,
+    /// Rows without a value.
+    pub missing: u64,
+    /// Rows earlier than the row before them.
+    pub out_of_order: u64,
+}
+
+/// Standard deviation of a signal, as given by the user.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum SigmaSpec {
+    /// Not given.
+    Estimate,
+    /// A number with a unit, which may be empty.
+    Number(f64, String),
+    /// In a column.
+    Column(String),
+}
+
+/// The description of a signal: `[FIELD=]SOURCE[:SIGMA]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SignalSpec {
+    /// The field that is measured.
+    pub field: NumberField,
+    /// Name of the column, or topic and path.
+    pub source: String,
+    pub(super) sigma: SigmaSpec,
+}
+
+impl SignalSpec {
+    /// Parses `theta="tilt (deg)":2mrad`, `theta:2mrad` or `/top/state.theta`.
+    ///
+    /// # Errors
+    /// [`DataError::Signal`] for an unknown field or a standard deviation that is not positive.
+    pub fn parse(text: &str) -> Result<Self, DataError> {
+        Self::parse_parts(text).map_err(|reason| DataError::Signal {
+            text: text.to_owned(),
+            reason,
+        })
+    }
+
+    fn parse_parts(text: &str) -> Result<Self, SignalError> {
+        let (rest, sigma) = split_sigma(text)?;
+        let (field, source) = match rest.split_once('=') {
+            Some((field, source)) => (field.trim(), source.trim()),
+            None => (rest.trim(), rest.trim()),
+        };
+        let source = source.trim_matches('"');
+        if field.is_empty() || source.is_empty() {
+            return Err(SignalError::Empty);
+        }
+        Ok(Self {
+            field: find_field(field)?,
+            source: source.to_owned(),
+            sigma,
+        })
+    }
+
+    /// A column that is named like a field.
+    pub(super) fn from_column(header: &str, name: &str) -> Option<Self> {
+        Some(Self {
+            field: field_named(name)?,
+            source: header.to_owned(),
+            sigma: SigmaSpec::Estimate,
+        })
+    }
+}
+
+/// Splits the standard deviation off. A colon within a name stays.
+fn split_sigma(text: &str) -> Result<(&str, SigmaSpec), SignalError> {
+    let Some((rest, sigma)) = text.rsplit_once(':') else {
+        return Ok((text, SigmaSpec::Estimate));
+    };
+    match split_number(sigma) {
+        Some((number, _)) if number.is_nan() || number <= 0.0 || number.is_infinite() => {
+            Err(SignalError::Sigma(sigma.to_owned()))
+        }
+        Some((number, unit)) => Ok((rest, SigmaSpec::Number(number, unit.to_owned()))),
+        None if sigma.is_empty() => Err(SignalError::Sigma(sigma.to_owned())),
+        None => Ok((rest, SigmaSpec::Column(sigma.trim_matches('"').to_owned()))),
+    }
+}
+
+/// Names that columns have for fields, in lower case.
+#[rustfmt::skip]
+const NAMES: &[(&str, NumberField)] = &[
+    ("theta", state::THETA), ("θ", state::THETA), ("tilt", state::THETA), ("inclination", state::THETA), ("nutation", state::THETA),
+    ("phi", state::PHI), ("φ", state::PHI), ("ϕ", state::PHI), ("azimuth", state::PHI), ("precession", state::PHI),
+    ("psi", state::PSI), ("ψ", state::PSI), ("spin angle", state::PSI),
+    ("theta_dot", state::THETA_DOT), ("θ̇", state::THETA_DOT), ("dtheta/dt", state::THETA_DOT),
+    ("phi_dot", state::PHI_DOT), ("φ̇", state::PHI_DOT), ("dphi/dt", state::PHI_DOT),
+    ("psi_dot", state::PSI_DOT), ("ψ̇", state::PSI_DOT), ("dpsi/dt", state::PSI_DOT),
+    ("omega_n", pose::OMEGA_BODY.z()), ("ω_n", pose::OMEGA_BODY.z()), ("axial rate", pose::OMEGA_BODY.z()),
+    ("gyroscope z", pose::OMEGA_BODY.z()), ("gyro z", pose::OMEGA_BODY.z()), ("gyro_z", pose::OMEGA_BODY.z()), ("wz", pose::OMEGA_BODY.z()),
+];
+
+/// The field that a column of this name measures, if the name is one of those in use.
+pub(super) fn field_named(name: &str) -> Option<NumberField> {
+    let name = name.trim().to_lowercase();
+    let named = NAMES.iter().find(|(known, _)| *known == name);
+    named.map(|(_, field)| *field)
+}
+
+/// The field with this name: `theta`, `/top/pose.omega_body.z` or one of [`NAMES`].
+fn find_field(name: &str) -> Result<NumberField, SignalError> {
+    let known = field_named(name);
+    let mut fields = measurable();
+    let exact = fields.find(|field| field.to_string() == name || field.path() == name);
+    known.or(exact).ok_or_else(|| SignalError::UnknownField {
+        name: format!(
+            "{name}{}",
+            suggestion(name, measurable().map(NumberField::path))
+        ),
+        known: measurable()
+            .map(|field| field.to_string())
+            .collect::<Vec<_>>()
+            .join(", "),
+    })
+}
+
+/// The fields that can be measured: motion and position. They don't depend on the running integrals, which fits skip.
+fn measurable() -> impl Iterator<Item = NumberField> {
+    [STATE, POSE, ACCELERATION, FREE_PEG, CENTER_OF_MASS]
+        .into_iter()
+        .flat_map(Topic::numbers)
+}
+
+/// A row of a table: time, value, and standard deviation if there is a column for it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Row {
+    pub time: f64,
+    pub value: f64,
+    pub sigma: Option<f64>,
+}
+
+impl Signal {
+    /// Values of a field in SI units, all with one standard deviation. `None` stands for an unknown one, which is
+    /// estimated.
+    ///
+    /// # Errors
+    /// [`DataError::Signal`] if the standard deviation is not positive.
+    pub fn from_values(
+        field: NumberField,
+        times: &[f64],
+        values: &[f64],
+        sigma: Option<f64>,
+    ) -> Result<Self, DataError> {
+        let spec = SignalSpec {
+            field,
+            source: field.to_string(),
+            sigma: match sigma {
+                Some(sigma) if sigma > 0.0 && sigma.is_finite() => {
+                    SigmaSpec::Number(sigma, String::new())
+                }
+                Some(sigma) => {
+                    let reason = SignalError::Sigma(sigma.to_string());
+                    let text = field.to_string();
+                    return Err(DataError::Signal { text, reason });
+                }
+                None => SigmaSpec::Estimate,
+            },
+        };
+        let mut rows = Vec::new();
+        let mut missing = 0;
+        for (time, value) in times.iter().zip(values) {
+            if time.is_finite() && value.is_finite() {
+                rows.push(Row {
+                    time: *time,
+                    value: *value,
+                    sigma: None,
+                });
+            } else {
+                missing += 1;
+            }
+        }
+        Self::new(&spec, 0, rows, missing)
+    }
+
+    /// Makes a signal from rows in SI units: sorts them by time and unwraps angles.
+    pub(super) fn new(
+        spec: &SignalSpec,
+        file: usize,
+        mut rows: Vec<Row>,
+        missing: u64,
+    ) -> Result<Self, DataError> {
+        let pairs = rows.windows(2);
+        let out_of_order = pairs.filter(|pair| pair[1].time < pair[0].time).count() as u64;
+        // Stable: rows of the same time keep their order.
+        rows.sort_by(|a, b| a.time.total_cmp(&b.time));
+        let mut values: Vec<f64> = rows.iter().map(|row| row.value).collect();
+        if is_turning(spec.field) {
+            unwrap(&mut values);
+        }
+        let given = match &spec.sigma {
+            SigmaSpec::Number(number, unit) => {
+                let dimension = Dimension::from_si(spec.field.unit());
+                Some(number * dimension.factor(unit, &spec.source)?)
+            }
+            SigmaSpec::Estimate | SigmaSpec::Column(_) => None,
+        };
+        let is_sigma_estimated = spec.sigma == SigmaSpec::Estimate;
+        let fallback = given.unwrap_or_else(|| noise(&values));
+        let sigmas = rows.iter().map(|row| row.sigma.unwrap_or(fallback));
+        Ok(Self {
+            field: spec.field,
+            name: spec.source.clone(),
+            file,
+            sigmas: sigmas.collect(),
+            times: rows.iter().map(|row| row.time).collect(),
+            values,
+            is_sigma_estimated,
+            missing,
+            out_of_order,
+        })
+    }
+
+    /// Sets one standard deviation for all values.
+    pub(super) fn set_sigma(&mut self, sigma: f64) {
+        self.sigmas.fill(sigma);
+    }
+
+    /// Moves an angle by whole turns, so that its first value is nearest to `start`.
+    pub(super) fn turn_towards(&mut self, start: f64) {
+        if let Some(first) = self.values.first().copied()
+            && is_turning(self.field)
+        {
+            let turns = ((first - start) / TAU).round();
+            for value in &mut self.values {
+                *value -= turns * TAU;
+            }
+        }
+    }
+
+    /// Median time between values, s; `None` for fewer than two.
+    pub(super) fn period(&self) -> Option<f64> {
+        let pairs = self.times.windows(2);
+        let mut steps: Vec<f64> = pairs.map(|pair| pair[1] - pair[0]).collect();
+        steps.sort_by(f64::total_cmp);
+        steps
+            .get(steps.len() / 2)
+            .copied()
+            .filter(|step| *step > 0.0)
+    }
+
+    /// The smallest standard deviation that the arithmetic allows: the error of the simulation, relative to the size of
+    /// the values.
+    pub(super) fn rounding(&self) -> f64 {
+        const RELATIVE_ERROR: f64 = 1e-10;
+        let largest = self.values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        RELATIVE_ERROR * largest.max(f64::MIN_POSITIVE / RELATIVE_ERROR)
+    }
+}
+
+/// Whether a field is an angle that turns without limit.
+pub(super) fn is_turning(field: NumberField) -> bool {
+    [state::PHI, state::PSI].contains(&field)
+}
+
+/// Removes jumps of an angle that was measured within one turn. Values that span more than a turn are continuous
+/// already.
+fn unwrap(values: &mut [f64]) {
+    /// A turn, with room for noise.
+    const TURN: f64 = 1.05 * TAU;
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if high - low > TURN {
+        return;
+    }
+    for at in 1..values.len() {
+        let step = values[at] - values[at - 1];
+        if step.abs() > PI {
+            values[at] -= (step / TAU).round() * TAU;
+        }
+    }
+}
+
+/// A first estimate of the noise of a smooth signal: from third differences, in which a smooth motion nearly vanishes.
+fn noise(values: &[f64]) -> f64 {
+    /// Standard deviation of (1, −3, 3, −1) · noise is √20 σ; the median of |x| is 0.6745 σ.
+    const MEDIAN_PER_SIGMA: f64 = 0.6745 * 4.47213595499958;
+    let thirds = values
+        .windows(4)
+        .map(|v| v[3] - 3.0 * v[2] + 3.0 * v[1] - v[0]);
+    let thirds: Vec<f64> = thirds.collect();
+    let estimate = super::statistics::median_size(&thirds) / MEDIAN_PER_SIGMA;
+    let largest = values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+    // Rounded values may not differ at all.
+    estimate.max(1e-6 * largest).max(f64::MIN_POSITIVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parses_descriptions_of_signals() {
+        let spec = SignalSpec::parse("theta=\"tilt (deg)\":2mrad").unwrap();
+        assert_eq!(spec.field, state::THETA);
+        assert_eq!(spec.source, "tilt (deg)");
+        assert_eq!(spec.sigma, SigmaSpec::Number(2.0, "mrad".to_owned()));
+        let spec = SignalSpec::parse("/top/pose.omega_body.z:0.05").unwrap();
+        assert_eq!(spec.field, pose::OMEGA_BODY.z());
+        assert_eq!(spec.source, "/top/pose.omega_body.z");
+        let spec = SignalSpec::parse("phi=azimuth:sd").unwrap();
+        assert_eq!(spec.sigma, SigmaSpec::Column("sd".to_owned()));
+        for (text, reason) in [
+            (
+                "theta:0",
+                "the standard deviation 0 is not a positive number",
+            ),
+            (
+                "theta:-1mrad",
+                "the standard deviation -1mrad is not a positive number",
+            ),
+            ("theta:", "is not a positive number"),
+            ("thet", "unknown field thet (did you mean theta?)"),
+            ("=x", "a name is empty"),
+        ] {
+            let error = SignalSpec::parse(text).unwrap_err().to_string();
+            assert!(error.contains(reason), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn unwraps_angles_within_a_turn_only() {
+        let mut wrapped = [3.0, -3.2, -3.0, 3.1];
+        unwrap(&mut wrapped);
+        for (found, expected) in wrapped.iter().zip([3.0, TAU - 3.2, TAU - 3.0, 3.1]) {
+            assert!((found - expected).abs() < 1e-12, "{wrapped:?}");
+        }
+        let mut continuous = [0.0, 5.6, 11.2];
+        unwrap(&mut continuous);
+        assert_eq!(continuous, [0.0, 5.6, 11.2]);
+    }
+}

@@ -1,0 +1,564 @@
+//! `toprise fit`.
+
+use crate::support::{Folder, assert_contains};
+use serde_json::Value;
+use std::fs;
+use toprise::fit::{Data, Loss, Request, Signal, SignalSpec, Verdict, fit, read, sensitivities};
+use toprise::run::scenario::{Preset, Scenario};
+use toprise::run::simulation::{Record, Simulation, sample_at};
+use toprise::telemetry::fields::{NumberField, pose, state};
+
+/// Numbers of two independent integrators, with exact derivatives: see tests/data/README.md.
+fn reference() -> Value {
+    serde_json::from_str(&fs::read_to_string("tests/data/fit/reference.json").unwrap()).unwrap()
+}
+
+fn preset(name: &str) -> Scenario {
+    Preset::find(name).unwrap().scenario().unwrap()
+}
+
+/// Deterministic normal noise: a linear congruential generator and the sum of twelve uniform numbers.
+struct Noise(u64);
+
+impl Noise {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
+    }
+}
+
+/// Measures fields of a scenario's motion at a rate, Hz, for a time, s, with noise of these standard deviations.
+fn measure(
+    scenario: &Scenario,
+    rate: f64,
+    duration: f64,
+    fields: &[(NumberField, f64)],
+    noise: Option<u64>,
+) -> Data {
+    let count = (duration * rate).floor() as usize;
+    let times: Vec<f64> = (0..=count).map(|i| i as f64 / rate).collect();
+    let mut columns = vec![Vec::new(); fields.len()];
+    sample_at(scenario, &times, &mut |_, sample| {
+        for (column, (field, _)) in columns.iter_mut().zip(fields) {
+            column.push(field.of_sample(sample));
+        }
+    })
+    .unwrap();
+    let mut generator = Noise(noise.unwrap_or_default());
+    let mut signals = Vec::new();
+    for (mut column, (field, sigma)) in columns.into_iter().zip(fields) {
+        assert_eq!(column.len(), times.len());
+        for value in &mut column {
+            if noise.is_some() {
+                *value += sigma * generator.normal();
+            }
+        }
+        signals.push(Signal::from_values(*field, &times, &column, Some(*sigma)).unwrap());
+    }
+    Data {
+        signals,
+        files: 1,
+        starts_with_run: true,
+    }
+}
+
+const THETA_PHI: [(NumberField, f64); 2] = [(state::THETA, 1e-3), (state::PHI, 1e-3)];
+
+#[test]
+fn val_derivatives_equal_the_reference() {
+    let fields = [
+        ("theta", state::THETA),
+        ("phi", state::PHI),
+        ("psi", state::PSI),
+        ("theta_dot", state::THETA_DOT),
+        ("phi_dot", state::PHI_DOT),
+        ("psi_dot", state::PSI_DOT),
+    ];
+    // With the steps of the differences.
+    let keys = [
+        ("d/dk", "friction.k", 3e-7),
+        ("d/dtheta0", "initial.theta", 5e-6),
+        ("d/dphid0", "initial.phi_dot", 2.5e-5),
+        ("d/dthetad0", "initial.theta_dot", 1e-5),
+        ("d/dpsid0", "initial.psi_dot", 1.7e-3),
+        ("d/dIx", "top.transverse_moment", 8.52e-10),
+        ("d/dIz", "top.axial_moment", 7.25e-10),
+        ("d/dM", "top.mass", 1.1e-6),
+    ];
+    let times = [1.0, 5.0, 10.0, 20.0, 24.0];
+    let mut signals = Vec::new();
+    for (_, field) in fields {
+        signals.push(Signal::from_values(field, &times, &[0.0; 5], Some(1.0)).unwrap());
+    }
+    let data = Data {
+        signals,
+        files: 1,
+        starts_with_run: true,
+    };
+    let free = keys.map(|(_, key, _)| key);
+    let columns = sensitivities(&Request::new(preset("full-coulomb"), data, &free)).unwrap();
+    let reference = reference();
+    for (symbol, key, step) in keys {
+        let (_, column) = columns.iter().find(|(name, _)| name == key).unwrap();
+        for (row, (name, _)) in fields.iter().enumerate() {
+            // Derivatives oscillate with the nutation. Where one passes through zero, its size at other times counts.
+            let entry = |time: &str| {
+                reference["derivatives"][time][name][symbol]
+                    .as_f64()
+                    .unwrap()
+            };
+            let all = times.map(|time| entry(&format!("t={time}")));
+            for (at, expected) in all.iter().enumerate() {
+                let found = column[row * times.len() + at];
+                let largest = all.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+                let scale = expected.abs().max(0.1 * largest);
+                // The integrator's error, 1e-12 of the value, is divided by the step.
+                let value = reference["derivatives"][format!("t={}", times[at])][name]["value"]
+                    .as_f64()
+                    .unwrap();
+                let rounding = 1e-12 * value.abs() / step;
+                let error = (found - expected).abs();
+                assert!(
+                    error < 1e-5 * scale + rounding,
+                    "{name} {symbol} t={}: {found} {expected} {error:e}",
+                    times[at]
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn val_standard_deviations_equal_cramer_and_rao() {
+    let reference = reference();
+    let names = [
+        ("k", "friction.k"),
+        ("phi0", "initial.phi"),
+        ("theta0", "initial.theta"),
+        ("phid0", "initial.phi_dot"),
+        ("thetad0", "initial.theta_dot"),
+        ("psid0", "initial.psi_dot"),
+    ];
+    for (duration, key) in [(1.0, "T=1"), (5.0, "T=5"), (20.0, "T=20")] {
+        let scenario = preset("full-coulomb");
+        let data = measure(&scenario, 100.0, duration, &THETA_PHI, None);
+        for (free, set) in [
+            (&["friction.k"][..], "k"),
+            (&["friction.k", "initial"][..], "k+initial"),
+        ] {
+            let report = fit(&Request::new(scenario.clone(), data.clone(), free), &|_| {})
+                .unwrap()
+                .report;
+            let expected = &reference["crlb"]["theta+phi 100 Hz 1 mrad"][key][set]["sd"];
+            for (symbol, name) in names {
+                let Some(expected) = expected[symbol].as_f64() else {
+                    continue;
+                };
+                let estimate = report.parameters.iter().find(|p| p.name == name).unwrap();
+                let found = estimate.sd.unwrap();
+                let error = (found / expected - 1.0).abs();
+                assert!(
+                    error < 1e-3,
+                    "{key} {set} {name}: {found} {expected} {error:e}"
+                );
+            }
+        }
+    }
+}
+
+/// The keys of the data sets that another integrator made; see tests/data/README.md.
+fn data_set(name: &str) -> (Value, Scenario) {
+    let text = fs::read_to_string(format!("tests/data/fit/{name}.json")).unwrap();
+    let set: Value = serde_json::from_str(&text).unwrap();
+    let truth = set["truth"]["values"].as_object().unwrap();
+    let start = set["start"].as_object().unwrap();
+    let tops = truth
+        .iter()
+        .filter(|(key, _)| key.starts_with("top.") || *key == "gravity");
+    let changes: Vec<(&str, toml::Value)> = tops
+        .chain(start)
+        .filter(|(key, _)| *key != "offset")
+        .map(|(key, value)| (key.as_str(), value.as_f64().unwrap().into()))
+        .collect();
+    let scenario = preset("full-coulomb").with(changes).unwrap();
+    (set, scenario)
+}
+
+/// Reads CSV files of a data set with these signals.
+fn data(files: &[&str], signals: &[&str]) -> Data {
+    let files: Vec<_> = files
+        .iter()
+        .map(|file| format!("tests/data/fit/{file}").into())
+        .collect();
+    let specs: Vec<_> = signals
+        .iter()
+        .map(|text| SignalSpec::parse(text).unwrap())
+        .collect();
+    read(&files, &specs, None).unwrap()
+}
+
+/// Checks that the estimates are within some standard deviations of the reference.
+fn assert_near(report: &toprise::fit::Report, reference: &Value, deviations: f64) {
+    for (name, expected) in reference["estimate"].as_object().unwrap() {
+        let estimate = report.parameters.iter().find(|p| p.name == *name).unwrap();
+        let sd = reference["sd"][name].as_f64().unwrap();
+        let error = (estimate.value - expected.as_f64().unwrap()).abs() / sd;
+        assert!(
+            error < deviations,
+            "{name}: {} {expected} {error}",
+            estimate.value
+        );
+    }
+}
+
+#[test]
+fn val_outliers_are_recovered_with_a_robust_loss_only() {
+    let (set, scenario) = data_set("outliers");
+    let data = data(&["outliers.csv"], &["theta:1mrad", "phi:1mrad"]);
+    let mut request = Request::new(scenario, data, &["friction.k", "initial"]);
+    let plain = fit(&request, &|_| {}).unwrap().report;
+    assert_eq!(plain.verdict, Verdict::BadFit);
+    assert!(plain.quality.chi2 > 10.0 * plain.quality.freedom as f64);
+    request.loss = Loss::Huber;
+    let robust = fit(&request, &|_| {}).unwrap().report;
+    assert_eq!(robust.verdict, Verdict::Fitted);
+    assert_near(&robust, &set["reference"]["without_outlier_rows"], 4.0);
+    let huber = &set["reference"]["huber_1_345_all_rows"]["estimate"];
+    for estimate in &robust.parameters {
+        let expected = huber[&estimate.name].as_f64().unwrap();
+        // The same minimum: the reference has nine digits.
+        let error = (estimate.value - expected).abs() / estimate.sd.unwrap();
+        assert!(
+            error < 1e-2,
+            "{}: {} {expected}",
+            estimate.name,
+            estimate.value
+        );
+    }
+}
+
+#[test]
+fn val_clock_offsets_are_found() {
+    let (set, scenario) = data_set("offset");
+    let files = ["offset_camera.csv", "offset_gyro.csv"];
+    let signals = [
+        "theta:1.5mrad",
+        "phi:1.5mrad",
+        "omega_n:0.05",
+        "theta_dot:0.03",
+    ];
+    let data = data(&files, &signals);
+    let report = fit(
+        &Request::new(scenario, data, &["friction.k", "initial"]),
+        &|_| {},
+    )
+    .unwrap()
+    .report;
+    assert_eq!(report.verdict, Verdict::Fitted);
+    let reference = &set["reference"]["both"];
+    assert_near(&report, reference, 0.01);
+    let chi2 = reference["chi2"].as_f64().unwrap();
+    assert!(
+        (report.quality.chi2 - chi2).abs() < 1e-3,
+        "{}",
+        report.quality.chi2
+    );
+    assert_eq!(report.quality.freedom, 4797);
+}
+
+#[test]
+fn val_stribeck_is_told_from_other_laws() {
+    let (set, scenario) = data_set("stribeck");
+    let data = data(
+        &["stribeck.csv"],
+        &["theta:2mrad", "phi:2mrad", "psi_dot:0.3"],
+    );
+    let mut request = Request::new(scenario, data, &["friction.k", "initial"]);
+    request.compare = ["coulomb", "viscous", "stribeck"]
+        .map(str::to_owned)
+        .to_vec();
+    let comparison = fit(&request, &|_| {}).unwrap().report.comparison.unwrap();
+    assert!(comparison.is_decided, "{}", comparison.sentence);
+    assert_eq!(comparison.laws[0].law, "stribeck");
+    for law in &comparison.laws {
+        let chi2 = set["reference"][&law.law]["chi2"].as_f64().unwrap();
+        assert!(
+            law.quality.chi2 < chi2 + 0.5,
+            "{} {}",
+            law.law,
+            law.quality.chi2
+        );
+        assert_eq!(law.quality.p_value.unwrap() < 1e-3, law.law != "stribeck");
+    }
+    assert_eq!(
+        (comparison.laws[0].delta_aic, comparison.laws[0].delta_bic),
+        (0.0, 0.0)
+    );
+}
+
+#[test]
+fn recovers_the_friction_of_its_own_motion() {
+    let truth = preset("full-coulomb");
+    let data = measure(&truth, 100.0, 20.0, &THETA_PHI, None);
+    for k in [0.015, 0.06] {
+        let start = truth.with([("friction.k", k.into())]).unwrap();
+        let report = fit(&Request::new(start, data.clone(), &["friction.k"]), &|_| {})
+            .unwrap()
+            .report;
+        let error = (report.parameters[0].value / 0.03 - 1.0).abs();
+        assert!(error < 1e-8, "{k}: {error:e}");
+        assert_eq!(report.verdict, Verdict::Fitted);
+    }
+}
+
+#[test]
+fn estimates_scatter_as_their_standard_deviations_say() {
+    let truth = preset("full-coulomb");
+    let start = truth
+        .with([
+            ("friction.k", 0.045.into()),
+            ("initial.psi_dot", 165.0.into()),
+        ])
+        .unwrap();
+    let (mut sum, mut count) = (0.0, 0.0);
+    for seed in 1..=8 {
+        let data = measure(&truth, 100.0, 2.0, &THETA_PHI, Some(seed));
+        let report = fit(
+            &Request::new(start.clone(), data, &["friction.k", "initial"]),
+            &|_| {},
+        )
+        .unwrap()
+        .report;
+        for (name, value) in [
+            ("friction.k", 0.03),
+            ("initial.theta", 0.5),
+            ("initial.psi_dot", 170.0),
+        ] {
+            let estimate = report.parameters.iter().find(|p| p.name == name).unwrap();
+            let z = (estimate.value - value) / estimate.sd.unwrap();
+            sum += z * z;
+            count += 1.0;
+        }
+    }
+    // The mean of 24 squares of normal numbers is 1 ± 0.29: six deviations are allowed upwards.
+    assert!((0.1..2.7).contains(&(sum / count)), "{}", sum / count);
+}
+
+#[test]
+fn frictionless_motion_gives_a_limit_and_no_estimate() {
+    let data = measure(&preset("frictionless"), 100.0, 5.0, &THETA_PHI, Some(1));
+    let report = fit(
+        &Request::new(preset("full-coulomb"), data, &["friction.k", "initial"]),
+        &|_| {},
+    )
+    .unwrap()
+    .report;
+    let k = &report.parameters[0];
+    assert_eq!(k.interval, None);
+    match k.limit {
+        // The standard deviation of k is 5e-5 with this data.
+        Some(toprise::fit::report::Limit::Below(limit)) => assert!(limit < 3e-4, "{limit}"),
+        ref other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn refuses_parameters_that_the_data_cannot_tell_apart() {
+    let scenario = preset("full-coulomb");
+    let data = measure(&scenario, 100.0, 5.0, &THETA_PHI, Some(1));
+    let top = "top.mass,gravity,top.center_distance,top.transverse_moment,top.axial_moment,top.peg_radius,friction.k";
+    for (free, expected) in [
+        (
+            "friction.k,top.peg_radius",
+            "only k·R is determined (k × 2 and R ÷ 2 is the same motion)",
+        ),
+        ("friction.k,initial.psi", "no signal depends on initial.psi"),
+        (
+            "friction.k,offset",
+            "a time offset of all data together and a free start are the same motion",
+        ),
+        (top, "only 3 combinations are determined: fix 4 of them"),
+        ("friction.law", "friction.law can't be fitted"),
+        ("stop.duration", "stop.duration can't be fitted"),
+        ("friction.q", "unknown key friction.q"),
+    ] {
+        let free: Vec<&str> = free.split(',').collect();
+        let error = fit(
+            &Request::new(scenario.clone(), data.clone(), &free),
+            &|_| {},
+        )
+        .unwrap_err();
+        assert!(error.to_string().contains(expected), "{free:?}: {error}");
+    }
+}
+
+#[test]
+fn leaves_out_what_a_gyroscope_does_not_show() {
+    let scenario = preset("full-coulomb");
+    let gyroscope = [(pose::OMEGA_BODY.z(), 0.05)];
+    let data = measure(&scenario, 100.0, 10.0, &gyroscope, Some(5));
+    let report = fit(
+        &Request::new(scenario, data, &["friction.k", "initial"]),
+        &|_| {},
+    )
+    .unwrap()
+    .report;
+    assert_eq!(report.verdict, Verdict::Fitted);
+    let names: Vec<&str> = report.parameters.iter().map(|p| p.name.as_str()).collect();
+    assert!(
+        names.contains(&"friction.k") && !names.contains(&"initial.phi_dot"),
+        "{names:?}"
+    );
+    assert!(
+        report
+            .notes
+            .iter()
+            .any(|note| note.contains("hardly depend on")),
+        "{:?}",
+        report.notes
+    );
+    let k = &report.parameters[0];
+    assert!((k.value - 0.03).abs() < 4.0 * k.sd.unwrap(), "{k:?}");
+}
+
+#[test]
+fn says_undecided_if_the_inclination_alone_is_coarse() {
+    let degree = std::f64::consts::PI / 180.0;
+    let data = measure(
+        &preset("stribeck"),
+        30.0,
+        5.0,
+        &[(state::THETA, 0.3 * degree)],
+        Some(5),
+    );
+    let mut request = Request::new(preset("full-coulomb"), data, &["friction.k", "initial"]);
+    request.compare = ["coulomb", "stribeck"].map(str::to_owned).to_vec();
+    let report = fit(&request, &|_| {}).unwrap().report;
+    assert_eq!(report.verdict, Verdict::Undecided);
+    let comparison = report.comparison.unwrap();
+    assert!(
+        comparison.sentence.starts_with("Undecided"),
+        "{}",
+        comparison.sentence
+    );
+    assert!(!comparison.extensions.is_empty());
+    assert!(
+        report
+            .notes
+            .iter()
+            .any(|note| note.contains("is sampled at 30.0 Hz")),
+        "{:?}",
+        report.notes
+    );
+}
+
+#[test]
+fn a_model_that_ends_before_the_data_is_an_error() {
+    let truth = preset("full-coulomb");
+    let data = measure(&truth, 100.0, 20.0, &THETA_PHI, Some(1));
+    let start = truth.with([("stop.theta_risen", 0.2.into())]).unwrap();
+    let error = fit(&Request::new(start, data, &["friction.k"]), &|_| {}).unwrap_err();
+    assert!(
+        error.to_string().starts_with("the model ends at t = "),
+        "{error}"
+    );
+}
+
+#[test]
+fn reports_are_the_same_for_any_number_of_threads() {
+    let truth = preset("full-coulomb");
+    let data = measure(&truth, 100.0, 1.0, &THETA_PHI, Some(3));
+    let mut request = Request::new(truth, data, &["friction.k", "initial"]);
+    request.compare = ["coulomb", "viscous"].map(str::to_owned).to_vec();
+    let report = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        let fitted = pool.install(|| fit(&request, &|_| {}).unwrap());
+        serde_json::to_string(&fitted.report).unwrap()
+    };
+    assert_eq!(report(1), report(3));
+}
+
+#[test]
+fn samples_at_given_times_are_those_of_the_run() {
+    for name in ["paper", "full-coulomb", "lifecycle", "free-paper"] {
+        let scenario = preset(name).with([("stop.duration", 2.0.into())]).unwrap();
+        let mut expected = Vec::new();
+        for record in Simulation::new(&scenario).unwrap() {
+            if let Record::Sample(sample) = record.unwrap() {
+                expected.push((sample.angles, sample.tilt.rates));
+            }
+        }
+        let times: Vec<f64> = (0..expected.len()).map(|i| i as f64 / 1000.0).collect();
+        let mut found = Vec::new();
+        sample_at(&scenario, &times, &mut |_, sample| {
+            found.push((sample.angles, sample.tilt.rates));
+        })
+        .unwrap();
+        assert_eq!(found, expected, "{name}");
+    }
+}
+
+#[test]
+fn fits_a_recording_and_records_the_best_fit() {
+    let folder = Folder::new();
+    folder.toprise(
+        "run full-coulomb --set stop.duration=3 --set sampling.period=0.01 -o a.mcap",
+        0,
+    );
+    let line = "fit full-coulomb a.mcap --set friction.k=0.06 --free friction.k \
+        --signal /top/state.theta:1mrad -o fit.mcap --scenario best.toml --format json";
+    let report: Value = serde_json::from_str(&folder.toprise(line, 0).stdout).unwrap();
+    let k = report["parameters"][0]["value"].as_f64().unwrap();
+    assert!((k / 0.03 - 1.0).abs() < 1e-8, "{k}");
+    folder.toprise("verify fit.mcap", 0);
+    folder.toprise("run best.toml -o b.mcap", 0);
+    folder.toprise("diff fit.mcap b.mcap", 0);
+}
+
+#[test]
+fn exit_codes_tell_bad_fits_from_bad_input() {
+    let folder = Folder::new();
+    folder.write(
+        "a.csv",
+        "t,theta\n0,0.5\n0.1,0.9\n0.2,0.1\n0.3,0.8\n0.4,0.2\n0.5,0.7\n",
+    );
+    folder.write("bad.csv", "t,theta\n0,0.5\n0.1,abc\n");
+    let fit = "fit full-coulomb a.csv --free friction.k --signal theta:1mrad";
+    folder.toprise(fit, 1);
+    for (line, message) in [
+        (
+            "fit full-coulomb bad.csv --free friction.k",
+            "bad.csv:3: column theta: \"abc\" is not a number",
+        ),
+        (
+            "fit full-coulomb a.csv --free friction.k,top.peg_radius",
+            "only k·R is determined",
+        ),
+        (
+            "fit full-coulomb a.csv --free friction.k --signal phi",
+            "no column phi; there are: t, theta",
+        ),
+        (
+            "fit full-coulomb none.csv --free friction.k",
+            "cannot read none.csv",
+        ),
+        (
+            "fit full-coulomb a.csv --free friction.k --compare coulombs",
+            "unknown law coulombs",
+        ),
+    ] {
+        assert_contains(&folder.toprise(line, 2).stderr, message);
+    }
+    let ends = format!("{fit} --set stop.theta_risen=0.4999");
+    assert_contains(&folder.toprise(&ends, 3).stderr, "the model ends at t = ");
+}
