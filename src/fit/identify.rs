@@ -9,9 +9,9 @@ use crate::run::plural::plural;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 
-/// Error of the simulated values, relative to their size: ten times the tolerance. Divided by the step of the
+/// Error of the simulated values, relative to their size: the tolerance. Divided by the step of the
 /// differences it is the error of a derivative.
-const ROUNDING: f64 = 1e-11;
+const ROUNDING: f64 = 1e-12;
 
 /// An eigenvalue of the scaled JᵀJ below this is zero within the error of the derivatives: its square root is 3e-6.
 const NULL: f64 = 1e-11;

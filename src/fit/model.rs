@@ -57,12 +57,13 @@ pub(super) struct Point {
     pub sigma: f64,
 }
 
-/// Tolerance of the simulations. Derivatives by differences need it: at 1e-12 and steps of 1e-5 they are right to 1e-7,
-/// at 1e-6 they are useless.
+/// Tolerance of the simulations. Derivatives by differences need it: at 1e-12 they are right to 1e-5 or better, at 1e-6
+/// they are useless.
 const TOLERANCE: f64 = 1e-12;
 
-/// Step of the differences, relative to a parameter's scale.
-pub(super) const STEP: f64 = 1e-5;
+/// Step of the differences, relative to a parameter's scale. Steps of 1e-5 move the phase of the nutation by 0.03 rad after
+/// 24 s, which is too much for five digits; much smaller ones suffer from the error of the simulation.
+pub(super) const STEP: f64 = 1e-6;
 
 /// Relative change of χ² that counts as none: of 10⁴ values it is 1e-3 σ of a parameter.
 const PRECISION: f64 = 1e-10;

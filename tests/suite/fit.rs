@@ -83,14 +83,14 @@ fn val_derivatives_equal_the_reference() {
     ];
     // With the steps of the differences.
     let keys = [
-        ("d/dk", "friction.k", 3e-7),
-        ("d/dtheta0", "initial.theta", 5e-6),
-        ("d/dphid0", "initial.phi_dot", 2.5e-5),
-        ("d/dthetad0", "initial.theta_dot", 1e-5),
-        ("d/dpsid0", "initial.psi_dot", 1.7e-3),
-        ("d/dIx", "top.transverse_moment", 8.52e-10),
-        ("d/dIz", "top.axial_moment", 7.25e-10),
-        ("d/dM", "top.mass", 1.1e-6),
+        ("d/dk", "friction.k", 3e-8),
+        ("d/dtheta0", "initial.theta", 5e-7),
+        ("d/dphid0", "initial.phi_dot", 2.5e-6),
+        ("d/dthetad0", "initial.theta_dot", 1e-6),
+        ("d/dpsid0", "initial.psi_dot", 1.7e-4),
+        ("d/dIx", "top.transverse_moment", 8.52e-11),
+        ("d/dIz", "top.axial_moment", 7.25e-11),
+        ("d/dM", "top.mass", 1.1e-7),
     ];
     let times = [1.0, 5.0, 10.0, 20.0, 24.0];
     let mut signals = Vec::new();
