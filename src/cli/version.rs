@@ -3,7 +3,8 @@
 use crate::telemetry::table;
 
 /// The features that this program was compiled with.
-const FEATURES: [(&str, bool); 2] = [
+const FEATURES: [(&str, bool); 3] = [
+    ("fit", cfg!(feature = "fit")),
     ("rerun", cfg!(feature = "rerun")),
     ("sweep", cfg!(feature = "sweep")),
 ];
