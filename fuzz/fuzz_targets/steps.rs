@@ -25,7 +25,7 @@ pub fn recording(data: &[u8], scratch: &Path) {
             return;
         }
     };
-    let overview = Overview::of(&recording);
+    let overview = Overview::new(&recording);
     for loss in &overview.losses {
         consume(&loss.to_string());
     }

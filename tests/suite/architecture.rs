@@ -6,18 +6,18 @@ use std::fs;
 use std::path::Path;
 use toprise::telemetry::channels;
 
-/// The rooms from the bottom up, each with the number of rooms above it in the table that it may use; `cli` may use all.
-/// Analysis, fit, rerun and sweep don't use each other.
+/// The rooms from the bottom up, each with how many of the first rooms of the table it may use; `cli` may use all.
+/// Analysis, fit, rerun and sweep don't use each other; figures draw runs and sweeps.
 const ROOMS: [(&str, usize); 9] = [
     ("physics", 0),
     ("run", 1),
     ("telemetry", 2),
     ("archive", 3),
+    ("sweep", 4),
     ("analysis", 4),
+    ("figures", 6),
     ("fit", 4),
     ("rerun", 4),
-    ("sweep", 4),
-    ("figures", 5),
 ];
 
 /// The code of each file below `src`, by path, without comments and unit tests.

@@ -253,7 +253,7 @@ fn recordings_of_older_versions_are_read_and_verified() {
     ] {
         let path = folder.join(format!("telemetry-{telemetry}.mcap"));
         let recording = Recording::open(&path).unwrap();
-        let overview = Overview::of(&recording);
+        let overview = Overview::new(&recording);
         assert_eq!(overview.condition, Condition::Whole, "{telemetry}");
         assert!(overview.events[0].description.is_some(), "{telemetry}");
         assert!(explain(&recording).is_ok(), "{telemetry}");

@@ -391,7 +391,7 @@ fn reads_all_files_of_the_conformance_suite() {
 
 /// Checks that all content is found, in order of time, and that nothing is missing.
 fn check(name: &str, content: Content, recording: &Recording) {
-    let overview = Overview::of(recording);
+    let overview = Overview::new(recording);
     assert_eq!(overview.condition, Condition::Foreign, "{name}");
     assert_eq!(overview.losses, [], "{name}");
     let mut expected = content.messages();

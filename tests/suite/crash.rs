@@ -69,7 +69,7 @@ fn killed_after(directory: &Path, form: &[&str], milliseconds: u64, expected: &[
 
     let recording = Recording::open(&partial).unwrap();
     assert_eq!(recording.condition(), Condition::Interrupted);
-    let overview = Overview::of(&recording);
+    let overview = Overview::new(&recording);
     let after = overview.messages();
     assert!(after >= before, "{after} of {before}");
     let report = verified(&partial);

@@ -222,7 +222,7 @@ fn reads_past_damage_and_reruns() {
         let bytes = flipped(&whole, usize::midpoint(hit.start, hit.end), 1);
         let path = folder.write("run.mcap", bytes);
         let recording = Recording::open(&path).unwrap();
-        let overview = Overview::of(&recording);
+        let overview = Overview::new(&recording);
         assert_eq!(overview.condition, Condition::Damaged);
         assert_eq!(overview.losses.len(), 1);
         assert_eq!(overview.losses[0].offset, hit.start as u64);

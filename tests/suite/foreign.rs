@@ -257,7 +257,7 @@ fn reads_recordings_sorted_by_topic() {
         Some(Equality::PackedOtherwise),
         "{report:#?}"
     );
-    assert_eq!(report.equal, Some(Overview::of(&original).messages()));
+    assert_eq!(report.equal, Some(Overview::new(&original).messages()));
     let stories = [&original, &sorted].map(|recording| {
         let mut story = explain(recording).unwrap();
         story.title.clear();

@@ -688,7 +688,7 @@ fn draws_maps_and_curves() {
     // Nothing has risen yet: all cells have the colour that says so.
     folder.toprise(&format!("{map} --where scenario=paper -o risen"), 0);
     let svg = folder.text("risen/sweep.svg");
-    for part in ["not reached", "friction.k", "θ_0 (rad)", "0.01", "0.1"] {
+    for part in ["not reached", "\"k\"", "θ_0 (rad)", "0.01", "0.1"] {
         assert!(svg.contains(part), "{part} is not in the figure");
     }
     assert!(!svg.contains("rise time (s)"));

@@ -139,11 +139,11 @@ impl Overview {
     /// [`RecordingError`] if it can't be opened or is not MCAP. Damage is no error: it is listed in
     /// `losses`.
     pub fn read(path: &Path) -> Result<Self, RecordingError> {
-        Ok(Self::of(&Recording::open(path)?))
+        Ok(Self::new(&Recording::open(path)?))
     }
 
     /// Reads a recording as far as it can be read.
-    pub fn of(recording: &Recording) -> Self {
+    pub fn new(recording: &Recording) -> Self {
         let of_channel = |channel: &FileChannel| ChannelOverview {
             topic: channel.topic.clone(),
             encoding: channel.encoding.clone(),
