@@ -10,9 +10,10 @@
 use crate::run::outcome::Outcome;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::RunEnd;
-use crate::telemetry::Topics;
 use crate::telemetry::encoding::Encoding;
+use crate::telemetry::fields::EVENTS;
 use crate::telemetry::table;
+use crate::telemetry::{Topic, Topics};
 use mcap::Attachment;
 use std::collections::BTreeMap;
 
@@ -59,7 +60,7 @@ pub const STEPS: &str = "steps_accepted";
 /// Key of [`END_RECORD`]: the digest of all messages of the table's channels.
 pub const CONTENT_DIGEST: &str = "content_digest";
 /// Topics and fields of words that earlier versions recorded; they have no values.
-pub(crate) const FORMER_WORDS: [(&str, &str); 1] = [("/events", "description")];
+pub(crate) const FORMER_WORDS: [(Topic, &str); 1] = [(EVENTS, "description")];
 /// The value of [`TOPICS`] for all topics of the table.
 const ALL_TOPICS: &str = "all";
 

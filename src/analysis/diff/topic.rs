@@ -150,12 +150,8 @@ impl TopicTally {
             return None;
         }
         self.found.other_sequences += u64::from(self.has_sequences && a.sequence != b.sequence);
-        let has_same_texts = a.texts == b.texts;
-        // The description of an event repeats its numbers. Where these differ, the tolerances decide, and the digits of
-        // the description are no further difference.
-        let texts_count = self.topic != EVENTS || has_same_bits(a.numbers, b.numbers);
-        let mut is_same = has_same_texts;
-        self.other_texts += u64::from(!has_same_texts && texts_count);
+        let mut is_same = a.texts == b.texts;
+        self.other_texts += u64::from(!is_same);
         for (number, tally) in &mut self.fields {
             let (x, y) = (number.of(a), number.of(b));
             let was_equal = tally.is_equal();
@@ -174,9 +170,7 @@ impl TopicTally {
         for derived in &mut self.derived {
             derived.add(a, b);
         }
-        if texts_count {
-            self.note_texts(a, b);
-        }
+        self.note_texts(a, b);
         let numbers = a.numbers.iter().zip(b.numbers);
         Some(numbers.map(|(a, b)| b - a).collect())
     }
@@ -252,9 +246,4 @@ impl TopicTally {
             ..self.found.clone()
         }
     }
-}
-
-/// Whether two rows of numbers are the same to the last bit.
-fn has_same_bits(a: &[f64], b: &[f64]) -> bool {
-    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
 }

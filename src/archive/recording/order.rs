@@ -130,7 +130,6 @@ impl Order {
                 _ if !is_ours => Rule::Nothing,
                 Some(info) if info.is_sampled => Rule::Time,
                 Some(_) => Rule::Events,
-                None if channel.is_view() => Rule::Events,
                 None => Rule::Nothing,
             },
             latest: Simultaneous::default(),

@@ -101,7 +101,8 @@ impl MessageCount {
         let mut counts = Vec::new();
         for (channel, overview) in recording.channels().iter().zip(counted) {
             let kind = match (channel.info(), channel.table) {
-                (Some(info), _) if info.is_sampled => "samples",
+                // Optional channels leave out some samples.
+                (Some(info), _) if info.is_sampled && !info.is_optional => "samples",
                 (_, Some(EVENTS)) => "events",
                 _ => continue,
             };

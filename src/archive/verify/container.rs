@@ -2,12 +2,16 @@
 
 use super::difference::Difference;
 use crate::archive::container::record::AttachmentHeader;
-use crate::archive::format::{CONTENT_DIGEST, END_RECORD, Entries, RUN_RECORD, TELEMETRY, VERSION};
+use crate::archive::format::{
+    CONTENT_DIGEST, END_RECORD, Entries, INVERSION_TIME, RUN_RECORD, TELEMETRY, VERSION,
+};
 use crate::archive::recording::Recording;
 use crate::archive::writer::Header;
 use crate::run::plural::plural;
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
+
+const AN_ATTACHMENT: &str = "an attachment";
 
 /// Values by location and field; the field is empty for a value described as a whole.
 type Facts = BTreeMap<(String, String), String>;
@@ -21,7 +25,8 @@ pub(super) fn difference(
     is_part: bool,
     is_by_value: bool,
 ) -> Option<Difference> {
-    let [mut recorded, mut simulated] = [recorded(recording), simulated(header, end)];
+    let mut recorded = recorded(recording, is_by_value);
+    let mut simulated = simulated(header, end, is_by_value);
     if recording.is_interrupted() {
         // The run continues after the end of the recording.
         recorded.retain(|key, _| !is_of_end(key));
@@ -34,7 +39,10 @@ pub(super) fn difference(
         }
         recorded.retain(|(place, _), _| !is_view(recording, place));
         simulated.retain(|key, _| recorded.contains_key(key));
-        recorded.retain(|key, _| key.1.is_empty() || simulated.contains_key(key));
+        recorded.retain(|key, _| {
+            // The only entry of this version that some runs lack.
+            key.1.is_empty() || key.1 == INVERSION_TIME || simulated.contains_key(key)
+        });
     }
     if is_part {
         simulated.retain(|(place, _), _| recorded.keys().any(|key| key.0 == *place));
@@ -53,12 +61,6 @@ fn keep_values(facts: &mut Facts, has_same_fields: bool) {
     if !has_same_fields {
         facts.remove(&(END_RECORD.to_owned(), CONTENT_DIGEST.to_owned()));
     }
-    for ((_, field), text) in facts {
-        // Attachments and channels are described as a whole, with their words.
-        if field.is_empty() {
-            "present".clone_into(text);
-        }
-    }
 }
 
 fn is_view(recording: &Recording, topic: &str) -> bool {
@@ -73,22 +75,30 @@ fn is_of_end((place, field): &(String, String)) -> bool {
     place == END_RECORD && !field.is_empty()
 }
 
-fn recorded(recording: &Recording) -> Facts {
+/// The content of a recording; with `is_by_value` without the words in attachments and schemas.
+fn recorded(recording: &Recording, is_by_value: bool) -> Facts {
     let mut facts = Facts::new();
     add(&mut facts, "the header", "profile", recording.profile());
     for (name, entries) in recording.all_metadata() {
         add_metadata(&mut facts, name, entries);
     }
     for attachment in &recording.layout.attachments {
-        let described = attachment.describe(&recording.source);
-        let text = described.unwrap_or_else(|error| error.to_string());
+        let text = if is_by_value {
+            AN_ATTACHMENT.to_owned()
+        } else {
+            let described = attachment.describe(&recording.source);
+            described.unwrap_or_else(|error| error.to_string())
+        };
         add(&mut facts, &attachment.header.name, "", &text);
     }
     for channel in recording.channels() {
         let schema = channel.schema.as_deref();
         let (language, data) = schema.map_or(("", &[][..]), |s| (&s.encoding, &s.data));
         let names = [&channel.encoding, channel.schema_name(), language];
-        let text = declared(names, data, &channel.metadata);
+        let mut text = declared(names);
+        if !is_by_value {
+            text += &with_words(data, &channel.metadata);
+        }
         add(&mut facts, &channel.topic, "", &text);
     }
     for schema in recording.layout.channels.unused_schemas() {
@@ -97,7 +107,7 @@ fn recorded(recording: &Recording) -> Facts {
     facts
 }
 
-fn simulated(header: &Header, end: &Entries) -> Facts {
+fn simulated(header: &Header, end: &Entries, is_by_value: bool) -> Facts {
     let mut facts = Facts::new();
     add(&mut facts, "the header", "profile", "");
     add_metadata(&mut facts, RUN_RECORD, &header.run);
@@ -110,7 +120,11 @@ fn simulated(header: &Header, end: &Entries) -> Facts {
         create_time: scenario.create_time,
     };
     let digest = format!("{:x}", Sha256::digest(&scenario.data));
-    let text = attachment.describe(scenario.data.len() as u64, &digest);
+    let text = if is_by_value {
+        AN_ATTACHMENT.to_owned()
+    } else {
+        attachment.describe(scenario.data.len() as u64, &digest)
+    };
     add(&mut facts, &attachment.name, "", &text);
     for channel in &header.channels {
         let names = [
@@ -118,7 +132,10 @@ fn simulated(header: &Header, end: &Entries) -> Facts {
             channel.schema_name,
             channel.schema_encoding,
         ];
-        let text = declared(names, &channel.schema, &Entries::new());
+        let mut text = declared(names);
+        if !is_by_value {
+            text += &with_words(&channel.schema, &Entries::new());
+        }
         add(&mut facts, channel.topic, "", &text);
     }
     facts
@@ -140,10 +157,14 @@ fn add_metadata(facts: &mut Facts, name: &str, entries: &Entries) {
     }
 }
 
-/// A channel in words: its encoding, and name, language and text of its schema.
-fn declared([encoding, name, language]: [&str; 3], schema: &[u8], metadata: &Entries) -> String {
-    let digest = digest(schema);
-    format!("{encoding} with the {language} {name:?} of {digest} and metadata {metadata:?}")
+/// The encoding of a channel, and the name and language of its schema.
+fn declared([encoding, name, language]: [&str; 3]) -> String {
+    format!("{encoding} with the {language} {name:?}")
+}
+
+/// The text of a schema, and the metadata of its channel.
+fn with_words(schema: &[u8], metadata: &Entries) -> String {
+    format!(" of {} and metadata {metadata:?}", digest(schema))
 }
 
 fn digest(data: &[u8]) -> String {

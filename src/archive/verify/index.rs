@@ -9,13 +9,13 @@ use super::fingerprint::Fingerprint;
 use crate::archive::container::record::{HEAD, head, parse};
 use crate::archive::container::section::{Buffers, MessageRecord, Section, record_at};
 use crate::archive::recording::{FileChannel, Recording};
+use crate::run::plural::plural;
 use mcap::records::{
     AttachmentIndex, ChunkHeader, ChunkIndex, MessageIndexEntry, MetadataIndex, Record, Statistics,
     op,
 };
 use mcap::{Channel, Summary};
 use std::collections::BTreeMap;
-use std::fmt::Debug;
 use std::io;
 
 /// The chunks of a file by their offsets.
@@ -43,7 +43,8 @@ pub(super) fn check(
     let mut indexes: BTreeMap<u64, &ChunkIndex> = BTreeMap::new();
     for index in &summary.chunk_indexes {
         if indexes.insert(index.chunk_start_offset, index).is_some() {
-            return Err(contradiction("a chunk that is indexed twice", index, &()).into());
+            let found = Some(chunk_text(index));
+            return Err(Difference::new("a chunk that is indexed twice", "", [found, None]).into());
         }
     }
     let mut chunks = Chunks::new();
@@ -62,42 +63,104 @@ pub(super) fn check(
         chunks.insert(section.offset, chunk);
     }
     if let Some(index) = indexes.values().next() {
-        return Err(contradiction("the index of a chunk", index, &()).into());
+        let found = Some(chunk_text(index));
+        return Err(Difference::new("the index of a chunk", "", [found, None]).into());
     }
     check_channels(recording, summary)?;
     if let Some(statistics) = &summary.stats {
         let mut found = statistics.clone();
         // Some writers count channels without messages, too.
         found.channel_message_counts.retain(|_, count| *count > 0);
-        let chunk_count = chunks.len() as u32;
-        check_equal(
-            "the statistics",
-            &found,
-            &statistics_of(recording, own, chunk_count),
-        )?;
+        let expected = statistics_of(recording, own, chunks.len() as u32);
+        check_statistics(&found, &expected)?;
     }
     check_attachments(recording, summary)?;
     check_metadata(recording, summary)?;
     Ok(chunks)
 }
 
-/// A value of the index that the data contradict.
-fn contradiction(place: &str, found: &impl Debug, expected: &impl Debug) -> Difference {
-    // Enough to see the difference in numbers; the contents of schemas are long.
-    let text = |value: &dyn Debug| Some(format!("{value:?}").chars().take(300).collect());
-    Difference::new(place, "", [text(found), text(expected)])
-}
-
-fn check_equal<T: Debug + PartialEq>(
+/// Compares a part of the index with the data, and describes both where they differ.
+fn check_equal<T: PartialEq>(
     place: &str,
     found: &T,
     expected: &T,
+    describe: impl Fn(&T) -> String,
 ) -> Result<(), Difference> {
     if found == expected {
         Ok(())
     } else {
-        Err(contradiction(place, found, expected))
+        let texts = [found, expected].map(|value| Some(describe(value)));
+        Err(Difference::new(place, "", texts))
     }
+}
+
+fn chunk_text(index: &ChunkIndex) -> String {
+    format!(
+        "{} bytes at {}, {} from {} to {} bytes, times from {} to {} ns",
+        index.chunk_length,
+        index.chunk_start_offset,
+        match index.compression.as_str() {
+            "" => "uncompressed",
+            compression => compression,
+        },
+        index.uncompressed_size,
+        index.compressed_size,
+        index.message_start_time,
+        index.message_end_time
+    )
+}
+
+/// Compares statistics and names the first that differs.
+fn check_statistics(found: &Statistics, expected: &Statistics) -> Result<(), Difference> {
+    for ((name, found), (_, expected)) in counts(found).into_iter().zip(counts(expected)) {
+        if found != expected {
+            let values = [found, expected].map(|count| Some(count.to_string()));
+            return Err(Difference::new("the statistics", name, values));
+        }
+    }
+    check_equal(
+        "the statistics",
+        &found.channel_message_counts,
+        &expected.channel_message_counts,
+        |counts| {
+            let counts = counts
+                .iter()
+                .map(|(id, count)| format!("{count} in channel {id}"));
+            format!("messages: {}", counts.collect::<Vec<_>>().join(", "))
+        },
+    )
+}
+
+fn counts(statistics: &Statistics) -> [(&'static str, u64); 8] {
+    [
+        ("messages", statistics.message_count),
+        ("schemas", u64::from(statistics.schema_count)),
+        ("channels", u64::from(statistics.channel_count)),
+        ("attachments", u64::from(statistics.attachment_count)),
+        ("metadata records", u64::from(statistics.metadata_count)),
+        ("chunks", u64::from(statistics.chunk_count)),
+        ("first time (ns)", statistics.message_start_time),
+        ("last time (ns)", statistics.message_end_time),
+    ]
+}
+
+/// Compares the index of the messages in a chunk, and names the first channel whose entries differ.
+fn check_entries(found: &Entries, expected: &Entries) -> Result<(), Difference> {
+    let place = "the messages in the index of a chunk";
+    for id in expected.keys().chain(found.keys()) {
+        let [found, expected] =
+            [found, expected].map(|all| all.get(id).cloned().unwrap_or_default());
+        let first = found.iter().zip(&expected).position(|(a, b)| a != b);
+        check_equal(place, &found, &expected, |entries| {
+            let count = plural(entries.len() as u64, "message");
+            let entry = first.map_or_else(String::new, |at| {
+                let (time, offset) = entries[at];
+                format!(", number {at} at {time} ns and offset {offset}")
+            });
+            format!("{} {count} of channel {id}{entry}", entries.len())
+        })?;
+    }
+    Ok(())
 }
 
 /// The entries that the message indexes of a chunk must have.
@@ -125,7 +188,13 @@ fn check_chunk(
         return Ok(());
     };
     let times = (header.message_start_time, header.message_end_time);
-    check_equal("the times of a chunk", &times, &(chunk.first, chunk.last))?;
+    let found_in_data = (chunk.first, chunk.last);
+    check_equal(
+        "the times of a chunk",
+        &times,
+        &found_in_data,
+        |(first, last)| format!("{first} to {last} ns"),
+    )?;
     let Some(index) = index else {
         if entries.is_empty() {
             return Ok(());
@@ -145,11 +214,11 @@ fn check_chunk(
         compressed_size: header.compressed_size,
         uncompressed_size: header.uncompressed_size,
     };
-    check_equal("the index of a chunk", index, &expected)?;
+    check_equal("the index of a chunk", index, &expected, chunk_text)?;
     // Without message indexes readers search the chunk.
     if !index.message_index_offsets.is_empty() {
         let found = message_indexes(recording, section, index)?;
-        check_equal("the messages in the index of a chunk", &found, entries)?;
+        check_entries(&found, entries)?;
     }
     Ok(())
 }
@@ -213,7 +282,44 @@ fn check_channels(recording: &Recording, summary: &Summary) -> Result<(), Differ
     let channels = recording.channels().iter();
     let mut expected: Vec<_> = channels.map(describe_own).collect();
     expected.sort_unstable();
-    check_equal("the channels of the summary", &found, &expected)
+    // Only what differs.
+    let (mut only_found, mut only_expected) = (found.clone(), expected.clone());
+    only_found.retain(|channel| !expected.contains(channel));
+    only_expected.retain(|channel| !found.contains(channel));
+    check_equal(
+        "the channels of the summary",
+        &only_found,
+        &only_expected,
+        |channels| list(channels.iter().map(channel_text)),
+    )
+}
+
+/// Texts with commas between them.
+fn list(texts: impl Iterator<Item = String>) -> String {
+    let texts: Vec<String> = texts.collect();
+    if texts.is_empty() {
+        "none".to_owned()
+    } else {
+        texts.join(", ")
+    }
+}
+
+fn channel_text((id, topic, encoding, metadata, schema): &ChannelFacts) -> String {
+    let schema = schema.as_ref().map_or_else(
+        || "no schema".to_owned(),
+        |(name, language, data)| {
+            let checksum = crc32fast::hash(data);
+            format!(
+                "the {language} {name:?} of {} bytes (crc32 {checksum:08x})",
+                data.len()
+            )
+        },
+    );
+    let metadata = match metadata.len() {
+        0 => String::new(),
+        count => format!(" and {count} metadata {}", plural(count as u64, "entry")),
+    };
+    format!("channel {id} {topic} in {encoding} with {schema}{metadata}")
 }
 
 /// Metadata of a channel.
@@ -263,7 +369,24 @@ fn check_attachments(recording: &Recording, summary: &Summary) -> Result<(), Dif
     });
     let mut found = summary.attachment_indexes.clone();
     found.sort_by_key(|index| index.offset);
-    check_equal("the index of attachments", &found, &expected.collect())
+    check_equal(
+        "the index of attachments",
+        &found,
+        &expected.collect(),
+        |indexes| list(indexes.iter().map(attachment_text)),
+    )
+}
+
+fn attachment_text(index: &AttachmentIndex) -> String {
+    format!(
+        "{:?} ({:?}) of {} bytes at {}, times {} and {} ns",
+        index.name,
+        index.media_type,
+        index.data_size,
+        index.offset,
+        index.log_time,
+        index.create_time
+    )
 }
 
 fn check_metadata(recording: &Recording, summary: &Summary) -> Result<(), Difference> {
@@ -275,7 +398,18 @@ fn check_metadata(recording: &Recording, summary: &Summary) -> Result<(), Differ
     });
     let mut found = summary.metadata_indexes.clone();
     found.sort_by_key(|index| index.offset);
-    check_equal("the index of metadata", &found, &expected.collect())
+    check_equal(
+        "the index of metadata",
+        &found,
+        &expected.collect(),
+        |indexes| {
+            list(
+                indexes
+                    .iter()
+                    .map(|index| format!("{:?} at {}", index.name, index.offset)),
+            )
+        },
+    )
 }
 
 fn statistics_of(recording: &Recording, own: &Fingerprint, chunk_count: u32) -> Statistics {
