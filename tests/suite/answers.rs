@@ -29,9 +29,13 @@ fn check(path: &str, value: &Value, schema: &Value, root: &Value) -> Result<(), 
     }
     for choice in ["anyOf", "oneOf"] {
         if let Some(choices) = schema[choice].as_array() {
-            let fits = |schema| check(path, value, schema, root).is_ok();
+            let fits = |one| check(path, value, &flattened(one, schema), root).is_ok();
             if !choices.iter().any(fits) {
                 return Err(format!("{path}: {value} is none of {choices:?}"));
+            }
+            if schema.get("properties").is_some() {
+                // The choice has checked all members.
+                return Ok(());
             }
         }
     }
@@ -78,6 +82,22 @@ fn check(path: &str, value: &Value, schema: &Value, root: &Value) -> Result<(), 
     Ok(())
 }
 
+/// One of the kinds of objects of a schema, with the members that all of them have.
+fn flattened(kind: &Value, schema: &Value) -> Value {
+    let mut flattened = kind.clone();
+    if let Some(common) = schema["properties"].as_object() {
+        for (name, member) in common {
+            flattened["properties"][name] = member.clone();
+        }
+        for name in schema["required"].as_array().into_iter().flatten() {
+            if let Some(required) = flattened["required"].as_array_mut() {
+                required.push(name.clone());
+            }
+        }
+    }
+    flattened
+}
+
 fn check_object(
     path: &str,
     fields: &Map<String, Value>,
@@ -118,6 +138,12 @@ fn reports_match_their_schemas() {
         ),
         #[cfg(feature = "rerun")]
         ("ViewReport", "view a.mcap cut.mcap --rrd shown", 3),
+        #[cfg(feature = "fit")]
+        (
+            "FitReport",
+            "fit paper a.mcap --signal theta:1mrad --free friction.k",
+            0,
+        ),
         ("ExplainReport", "explain a.mcap", 0),
         ("ExplainReport", "explain cut.mcap", 3),
         ("DiffReport", "diff a.mcap cut.mcap", 3),
@@ -238,10 +264,8 @@ fn forge(from: &Path, to: &Path, library: &str) {
         let mut message = message.unwrap();
         if message.channel.topic == "/events" {
             let mut event: Value = serde_json::from_slice(&message.data).unwrap();
-            for field in ["name", "description"] {
-                let text = event[field].as_str().unwrap().to_owned();
-                event[field] = (text + HOSTILE).into();
-            }
+            let name = event["name"].as_str().unwrap().to_owned();
+            event["name"] = (name + HOSTILE).into();
             message.data = serde_json::to_vec(&event).unwrap().into();
         }
         writer.write(&message).unwrap();

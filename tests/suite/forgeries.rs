@@ -200,11 +200,16 @@ fn rejects_forged_metadata() {
             ("another epoch", "epoch", "1970-01-01"),
             ("another period", "sample_period_ns", "2000000"),
             ("another digest", "scenario_digest", "00"),
-            ("no version", "version", "by the author himself"),
-            ("another version", "version", "0.0.9"),
             ("another key", "measured_at", "MIT"),
         ] {
             a.caught(name, |f| f.set(RUN, key, value));
+        }
+        for (name, version) in [
+            ("no version", "by the author himself"),
+            ("another version", "0.0.9"),
+        ] {
+            // Whoever recorded them, the values are those of the scenario.
+            a.repacked(name, |f| f.set(RUN, "version", version));
         }
         a.caught("a key is missing", |f| {
             f.entries(RUN).remove("friction_law").unwrap();
@@ -288,8 +293,8 @@ fn rejects_forged_metadata() {
             let changed = "description = \"Measured, not simulated. ";
             f.edit_scenario("description = \"", changed);
         });
-        a.caught("another comment", |f| {
-            f.edit_scenario("  # ", "  # as measured by the author, ");
+        a.caught("a comment", |f| {
+            f.edit_scenario("\n[top]", "  # as measured by the author\n[top]");
         });
         a.caught("an attachment", |f| {
             f.attach(|header, _| header.name = "notes.txt".to_owned());
@@ -318,7 +323,7 @@ fn rejects_forged_metadata() {
         ] {
             a.repacked(name, |f| f.header.library = library.to_owned());
         }
-        a.caught("another version wrote and simulated it", |f| {
+        a.repacked("another version wrote and simulated it", |f| {
             f.header.library = "toprise/9.9.9".to_owned();
             f.set(RUN, "version", "9.9.9");
         });
@@ -791,7 +796,7 @@ fn rejects_containers_that_readers_see_differently() {
 #[test]
 fn rejects_forged_library_version() {
     try_all(Encoding::Protobuf, |a| {
-        a.caught("an old version", |f| {
+        a.repacked("an old version", |f| {
             let of_form = ["telemetry", "encoding", "views", "topics"];
             f.entries(RUN)
                 .retain(|key, _| !of_form.contains(&key.as_str()));
@@ -808,6 +813,14 @@ fn rejects_forged_library_version() {
         a.caught("a newer telemetry with another number", |f| {
             f.set(RUN, "telemetry", "1000");
             f.messages("/top/energy", other_number);
+        });
+        a.caught("a newer telemetry with an inversion", |f| {
+            f.set(RUN, "telemetry", "1000");
+            f.set(END, "inversion_time", "0.01");
+        });
+        a.caught("a newer telemetry in another encoding", |f| {
+            f.set(RUN, "telemetry", "1000");
+            f.set(RUN, "encoding", "json");
         });
     });
 }
