@@ -139,7 +139,7 @@ function draw() {
     const window = state.window ?? [0, latest()];
     curves.draw(runs, window, state.window !== null, time);
     energy.draw(runs, window, time);
-    view.draw(runs, time, state.isPlaying ? state.speed : 0);
+    view.draw(runs, time, state.isPlaying ? (frame / 1000) * state.speed : 0);
     showArrows(runs);
     showEnergy(runs, time);
     at("time").max = latest();
@@ -186,7 +186,11 @@ function zoom(wanted) {
   draw();
 }
 
+const USUAL_FRAME = 1000 / 60; // ms
+const MAX_FRAME = 200; // ms; a longer pause is no frame of playback
+
 let before = 0;
+let frame = USUAL_FRAME; // ms between pictures: the longest of late, so that late pictures don't make the stripes flicker
 let pausedUntil = 0;
 function play(wanted = !state.isPlaying) {
   state.isPlaying = wanted;
@@ -200,6 +204,7 @@ function play(wanted = !state.isPlaying) {
 /** Advances playback; at the end of the run it starts again. */
 function step(now) {
   if (!state.isPlaying) return;
+  frame = Math.min(Math.max(now - before, 0.95 * frame, USUAL_FRAME), MAX_FRAME);
   if (state.run && now >= pausedUntil) {
     if (state.time >= latest()) choose(0);
     else choose(state.time + (Math.max(now - before, 0) / 1000) * state.speed);

@@ -4,11 +4,11 @@ import { ARROWS, arrowScale, barLength, vectorAt } from "./arrows.mjs";
 import { indexAt } from "./axes.mjs";
 import { gestures } from "./gestures.mjs";
 import { degrees, fixed, prefixed, revolutions, written } from "./numbers.mjs";
-import { shadowOf, turned, visibleFaces } from "./shape.mjs";
+import { isHidden, spinRing } from "./ring.mjs";
+import { orientationOf, shadowOf, stripeContrast, turned, visibleFaces } from "./shape.mjs";
 
 const TRAIL = 3; // s, shown of the axis's path
-const FRAME = 1 / 60; // s of playback that a picture shows; fast stripes blur as in a film
-const SHIMMER = 0.2;
+const FAINT = 0.25; // opacity of what is behind the body
 const STRIPED = 2 / 9; // part of a turn that the stripes cover
 const START = { azimuth: -0.6, elevation: 0.35, closeness: 1 };
 const FONT = "system-ui, sans-serif";
@@ -36,6 +36,8 @@ class Camera {
     };
     const fitted = Math.min(width / (width > height ? 2.4 : 2), height / 1.75);
     this.zoom = (closeness * fitted) / size;
+    /** The direction towards the camera, in the world. */
+    this.toward = [ce * sa, -ce * ca, se];
     this.onScreen = ([right, up]) => [width / 2 + this.zoom * right, height / 2 + 0.49 * fitted - this.zoom * up];
     this.project = (place) => this.onScreen(this.seen(place));
   }
@@ -70,8 +72,8 @@ export class View {
     this.redraw();
   }
 
-  /** Draws runs side by side, each with its colour. `speed` is that of playback, 0 if it is paused. */
-  draw(runs, time, speed) {
+  /** Draws runs side by side, each with its colour. `exposure` is the time of the run between two pictures, 0 if playback is paused. */
+  draw(runs, time, exposure) {
     const { canvas } = this;
     const ratio = devicePixelRatio || 1;
     const [wide, height] = [canvas.clientWidth, canvas.clientHeight];
@@ -91,14 +93,14 @@ export class View {
       pen.beginPath();
       pen.rect(0, 0, width, height);
       pen.clip();
-      this.one(pen, run, color, Math.min(time, run.end), speed, { size, width, height });
-      this.title(run, color, runs.length > 1 ? name : "", Math.min(time, run.end), width);
+      this.one(pen, run, color, Math.min(time, run.end), exposure, { size, width, height });
+      this.title(run, color, runs.length > 1 ? name : "", time, width);
       if (index === runs.length - 1) this.bar(pen, all, width, height);
       pen.restore();
     });
   }
 
-  one(pen, run, color, time, speed, { size, width, height }) {
+  one(pen, run, color, time, exposure, { size, width, height }) {
     const { i, q, axis, peg } = pose(run, time);
     const focus = run.is_free ? [peg[0], peg[1], 0] : [0, 0, 0];
     const camera = new Camera(this.look, focus, size, width, height);
@@ -106,7 +108,9 @@ export class View {
     this.table(focus, size);
     this.fill(shadowOf(run.shape, q, peg), "#0000001c");
     this.path(run, i, color);
-    this.body(run, q, peg, color, this.contrast(run, i, speed));
+    const contrast = stripeContrast(run.columns.axial_rate[i], exposure);
+    // The facets would strobe as the stripes do: a body without stripes is drawn without its spin.
+    this.isSunk = this.body(run, contrast > 0 ? q : orientationOf(axis), peg, color, contrast);
     this.angle(run, axis, peg);
     this.spin(run, i, axis, peg);
     if (this.shown.momentum) this.momentum(run, i, peg);
@@ -202,20 +206,13 @@ export class View {
     this.pen.globalAlpha = 1;
   }
 
-  /**
-   * The contrast of the stripes: a film's exposure averages over the turn that the top makes in one picture. A rest
-   * of it remains, as the shimmer of a real top.
-   */
-  contrast(run, i, speed) {
-    const turn = 2 * Math.abs(run.columns.axial_rate[i]) * speed * FRAME; // phase of two stripes, rad
-    return turn < 1e-6 ? 1 : Math.max(Math.abs(Math.sin(turn / 2) / (turn / 2)), SHIMMER);
-  }
-
+  /** Draws the body as far as it is above the table. Returns whether a part of it is below. */
   body(run, q, peg, color, contrast) {
     const { pen, camera } = this;
     const paints = { body: color, rim: color, cap: "#f2c14e", stem: "#6b4f3a", peg: "#8d99ae" };
     const [onStripe, beside] = [STRIPED + (1 - STRIPED) * contrast, STRIPED * (1 - contrast)].map((share) => (100 * share).toFixed(0));
-    for (const { corners, light, paint, isStripe } of visibleFaces(run.shape, q, peg, camera.seen)) {
+    const { faces, isSunk } = visibleFaces(run.shape, q, peg, camera.seen);
+    for (const { corners, light, paint, isStripe } of faces) {
       const plain = paints[paint];
       const isStriped = paint === "body" || paint === "rim" || paint === "cap";
       const fill = isStriped ? `color-mix(in srgb, #fffaf0 ${isStripe ? onStripe : beside}%, ${plain})` : plain;
@@ -227,6 +224,7 @@ export class View {
       pen.fill();
       pen.stroke();
     }
+    return isSunk;
   }
 
   /** The vertical, the axis and the arc of θ between them. */
@@ -247,23 +245,21 @@ export class View {
     this.text("θ", [x, y - 8], ink, `italic 600 16px ${FONT}`, "center");
   }
 
-  /** An arc about the axis with an arrowhead, in the sense of the spin. */
+  /** An arc about the axis with an arrowhead, in the sense of the spin; faint where the body or the table hides it. */
   spin(run, i, axis, peg) {
     const rate = run.columns.axial_rate[i];
-    const { tip, size, is_ball: isBall } = run.shape;
     if (rate === 0) return;
-    // Two directions across the axis, so that the gap of the arc is at the back.
-    const right = [Math.cos(this.look.azimuth), Math.sin(this.look.azimuth), 0];
-    const ahead = [axis[1] * right[2] - axis[2] * right[1], axis[2] * right[0] - axis[0] * right[2], axis[0] * right[1] - axis[1] * right[0]];
-    const center = along(peg, axis, isBall ? 0 : 0.93 * tip);
-    const radius = isBall ? 1.12 * tip : 0.16 * size;
-    const arc = Array.from({ length: 33 }, (_, k) => {
-      const angle = Math.PI * (0.75 + (1.5 * k) / 32);
-      return along(along(center, right, radius * Math.cos(angle)), ahead, radius * Math.sin(angle));
-    });
-    if (rate < 0) arc.reverse();
-    this.line(arc, this.colors.ink, 2);
-    this.head(this.camera.project(arc.at(-3)), this.camera.project(arc.at(-1)), this.colors.ink, 9);
+    const { pen, camera, colors } = this;
+    const { places, head } = spinRing(run.shape, axis, camera.toward, Math.sign(rate));
+    const isCovered = (place) => isHidden(run.shape, axis, camera.toward, place) || place[2] + peg[2] < 0;
+    const moved = (place) => along(place, peg, 1);
+    for (let k = 0; k + 1 < places.length; k++) {
+      pen.globalAlpha = isCovered(places[k]) || isCovered(places[k + 1]) ? FAINT : 1;
+      this.line([places[k], places[k + 1]].map(moved), colors.ink, 2);
+    }
+    pen.globalAlpha = isCovered(places[head]) ? FAINT : 1;
+    this.head(camera.project(moved(places[head - 1])), camera.project(moved(places[head])), colors.ink, 9);
+    pen.globalAlpha = 1;
   }
 
   /** An arrowhead at the end of a line on the canvas. */
@@ -315,17 +311,19 @@ export class View {
     this.text(label, [end[0] + 12 * ux, end[1] + 12 * uy + 5], color, `600 14px ${FONT}`, ux < -0.3 ? "right" : "left");
   }
 
-  /** The tilt and the spin at this moment, in the upper left corner. */
+  /** The tilt and the spin at this moment, in the upper left corner; after the end of the run, those at its end. */
   title(run, color, name, time, width) {
-    const i = indexAt(run.columns.time, time);
+    const i = indexAt(run.columns.time, Math.min(time, run.end));
     const { ink, soft } = this.colors;
     const { theta, axial_rate: rate, flying } = run.columns;
     const isNarrow = width < 420;
     const lines = [
       [name, color],
       [`tilt θ ${fixed(degrees(theta[i]), 1)}°${isNarrow ? "" : ` (${fixed(theta[i], 3)} rad)`}`, ink],
-      [`spin ${fixed(revolutions(rate[i]), 1)} rev/s${isNarrow ? "" : ` (${fixed(rate[i], 1)} rad/s)`}`, ink],
+      [`spin ω·n ${fixed(revolutions(rate[i]), 1)} rev/s${isNarrow ? "" : ` (${fixed(rate[i], 1)} rad/s)`}`, ink],
       [flying[i] ? "in the air" : "", soft],
+      [time > run.end ? `ended at ${fixed(run.end, 2)} s` : "", soft],
+      [this.isSunk ? "only the peg touches the table in this model" : "", soft],
     ].filter(([words]) => words);
     lines.forEach(([words, paint], row) => this.text(words, [8, 18 + 18 * row], paint, `600 13px ${FONT}`));
   }

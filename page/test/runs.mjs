@@ -10,7 +10,9 @@ import { quantities } from "../curves.mjs";
 import { energyChanges } from "../energy.mjs";
 import { STEPS_OF_LESSON } from "../lesson.mjs";
 import { degrees, fixed, imagined, prefixed, revolutions, typed, written } from "../numbers.mjs";
+import { isHidden, spinRing } from "../ring.mjs";
 import { Scenario, linkOf, parseLink, scenarioFrom } from "../scenario.mjs";
+import { orientationOf, stripeContrast, turned, visibleFaces } from "../shape.mjs";
 import { load, simulated } from "../toprise.mjs";
 import { RISE_TIMES } from "../worksheet.mjs";
 
@@ -160,6 +162,64 @@ const tests = {
       [imagined(170, "rad/s"), "27.1 rev/s"],
     ]) {
       assert.equal(made, expected);
+    }
+  },
+  async "the spin's arc is perpendicular to the axis, in its sense, with its gap behind"() {
+    const dot = (a, b) => a.reduce((sum, value, index) => sum + value * b[index], 0);
+    for (const preset of ["full-coulomb", "tippe-top"]) {
+      const { shape } = await runOf(preset);
+      for (const theta of [0, 0.01, 0.5, 1.4, Math.PI / 2, 3.1, Math.PI]) {
+        for (const azimuth of [-2, 0, 1.3]) {
+          const axis = [Math.sin(theta), 0, Math.cos(theta)];
+          const toward = [0.9 * Math.sin(azimuth), -0.9 * Math.cos(azimuth), Math.sqrt(0.19)];
+          for (const sense of [1, -1]) {
+            const { places, head } = spinRing(shape, axis, toward, sense);
+            const heights = places.map((place) => dot(place, axis));
+            assert.ok(Math.max(...heights) - Math.min(...heights) < 1e-12, `${preset} ${theta}`);
+            const [[a, b, c], [x, y, z]] = [places[head - 1], places[head]];
+            assert.ok(sense * dot([b * z - c * y, c * x - a * z, a * y - b * x], axis) > 0, `${preset} ${theta}`);
+            const depths = places.map((place) => dot(place, toward));
+            assert.ok(depths[head] >= Math.max(depths[0], depths.at(-1)) - 1e-12, `${preset} ${theta}`);
+          }
+        }
+      }
+    }
+  },
+  async "the body hides what is behind it"() {
+    const ball = (await runOf("tippe-top")).shape;
+    assert.ok(isHidden(ball, [0, 0, 1], [0, -1, 0], [0, ball.peg, 0]));
+    assert.ok(!isHidden(ball, [0, 0, 1], [0, -1, 0], [0, -ball.peg, 0]));
+    const disc = (await runOf("full-coulomb")).shape;
+    const above = 0.93 * disc.tip;
+    assert.ok(isHidden(disc, [0, 0, 1], [0, -1, 0], [0, 0.1 * disc.size, above])); // by the stem
+    assert.ok(!isHidden(disc, [0, 0, 1], [0, -1, 0], [0, -0.1 * disc.size, above]));
+    assert.ok(isHidden(disc, [0, 0, 1], [0, 0, -1], [0.1 * disc.size, 0, above])); // by the disc
+  },
+  async "nothing of a top is drawn below the table"() {
+    const { shape, columns } = await runOf("full-coulomb&initial.theta=1.4&stop.duration=0.1");
+    const faces = (theta, each = shape) => visibleFaces(each, [Math.cos(theta / 2), 0, Math.sin(theta / 2), 0], [0, 0, columns.peg_z[0]], (place) => place);
+    for (const theta of [0.1, 1, 1.4]) {
+      const { faces: drawn, isSunk } = faces(theta);
+      assert.ok(drawn.every(({ corners }) => corners.every(([, , z]) => z >= -1e-12)), theta);
+      assert.equal(isSunk, theta >= 1);
+    }
+  },
+  "stripes never seem to turn backward"() {
+    assert.equal(stripeContrast(170, 0), 1); // paused
+    for (const rate of [-300, -50, 3, 20, 170, 300]) {
+      for (const exposure of [1e-4, 1 / 144, 1 / 60, 1 / 30, 0.1]) {
+        // Beyond a quarter of the distance between two stripes, none is drawn.
+        const isSlow = Math.abs(rate) * exposure < Math.PI / 4;
+        assert.equal(stripeContrast(rate, exposure) > 0, isSlow, `${rate} rad/s, ${exposure} s`);
+      }
+    }
+  },
+  "an orientation without spin has its axis, and no jump where the top is upright or inverted"() {
+    for (const theta of [0, 1e-3, 1, 2, Math.PI - 1e-3, Math.PI]) {
+      const at = (phi) => orientationOf([Math.sin(theta) * Math.cos(phi), Math.sin(theta) * Math.sin(phi), Math.cos(theta)]);
+      assert.ok(Math.abs(turned(at(0.3), [0, 0, 1])[2] - Math.cos(theta)) < 1e-12);
+      const [a, b] = [at(0), at(0.1)].map((q) => turned(q, [1, 0, 0]));
+      assert.ok(Math.hypot(...a.map((value, index) => value - b[index])) < 0.1 * Math.sin(theta) * 2 + 1e-12, theta);
     }
   },
   "links are read as they are written"() {
