@@ -95,6 +95,13 @@ export class TimeCanvas {
     zoom([from, from + width / factor]);
   }
 
+  /** Covers what comes after a time, in a panel. */
+  cover(pen, time, [top, bottom]) {
+    const x = Math.max(this.xOf(time) + 1, LEFT);
+    pen.fillStyle = getComputedStyle(this.canvas).getPropertyValue("--card");
+    if (x < LEFT + this.across) pen.fillRect(x, top, LEFT + this.across + 1 - x, bottom - top);
+  }
+
   /** Draws `paint(pen)` if `key` has changed, the cursor at `time`, and `over(pen)`. */
   show(key, time, paint, over) {
     const { canvas } = this;
@@ -125,8 +132,8 @@ export class TimeCanvas {
 export class Curves extends TimeCanvas {
   foot = FOOT;
 
-  /** Draws the curves of runs, each in its colour, the last on top, with a cursor at `time`. */
-  draw(runs, window, isZoomed, time) {
+  /** Draws the curves of runs, each in its colour, the last on top, with a cursor at `time`; nothing after `seen`. */
+  draw(runs, window, isZoomed, time, seen = Infinity) {
     this.window = window;
     this.isZoomed = isZoomed;
     const key = runs.map(({ run, color }) => [run.digest, color]);
@@ -134,35 +141,41 @@ export class Curves extends TimeCanvas {
       key,
       time,
       (pen, width, height) => this.panels(pen, runs, width, height),
-      (pen, width, height) => this.values(pen, runs, time, width, height),
+      (pen, width, height) => {
+        this.panelsOf(runs, height).forEach(({ ends }) => this.cover(pen, seen, ends));
+        this.values(pen, runs, time, seen, width, height);
+      },
     );
   }
 
   /** The values at the cursor, in the upper right corner of each panel. */
-  values(pen, runs, time, width, height) {
-    const shown = quantities(runs.at(-1).run);
-    const each = (height - FOOT) / shown.length;
+  values(pen, runs, time, seen, width, height) {
     pen.textAlign = "right";
-    shown.forEach((quantity, panel) => {
+    this.panelsOf(runs, height).forEach(({ quantity, ends: [top] }) => {
       let x = width - RIGHT;
       for (const { run, color } of [...runs].reverse()) {
-        const constant = constantOf(run, quantity);
+        const constant = seen < run.end ? null : constantOf(run, quantity);
         if (time > run.end && constant === null) continue;
         const value = constant ?? run.columns[quantity.name][indexAt(run.columns.time, time)];
         const text = valueText(value, quantity, { isShort: runs.length > 1, isConstant: constant !== null });
         pen.fillStyle = color;
-        pen.fillText(text, x, panel * each + HEAD - 5);
+        pen.fillText(text, x, top - 5);
         x -= pen.measureText(text).width + 14;
       }
     });
   }
 
-  panels(pen, runs, width, height) {
-    const style = getComputedStyle(this.canvas);
+  /** The quantities of the edited run, each with the upper and lower end of its panel. */
+  panelsOf(runs, height) {
     const shown = quantities(runs.at(-1).run);
     const each = (height - FOOT) / shown.length;
+    return shown.map((quantity, panel) => ({ quantity, ends: [panel * each + HEAD, (panel + 1) * each - 5] }));
+  }
+
+  panels(pen, runs, width, height) {
+    const style = getComputedStyle(this.canvas);
     const times = ticks(...this.window, Math.max(width / 90, 2));
-    shown.forEach((quantity, panel) => this.panel(pen, runs, quantity, [panel * each + HEAD, (panel + 1) * each - 5], times, style));
+    for (const { quantity, ends } of this.panelsOf(runs, height)) this.panel(pen, runs, quantity, ends, times, style);
     pen.textAlign = "center";
     pen.fillStyle = style.color;
     for (const time of times) pen.fillText(written(time), this.xOf(time), height - FOOT + 8);

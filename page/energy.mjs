@@ -32,19 +32,22 @@ export function changeTexts(run, time) {
 export class EnergyAreas extends TimeCanvas {
   foot = 4;
 
-  /** Draws a panel for each run: the edited run, below a pinned one. */
-  draw(runs, window, time) {
+  /** Draws a panel for each run: the edited run, below a pinned one; nothing after `seen`. */
+  draw(runs, window, time, seen = Infinity) {
     this.window = window;
     const key = runs.map(({ run }) => run.digest);
     this.show(
       key,
       time,
-      (pen, width, height) => {
-        const each = height / runs.length;
-        runs.forEach((shown, index) => this.panel(pen, shown, [index * each + CURVE_MARGINS.head, (index + 1) * each - 4], runs.length > 1));
-      },
-      () => {},
+      (pen, width, height) => this.endsOf(runs, height).forEach((ends, index) => this.panel(pen, runs[index], ends, runs.length > 1)),
+      (pen, width, height) => this.endsOf(runs, height).forEach((ends) => this.cover(pen, seen, ends)),
     );
+  }
+
+  /** The upper and lower end of each run's panel. */
+  endsOf(runs, height) {
+    const each = height / runs.length;
+    return runs.map((_, index) => [index * each + CURVE_MARGINS.head, (index + 1) * each - 4]);
   }
 
   panel(pen, { run, name }, [top, bottom], isNamed) {

@@ -40,10 +40,10 @@ export const STEPS_OF_LESSON = [
     ours: "full-coulomb&friction.k=0.06",
     theirs: "full-coulomb",
     arrows: ["slip", "force"],
-    question: "B has twice the friction of A. How long does it take? Then give it less spin: does it take longer?",
+    question: "B has twice the friction of A. How long does it take? Then give B less spin: does it take longer?",
     watch: "when each becomes upright. Move the sliders of friction and spin.",
     answer:
-      "12.4 s instead of 24.7 s: the time is inversely proportional to k. With less spin there is less angular momentum to turn: at k = 0.03 and 100 rad/s (15.9 rev/s) the top is upright after 13.9 s. With too little it falls: at 30 rad/s (4.8 rev/s), after 5.2 s.",
+      "12.4 s instead of 24.7 s: the time is inversely proportional to k. With less spin there is less angular momentum to turn: at k = 0.06 and 100 rad/s (15.9 rev/s) B is upright after 7.0 s. With too little it falls: at 30 rad/s (4.8 rev/s), after 2.7 s.",
   },
   {
     title: "Why does a tippe top turn over?",
@@ -56,11 +56,12 @@ export const STEPS_OF_LESSON = [
   },
 ];
 
-/** The strip with the step of the lesson. `open(step)` is called with a number from 1, or 0 to leave the lesson. */
+/** The strip with the step of the lesson. `open(step)` is called with a number from 1, or 0 to leave the lesson; `answered()` when the answer is opened. */
 export class Lesson {
-  constructor(place, open) {
+  constructor(place, { open, answered }) {
     this.place = place;
     this.open = open;
+    this.answered = answered;
     this.step = 0;
   }
 
@@ -76,7 +77,7 @@ export class Lesson {
     this.place.replaceChildren(
       element("nav", { ariaLabel: "Steps of the lesson" }, "Lesson ", ...steps, element("button", { type: "button", textContent: "Leave", onclick: () => this.open(0) })),
       element("div", {}, element("h2", { textContent: `${this.step}. ${title}` }), element("p", { textContent: question }), element("p", { className: "watch" }, element("b", { textContent: "Watch " }), watch)),
-      element("details", {}, element("summary", { textContent: "Answer" }), element("p", { textContent: answer })),
+      element("details", { ontoggle: ({ target }) => target.open && this.answered() }, element("summary", { textContent: "Answer" }), element("p", { textContent: answer })),
     );
   }
 }

@@ -34,6 +34,7 @@ const state = {
   window: null, // of time, if the curves are zoomed in
   speed: 1,
   isPlaying: false,
+  guess: null, // in a step of the lesson whose outcome hasn't been played yet: `seen`, the latest time shown
   frictionBefore: null, // the keys of friction and stop conditions, while friction is off
 };
 
@@ -73,12 +74,26 @@ async function simulate() {
     state.window = null;
   }
   showControls(state.run.keys);
-  at("summary").textContent = state.run.sentence;
+  showSummary();
   at("command").textContent = scenario.command;
   at("digest").textContent = "";
   events.show(state.run.events);
   draw();
   ask();
+}
+
+/** Shows how the run ends, unless that is to be guessed first. */
+function showSummary() {
+  document.body.classList.toggle("guessing", state.guess !== null);
+  if (state.run) at("summary").textContent = state.guess ? "Guess first. Then press Play." : state.run.sentence;
+}
+
+/** Shows the outcome that was to be guessed. */
+function reveal() {
+  if (!state.guess) return;
+  state.guess = null;
+  showSummary();
+  draw();
 }
 
 /** Shows the keys of a scenario that can't be run; those of its preset if its values can't be read either. */
@@ -137,8 +152,9 @@ function draw() {
     const { time } = state;
     const runs = shown();
     const window = state.window ?? [0, latest()];
-    curves.draw(runs, window, state.window !== null, time);
-    energy.draw(runs, window, time);
+    const seen = state.guess?.seen;
+    curves.draw(runs, window, state.window !== null, time, seen);
+    energy.draw(runs, window, time, seen);
     view.draw(runs, time, state.isPlaying ? (frame / 1000) * state.speed : 0);
     showArrows(runs);
     showEnergy(runs, time);
@@ -174,6 +190,8 @@ function showEnergy(runs, time) {
 function choose(when) {
   if (!state.run) return;
   state.time = Math.min(Math.max(when, 0), latest());
+  if (state.guess) state.guess.seen = Math.max(state.guess.seen, state.time);
+  if (state.guess && state.time >= latest()) reveal();
   draw();
 }
 
@@ -260,6 +278,12 @@ function start(text) {
   return simulate();
 }
 
+/** Starts from a preset that was chosen on the page. */
+function startPreset(name) {
+  reveal();
+  return start(name);
+}
+
 /** Keeps the run that is shown as A, or removes A. */
 function pin(wanted = !state.pinned) {
   state.pinned = wanted ? state.run : null;
@@ -307,7 +331,10 @@ async function open() {
   if (location.hash === "#teacher") return;
   const wanted = parseLink(location.hash);
   const step = STEPS_OF_LESSON[wanted.lesson - 1];
-  const isWholeStep = Boolean(step && !wanted.ours);
+  // A step as it was opened, not one in which something has been changed.
+  const isWholeStep = Boolean(step) && (!wanted.ours || (wanted.ours === step.ours && wanted.theirs === step.theirs));
+  state.guess = isWholeStep && wanted.moment === null ? { seen: 0 } : null;
+  if (state.guess) play(false);
   lesson.show(wanted.lesson);
   if (isWholeStep) showOnly(step.arrows);
   const theirs = isWholeStep ? step.theirs : wanted.theirs;
@@ -324,6 +351,7 @@ async function open() {
 
 function leaveLesson(number) {
   lesson.show(number);
+  reveal();
   toLink();
   draw();
 }
@@ -340,14 +368,14 @@ const curves = new Curves(at("curves"), { choose, zoom });
 const energy = new EnergyAreas(at("energy"), { choose, zoom });
 const view = new View(at("top"), draw);
 const events = new EventList(at("events"), choose);
-const lesson = new Lesson(at("lesson"), leaveLesson);
+const lesson = new Lesson(at("lesson"), { open: leaveLesson, answered: reveal });
 const knobs = new Knobs(at("knobs"), { changed: put, toggled: toggleFriction });
 /** Whether other keys may have to change with a key: it is a choice, or is set or removed. */
 const hasFollowers = (key, value) => key.words || value === "" || state.scenario.value(key.path) === undefined;
 const controls = new Controls(at("controls"), (key, value) => (hasFollowers(key, value) ? change(key, value) : put(key, value)));
 
 at("presets").replaceChildren(
-  ...Object.entries(TITLES).map(([value, textContent]) => element("button", { type: "button", value, textContent, onclick: () => start(value) })),
+  ...Object.entries(TITLES).map(([value, textContent]) => element("button", { type: "button", value, textContent, onclick: () => startPreset(value) })),
 );
 at("preset").replaceChildren(
   ...tables.presets.map(({ name, description }) => element("option", { value: name, textContent: TITLES[name] ?? name, title: description })),
@@ -364,7 +392,7 @@ at("arrows").replaceChildren(
     return element("label", {}, box, `${label} `, sign, " ", element("small", { id: `scale-${name}` }));
   }),
 );
-at("preset").onchange = () => start(at("preset").value);
+at("preset").onchange = () => startPreset(at("preset").value);
 at("play").onclick = () => play();
 at("time").oninput = () => choose(Number(at("time").value));
 at("speed").onchange = () => (state.speed = Number(at("speed").value));
@@ -380,7 +408,18 @@ at("version").textContent = tables.version;
 showWorksheet(at("worksheet"), at("worksheet-answers"));
 showKeys(at("keys").querySelector("dl"));
 
-addEventListener("hashchange", open);
+/** Follows a link in the page, and shows the top, from which the link may be far away. */
+function follow() {
+  if (location.hash === "#teacher") return undefined;
+  at("worksheet-answers").open = false;
+  at("first").scrollIntoView();
+  return open();
+}
+addEventListener("hashchange", follow);
+addEventListener("click", ({ target }) => {
+  // A link to the address that is open already changes nothing in it, so there is no event.
+  if (target.closest?.("a")?.getAttribute("href") === location.hash && location.hash) follow();
+});
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
 new ResizeObserver(draw).observe(at("first"));
 for (const id of ["top", "curves", "energy"]) new ResizeObserver(draw).observe(at(id));
@@ -416,4 +455,4 @@ if (!document.body.classList.contains("ready")) {
   await start(DEFAULT); // opened at the teacher's notes
   document.body.classList.add("ready");
 }
-if (!isCalm && !isAtMoment) play(true);
+if (!isCalm && !isAtMoment && !state.guess) play(true);

@@ -213,10 +213,19 @@ const tests = {
     for (const [index, run] of runs.entries()) {
       if (index > 0) await tab.click(`#lesson nav a:nth-of-type(${index + 1})`);
       await tab.waitForSelector(`#lesson a[aria-current=step]:has-text("${index + 1}")`);
-      await becomes(tab, run);
-      assert.equal(await tab.isVisible("#compared"), index === 0 || index === 3);
+      // The guess comes first: paused at the start, without the outcome.
+      await becomes(tab, "Guess first.");
+      assert.equal(await tab.textContent("#play"), "Play");
+      await clockBecomes(tab, "0.000 s");
+      assert.ok(!(await tab.isVisible("#story")) && !(await tab.isVisible("#events")));
       assert.ok(!(await tab.isVisible("#lesson details p")));
+      await tab.waitForTimeout(200);
+      const hidden = await picture(tab, "curves");
       await tab.click("#lesson summary");
+      await becomes(tab, run);
+      await tab.waitForTimeout(200);
+      assert.notEqual(await picture(tab, "curves"), hidden);
+      assert.equal(await tab.isVisible("#compared"), index === 0 || index === 3);
       assert.ok(await tab.isVisible("#lesson details p"));
       const { y, height } = await tab.locator("#player").boundingBox();
       assert.ok(y + height <= 768, `the player is below the fold in step ${index + 1}`);
@@ -227,6 +236,12 @@ const tests = {
     assert.ok(!(await tab.isVisible("#lesson")));
     assert.equal(new URL(tab.url()).hash, "#tippe-top");
     const second = await open("#lesson=2");
+    await becomes(second, "Guess first.");
+    await second.locator("#time").evaluate((slider) => {
+      slider.value = slider.max;
+      slider.dispatchEvent(new Event("input"));
+    });
+    await becomes(second, "full-coulomb: risen");
     for (const name of ["torque", "momentum"]) assert.ok(await second.isChecked(`#show-${name}`));
     await second.fill("#knob-k", "300");
     await becomes(second, "friction.k = 0.0475");
@@ -235,6 +250,14 @@ const tests = {
     await becomes(second, "friction.k = 0.0475");
     assert.ok(await second.isVisible("#lesson"));
     await second.close();
+  },
+  async "a link far below shows the top"(tab) {
+    for (const link of ['#teacher a[href="#lesson=3"]', "#worksheet tbody a >> nth=1", "#worksheet tbody a >> nth=1"]) {
+      await tab.click("#worksheet-answers summary");
+      await tab.click(link);
+      await tab.waitForFunction(() => scrollY === 0 && !document.getElementById("worksheet-answers").open);
+    }
+    await becomes(tab, "friction.k = 0.02: risen");
   },
   async "the changes of energy stand below its areas"(tab) {
     const other = await open("#full-coulomb&at=24.73");

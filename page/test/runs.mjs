@@ -74,8 +74,10 @@ const tests = {
   async "lesson 4: friction and spin decide the time"() {
     const end = async (link) => fixed((await runOf(link)).end, 1);
     says(4, `${await end(STEPS_OF_LESSON[3].ours)} s instead of ${await end(STEPS_OF_LESSON[3].theirs)} s`);
-    says(4, `at k = 0.03 and 100 rad/s (${fixed(revolutions(100), 1)} rev/s) the top is upright after ${await end("full-coulomb&initial.psi_dot=100")} s`);
-    const weak = await runOf("full-coulomb&initial.psi_dot=30");
+    // The student lowers the spin of B, whose k is 0.06.
+    const { ours } = STEPS_OF_LESSON[3];
+    says(4, `at k = 0.06 and 100 rad/s (${fixed(revolutions(100), 1)} rev/s) B is upright after ${await end(`${ours}&initial.psi_dot=100`)} s`);
+    const weak = await runOf(`${ours}&initial.psi_dot=30`);
     assert.match(weak.sentence, /fallen/);
     says(4, `at 30 rad/s (${fixed(revolutions(30), 1)} rev/s), after ${fixed(weak.end, 1)} s`);
   },
