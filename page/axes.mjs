@@ -81,9 +81,14 @@ function extent(envelopes, isSpiky) {
   return [robust(lows, 0.02, lows[0]), robust(highs, 0.98, highs.at(-1))];
 }
 
-/** The range of an axis: the envelopes with padding, but never so narrow that noise fills it. */
-export function axisRange(envelopes, { isSpiky }, scale, isZoomed) {
+/** The range of an axis: the envelopes with padding, but never so narrow that noise fills it. Constants are shown with zero, to which their size compares. */
+export function axisRange(envelopes, { isSpiky }, scale, isZoomed, isConstant = false) {
   const [low, high] = extent(envelopes, isSpiky);
+  if (isConstant && !isZoomed) {
+    const [least, most] = [Math.min(low, 0), Math.max(high, 0)];
+    const room = 0.06 * (most - least) || 1;
+    return most > least ? [least - room, most + room] : [-room, room];
+  }
   const least = (isZoomed ? LEAST_SPAN.zoomed : LEAST_SPAN.whole) * scale || 1;
   const span = Math.max(1.12 * (high - low), least);
   const middle = (low + high) / 2;

@@ -34,11 +34,13 @@ export function valueAt(key, place) {
   return isLogarithmic(key) ? low * (high / low) ** place : low + place * (high - low);
 }
 
-/** A short number within the valid range: rounding must not leave it. */
+/** A short number within the valid range: the range's ends may have many digits (the next number above 0.02), so it is rounded inward. */
 export function validText(key, value) {
   for (const digits of [3, 5, 8]) {
-    const text = typed(value, digits);
-    if (!key.range || (Number(text) >= key.range[0] && Number(text) <= key.range[1])) return text;
+    const unit = 10 ** (Math.floor(Math.log10(Math.abs(value) || 1)) + 1 - digits);
+    const texts = [value, value + unit, value - unit].map((each) => typed(each, digits));
+    const valid = texts.find((text) => !key.range || (Number(text) >= key.range[0] && Number(text) <= key.range[1]));
+    if (valid !== undefined) return valid;
   }
   return String(value);
 }

@@ -8,6 +8,7 @@ const LEFT = 58;
 const RIGHT = 12;
 const HEAD = 18; // above each panel, for its label and values
 const FOOT = 30;
+const NO_CURVES = "The run ends at its start: there are no curves.";
 const SMALL = "12px system-ui, sans-serif";
 
 /**
@@ -52,6 +53,9 @@ function envelope(run, name, [from, to], width) {
   }
   return { low, high };
 }
+
+/** Whether there is nothing to draw over time: each run has a single sample. */
+export const isMoment = (runs) => runs.every(({ run }) => run.columns.time.length < 2);
 
 /** A value in its unit and in the one that people imagine; a constant has one digit more. */
 function valueText(value, { unit, inDegrees }, { isShort, isConstant }) {
@@ -124,7 +128,7 @@ export class TimeCanvas {
     pen.font = SMALL;
     const x = this.xOf(time);
     pen.fillStyle = getComputedStyle(canvas).color;
-    if (x >= LEFT - 0.5 && x <= width - RIGHT + 0.5) pen.fillRect(x - 0.5, HEAD, 1, height - HEAD - (this.foot ?? 0));
+    if (this.window[1] > this.window[0] && x >= LEFT - 0.5 && x <= width - RIGHT + 0.5) pen.fillRect(x - 0.5, HEAD, 1, height - HEAD - (this.foot ?? 0));
     over(pen, width, height);
   }
 }
@@ -136,6 +140,7 @@ export class Curves extends TimeCanvas {
   draw(runs, window, isZoomed, time, seen = Infinity) {
     this.window = window;
     this.isZoomed = isZoomed;
+    this.canvas.setAttribute("aria-label", isMoment(runs) ? NO_CURVES : "Curves over time");
     const key = runs.map(({ run, color }) => [run.digest, color]);
     this.show(
       key,
@@ -150,6 +155,7 @@ export class Curves extends TimeCanvas {
 
   /** The values at the cursor, in the upper right corner of each panel. */
   values(pen, runs, time, seen, width, height) {
+    if (isMoment(runs)) return;
     pen.textAlign = "right";
     this.panelsOf(runs, height).forEach(({ quantity, ends: [top] }) => {
       let x = width - RIGHT;
@@ -174,6 +180,12 @@ export class Curves extends TimeCanvas {
 
   panels(pen, runs, width, height) {
     const style = getComputedStyle(this.canvas);
+    if (isMoment(runs)) {
+      pen.fillStyle = style.color;
+      pen.textAlign = "left";
+      pen.fillText(NO_CURVES, 8, HEAD);
+      return;
+    }
     const times = ticks(...this.window, Math.max(width / 90, 2));
     for (const { quantity, ends } of this.panelsOf(runs, height)) this.panel(pen, runs, quantity, ends, times, style);
     pen.textAlign = "center";
@@ -187,12 +199,15 @@ export class Curves extends TimeCanvas {
     const { across } = this;
     const envelopes = runs.map(({ run }) => envelope(run, name, this.window, across));
     const scale = Math.max(...runs.map(({ run }) => scaleOf(run, quantity)));
-    const [low, high] = axisRange(envelopes, quantity, scale, this.isZoomed);
+    const isConstant = runs.every(({ run }) => constantOf(run, quantity) !== null);
+    const [low, high] = axisRange(envelopes, quantity, scale, this.isZoomed, isConstant);
     const y = (value) => bottom - ((value - low) / (high - low)) * (bottom - top);
     const yOfAxis = (value) => bottom - ((value - ofAxis(low)) / (ofAxis(high) - ofAxis(low))) * (bottom - top);
     pen.fillStyle = style.getPropertyValue("--line");
     for (const time of times) pen.fillRect(this.xOf(time), top, 1, bottom - top);
-    for (const value of ticks(ofAxis(low), ofAxis(high), Math.max((bottom - top) / 22, 2.5))) {
+    // A quantity that stays zero has no size for other ticks.
+    const marks = isConstant && low === -high ? [0] : ticks(ofAxis(low), ofAxis(high), Math.max((bottom - top) / 22, 2.5));
+    for (const value of marks) {
       pen.fillStyle = style.getPropertyValue("--line");
       pen.fillRect(LEFT, yOfAxis(value), across, 1);
       pen.fillStyle = style.color;

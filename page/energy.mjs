@@ -1,7 +1,7 @@
 // Where the energy is: stacked areas over time, and the changes since the start in numbers.
 
 import { indexAt, ticks } from "./axes.mjs";
-import { CURVE_MARGINS, TimeCanvas } from "./curves.mjs";
+import { CURVE_MARGINS, TimeCanvas, isMoment } from "./curves.mjs";
 import { fixed, written } from "./numbers.mjs";
 
 /** The parts of the energy, from the bottom of the stack: height above the table, spin, other motion, heat. */
@@ -39,7 +39,7 @@ export class EnergyAreas extends TimeCanvas {
     this.show(
       key,
       time,
-      (pen, width, height) => this.endsOf(runs, height).forEach((ends, index) => this.panel(pen, runs[index], ends, runs.length > 1)),
+      (pen, width, height) => isMoment(runs) || this.endsOf(runs, height).forEach((ends, index) => this.panel(pen, runs[index], ends, runs.length > 1)),
       (pen, width, height) => this.endsOf(runs, height).forEach((ends) => this.cover(pen, seen, ends)),
     );
   }

@@ -437,10 +437,24 @@ const ACTIONS = {
   help: () => at("help").click(),
   turn: (event) => view.turn(...{ ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] }[event.key]),
 };
+const TEXT_FIELDS = "input:not([type=range], [type=checkbox]), textarea";
+
+/**
+ * Whether the focused element uses a key itself. Space and A are the page's everywhere but in text fields; after Tab, also
+ * a box or a list keeps Space, because nothing else operates it. (Enter operates buttons.)
+ */
+function isOwnKey({ target, key }) {
+  if (target.closest(TEXT_FIELDS) || target.closest("select:focus-visible")) return true;
+  if (key === " ") return target.matches("[type=checkbox]:focus-visible");
+  if (key === "Enter") return target.closest("button, summary, a") !== null;
+  return target.closest("input, select") !== null && !["a", "A", "?"].includes(key);
+}
+// Firefox clicks a button when Space is released.
+addEventListener("keyup", (event) => {
+  if (event.key === " " && event.target.closest("button, summary, input") && !isOwnKey(event) && !at("keys").open) event.preventDefault();
+});
 addEventListener("keydown", (event) => {
-  const isTyping = event.target.closest("input, select, textarea");
-  const isButton = event.target.closest("button, summary, a") && (event.key === " " || event.key === "Enter");
-  if (isTyping || isButton || event.ctrlKey || event.metaKey || event.altKey || at("keys").open) return;
+  if (isOwnKey(event) || event.ctrlKey || event.metaKey || event.altKey || at("keys").open) return;
   const place = event.target.id === "top" ? "top" : "";
   const key = KEYS.find((each) => each.keys.includes(event.key) && (each.place === place || (!each.place && !place))) ?? KEYS.find((each) => !each.place && each.keys.includes(event.key));
   if (!key || (event.target.id === "events" && event.key.startsWith("Arrow"))) return;

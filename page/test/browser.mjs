@@ -358,6 +358,46 @@ const tests = {
     await tab.keyboard.press("a");
     await tab.waitForFunction(() => document.getElementById("pin").textContent === "Remove A");
   },
+  async "Space plays or pauses, and A keeps the run, wherever the focus is"(tab) {
+    await pause(tab);
+    for (const id of ["knob-k", "time", "play", "show-slip", "speed", "reset-view", "to-lesson"]) {
+      await tab.evaluate((id) => {
+        document.activeElement.blur();
+        document.getElementById(id).focus({ focusVisible: false });
+      }, id);
+      const isChecked = await tab.isChecked("#show-slip");
+      await tab.keyboard.press(" ");
+      assert.equal(await tab.textContent("#play"), "Pause", id);
+      await tab.keyboard.press(" ");
+      assert.equal(await tab.textContent("#play"), "Play", id);
+      assert.equal(await tab.isChecked("#show-slip"), isChecked);
+      await tab.keyboard.press("a");
+      assert.equal(await tab.textContent("#pin"), "Remove A", id);
+      await tab.keyboard.press("a");
+    }
+    await tab.click('#presets [value="drop"]');
+    await becomes(tab, "drop:");
+    await tab.keyboard.press(" ");
+    assert.equal(await tab.textContent("#play"), "Pause");
+    await pause(tab);
+    // Text fields take both; a box that was reached by Tab takes Space.
+    await openAll(tab);
+    await box(tab, "friction.k").focus();
+    await tab.keyboard.press(" ");
+    await tab.keyboard.press("a");
+    assert.deepEqual([await tab.textContent("#play"), await tab.textContent("#pin")], ["Play", "Keep as A"]);
+    await tab.evaluate(() => document.getElementById("show-slip").focus({ focusVisible: true }));
+    await tab.keyboard.press(" ");
+    assert.equal(await tab.isChecked("#show-slip"), false);
+  },
+  async "a run of one sample says that it has no curves"() {
+    const other = await open("#paper&stop.duration=1e-9");
+    assert.match(await summary(other), /stopped at the time limit/);
+    await other.waitForTimeout(200);
+    assert.match(await other.getAttribute("#curves", "aria-label"), /ends at its start/);
+    await shot(other, "moment");
+    await other.close();
+  },
   async "it starts again at the end"(tab) {
     await tab.selectOption("#speed", "5");
     await tab.locator("#time").evaluate((slider) => {

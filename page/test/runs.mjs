@@ -150,6 +150,22 @@ const tests = {
       }
     }
   },
+  async "a slider's end is a short number within the range"() {
+    const key = toprise.ask({ form: { preset: "paper", set: {} } }).find(({ path }) => path === "initial.theta");
+    assert.equal(validText(key, key.range[0]), "0.0201");
+    assert.equal(validText({ range: [0.1, 1.4499999999999997] }, 1.4499999999999997), "1.44");
+    assert.equal(validText({ range: [-1, -0.020000000000000004] }, -0.020000000000000004), "-0.0201");
+    assert.equal(validText({ range: [0, 1] }, 0), "0");
+  },
+  "constants are drawn on an axis with zero"() {
+    const rangeOf = (value) => axisRange([{ low: [value], high: [value] }], {}, Math.abs(value), false, true);
+    for (const value of [1.0856, -3, 2e-7]) {
+      const [low, high] = rangeOf(value);
+      assert.ok(low < Math.min(value, 0) && high > Math.max(value, 0), value);
+      assert.ok(high - low < 1.2 * Math.abs(value), value);
+    }
+    assert.deepEqual(rangeOf(0), [-1, 1]);
+  },
   "numbers are written as people write them"() {
     for (const [made, expected] of [
       [typed(4.4000000000000006e-5), "4.4e-5"],
