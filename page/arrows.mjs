@@ -49,6 +49,9 @@ export const ARROWS = {
   },
 };
 
+/** The colour of an arrow's label: mixed with that of text, because the arrows' own are too light to read. */
+export const labelColor = (color, ink) => `color-mix(in srgb, ${color} 60%, ${ink})`;
+
 /** A vector of a run at a sample, in the world. */
 export function vectorAt({ columns }, { columns: [x, y, z] }, index) {
   return [columns[x][index], columns[y][index], z ? columns[z][index] : 0];

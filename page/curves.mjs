@@ -23,7 +23,7 @@ const SPIN = { name: "psi_dot", label: "spin ψ̇", unit: "rad/s", mean: 4, isSp
 const AXIAL = { name: "axial_rate", label: "spin about the axis ω·n", unit: "rad/s" };
 const SLIP = { name: "slip_speed", label: "slip speed", unit: "m/s" };
 const HEIGHT = { name: "height", label: "height of the peg above the table", unit: "m" };
-const ENERGY = { name: "energy", label: "energy", unit: "J" };
+const ENERGY = { name: "mechanical", label: "energy, zero at the table", unit: "J" };
 const FIXED = [TILT, PRECESSION, NUTATION, SPIN, SLIP, ENERGY];
 const FREE = [TILT, FREE_NUTATION, AXIAL, SLIP, HEIGHT, ENERGY];
 

@@ -74,7 +74,7 @@ export class EnergyAreas extends TimeCanvas {
     });
     pen.fillStyle = style.color;
     pen.textAlign = "left";
-    pen.fillText(`${isNamed ? `${name.split(":")[0]}: ` : ""}where the energy is (J)`, left - 46, top - 5);
+    pen.fillText(`${isNamed ? `${name.split(":")[0]}: ` : ""}where the energy is, zero at the table (J)`, left - 46, top - 5);
   }
 
   /** The sample at a part of the window; null after the end of the run. */

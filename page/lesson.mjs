@@ -33,7 +33,7 @@ export const STEPS_OF_LESSON = [
     question: "The centre of mass rises, although friction takes energy away. What pays for it?",
     watch: "the energy areas, and the numbers below them near the end of the run.",
     answer:
-      "The spin. It loses 239.7 mJ: 2.6 mJ of them lift the top, 237.1 mJ become heat. The spin falls from 27.3 to 24.0 rev/s. To rise by 2.4 mm is cheap, to do it by slipping is not.",
+      "The spin. It loses 239.7 mJ: 2.6 mJ of them lift the top, 237.1 mJ become heat. The spin ω·n falls from 27.3 to 24.0 rev/s. To rise by 2.4 mm is cheap, to do it by slipping is not.",
   },
   {
     title: "What makes it rise faster?",

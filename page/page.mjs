@@ -1,6 +1,6 @@
 // The page's state: the edited scenario, its run, and a pinned run for comparison.
 
-import { ARROWS } from "./arrows.mjs";
+import { ARROWS, labelColor } from "./arrows.mjs";
 import { Controls } from "./controls.mjs";
 import { Curves } from "./curves.mjs";
 import { at, element } from "./elements.mjs";
@@ -388,7 +388,7 @@ at("arrows").replaceChildren(
       draw();
     };
     const sign = element("b", { textContent: symbol });
-    sign.style.color = color;
+    sign.style.color = labelColor(color, "var(--ink)");
     return element("label", {}, box, `${label} `, sign, " ", element("small", { id: `scale-${name}` }));
   }),
 );

@@ -1,6 +1,6 @@
 // 3D view of the top at a time of the run.
 
-import { ARROWS, arrowScale, barLength, vectorAt } from "./arrows.mjs";
+import { ARROWS, arrowScale, barLength, labelColor, vectorAt } from "./arrows.mjs";
 import { indexAt } from "./axes.mjs";
 import { gestures } from "./gestures.mjs";
 import { degrees, fixed, prefixed, revolutions, written } from "./numbers.mjs";
@@ -308,7 +308,7 @@ export class View {
     pen.lineTo(end[0] - 0.8 * head * ux, end[1] - 0.8 * head * uy);
     pen.stroke();
     this.head(start, [end[0] - 0.3 * head * ux, end[1] - 0.3 * head * uy], color, head);
-    this.text(label, [end[0] + 12 * ux, end[1] + 12 * uy + 5], color, `600 14px ${FONT}`, ux < -0.3 ? "right" : "left");
+    this.text(label, [end[0] + 12 * ux, end[1] + 12 * uy + 5], labelColor(color, this.colors.ink), `600 14px ${FONT}`, ux < -0.3 ? "right" : "left");
   }
 
   /** The tilt and the spin at this moment, in the upper left corner; after the end of the run, those at its end. */

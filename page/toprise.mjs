@@ -17,6 +17,15 @@ export async function load(module) {
 }
 
 /**
+ * Adds the mechanical energy with the zero of the energy areas: the centre of mass at the height of the table. (The
+ * program's own zero is at the peg's centre.)
+ */
+function withMechanical(columns) {
+  const { kinetic, height_energy: height } = columns;
+  return { ...columns, mechanical: kinetic.map((energy, index) => energy + height[index]) };
+}
+
+/**
  * Simulates a scenario in slices, and calls `goOn` between them; null if it answers false.
  * Returns what `start` says of the scenario, the end of the run and its columns by name, or `{ error }`.
  */
@@ -31,5 +40,5 @@ export async function simulated(toprise, scenario, columns, goOn = () => true) {
   } while (!progress.error && !progress.sentence);
   if (progress.error) return { error: progress.error };
   const values = columns.map((name, index) => [name, toprise.column(index, progress.samples)]);
-  return { scenario, ...start, ...progress, columns: Object.fromEntries(values) };
+  return { scenario, ...start, ...progress, columns: withMechanical(Object.fromEntries(values)) };
 }

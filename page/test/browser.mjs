@@ -434,6 +434,55 @@ const tests = {
     assert.ok(top.y >= 0 && top.y + top.height <= slider.y && slider.y + slider.height <= 844, JSON.stringify([top, slider]));
     await shot(tab, "phone-slider");
   },
+  async "a narrow phone has no sideways scroll, a time slider of full width and all boxes of arrows"(tab) {
+    for (const width of [320, 360, 390]) {
+      await tab.setViewportSize({ width, height: 640 });
+      const [inner, outer] = await tab.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
+      assert.ok(inner <= outer, `${inner} > ${outer}`);
+      const time = await tab.locator("#time").boundingBox();
+      assert.ok(time.width > 0.85 * width, `${time.width} of ${width}`);
+      for (const label of await tab.locator("#arrows label").all()) {
+        const { x, width: wide } = await label.boundingBox();
+        assert.ok(x >= 0 && x + wide <= width, `${await label.textContent()} at ${width}`);
+      }
+      await shot(tab, `phone-${width}`);
+    }
+  },
+  async "texts have a contrast of 4.5 to 1, on light and dark"(tab) {
+    await openAll(tab);
+    await tab.click("#pin");
+    await box(tab, "friction.k").fill("-1");
+    await errorBecomes(tab, "friction.k = -1");
+    for (const colorScheme of ["light", "dark"]) {
+      await tab.emulateMedia({ colorScheme });
+      const poor = await tab.evaluate(() => {
+        const pen = Object.assign(document.createElement("canvas"), { width: 1, height: 1 }).getContext("2d", { willReadFrequently: true });
+        const rgba = (color) => {
+          pen.clearRect(0, 0, 1, 1);
+          pen.fillStyle = color;
+          pen.fillRect(0, 0, 1, 1);
+          return [...pen.getImageData(0, 0, 1, 1).data];
+        };
+        const luminance = (color) => {
+          const [r, g, b] = rgba(color).map((value) => (value / 255 <= 0.04045 ? value / 255 / 12.92 : ((value / 255 + 0.055) / 1.055) ** 2.4));
+          return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+        };
+        const contrast = (a, b) => {
+          const [low, high] = [luminance(a), luminance(b)].sort((x, y) => x - y);
+          return (high + 0.05) / (low + 0.05);
+        };
+        const backgroundOf = (place) => (rgba(getComputedStyle(place).backgroundColor)[3] > 0 ? getComputedStyle(place).backgroundColor : backgroundOf(place.parentElement));
+        const texts = [...document.body.querySelectorAll("*")].filter((each) => each.offsetParent && !each.disabled && [...each.childNodes].some((node) => node.nodeType === 3 && node.data.trim()));
+        const style = getComputedStyle(document.body);
+        const card = style.getPropertyValue("--card");
+        return [
+          ...texts.map((each) => [each.textContent.slice(0, 20), contrast(getComputedStyle(each).color, backgroundOf(each))]),
+          ...["--a", "--b", "--soft", "--ink"].map((name) => [name, contrast(style.getPropertyValue(name), card)]),
+        ].filter(([, ratio]) => ratio < 4.5);
+      });
+      assert.deepEqual(poor, [], colorScheme);
+    }
+  },
   async "a browser that is too old says so"() {
     const other = await context.newPage();
     await other.addInitScript(() => delete window.DecompressionStream);

@@ -7,7 +7,7 @@ import { ARROWS, arrowScale, vectorAt } from "../arrows.mjs";
 import { axisRange, constantOf, scaleOf } from "../axes.mjs";
 import { sliderRange, validText, valueAt } from "../controls.mjs";
 import { quantities } from "../curves.mjs";
-import { energyChanges } from "../energy.mjs";
+import { PARTS, energyChanges } from "../energy.mjs";
 import { STEPS_OF_LESSON } from "../lesson.mjs";
 import { degrees, fixed, imagined, prefixed, revolutions, typed, written } from "../numbers.mjs";
 import { isHidden, spinRing } from "../ring.mjs";
@@ -67,9 +67,19 @@ const tests = {
     const [height, spin, other, heat] = energyChanges(run, run.end).map((change) => 1e3 * change);
     assert.ok(Math.abs(height + spin + other + heat) < 1e-9);
     says(3, `loses ${fixed(-spin, 1)} mJ: ${fixed(height, 1)} mJ of them lift the top, ${fixed(heat, 1)} mJ become heat`);
-    says(3, `from ${fixed(revolutions(run.columns.axial_rate[0]), 1)} to ${fixed(revolutions(last(run.columns.axial_rate)), 1)} rev/s`);
+    says(3, `ω·n falls from ${fixed(revolutions(run.columns.axial_rate[0]), 1)} to ${fixed(revolutions(last(run.columns.axial_rate)), 1)} rev/s`);
     assert.equal((heat / height).toFixed(0), "90"); // in the notes for teachers
     says(3, `by ${fixed(height / run.top.weight, 1)} mm`);
+  },
+  async "the curve of energy is the sum of the areas, and changes as the program's energy does"() {
+    for (const preset of ["full-coulomb", "tippe-top", "drop"]) {
+      const { columns: c } = await runOf(preset);
+      c.time.forEach((_, i) => {
+        const sum = PARTS.slice(0, 3).reduce((sum, { at }) => sum + at(c, i), 0);
+        assert.ok(Math.abs(sum - c.mechanical[i]) < 1e-12, preset);
+        assert.ok(Math.abs(c.mechanical[i] - c.mechanical[0] - (c.energy[i] - c.energy[0])) < 1e-9, preset);
+      });
+    }
   },
   async "lesson 4: friction and spin decide the time"() {
     const end = async (link) => fixed((await runOf(link)).end, 1);
@@ -132,8 +142,8 @@ const tests = {
       }
     }
     const run = await runOf("frictionless");
-    const energy = quantities(run).find(({ name }) => name === "energy");
-    assert.equal(constantOf(run, energy).toFixed(4), "1.0856");
+    const energy = quantities(run).find(({ name }) => name === "mechanical");
+    assert.equal(constantOf(run, energy).toFixed(4), "1.0932");
     assert.equal(constantOf(await runOf("paper"), energy), null);
   },
   async "sliders offer only valid values"() {
