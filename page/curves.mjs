@@ -103,7 +103,7 @@ export class TimeCanvas {
   cover(pen, time, [top, bottom]) {
     const x = Math.max(this.xOf(time) + 1, LEFT);
     pen.fillStyle = getComputedStyle(this.canvas).getPropertyValue("--card");
-    if (x < LEFT + this.across) pen.fillRect(x, top, LEFT + this.across + 1 - x, bottom - top);
+    if (x < LEFT + this.across) pen.fillRect(x, top - 1, LEFT + this.across + 1 - x, bottom - top + 2);
   }
 
   /** Draws `paint(pen)` if `key` has changed, the cursor at `time`, and `over(pen)`. */

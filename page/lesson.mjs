@@ -4,7 +4,7 @@ import { element } from "./elements.mjs";
 
 /**
  * The steps. `ours` is the scenario that is edited (B), `theirs` the pinned one (A), `arrows` those that are shown.
- * The numbers in the answers are checked against the runs in page/test/lesson.mjs.
+ * The numbers in the answers are checked against the runs in page/test/runs.mjs.
  */
 export const STEPS_OF_LESSON = [
   {

@@ -323,7 +323,7 @@ export class View {
       [`spin ω·n ${fixed(revolutions(rate[i]), 1)} rev/s${isNarrow ? "" : ` (${fixed(rate[i], 1)} rad/s)`}`, ink],
       [flying[i] ? "in the air" : "", soft],
       [time > run.end ? `ended at ${fixed(run.end, 2)} s` : "", soft],
-      [this.isSunk ? "only the peg touches the table in this model" : "", soft],
+      ...(this.isSunk ? sunkNote(isNarrow) : []).map((words) => [words, soft]),
     ].filter(([words]) => words);
     lines.forEach(([words, paint], row) => this.text(words, [8, 18 + 18 * row], paint, `600 13px ${FONT}`));
   }
@@ -350,6 +350,9 @@ export class View {
     return `${lengthName(length)} = ${unit === "m/s" ? `${written(value)} m/s` : prefixed(value, unit)}`;
   }
 }
+
+/** The lines of the note on a body that reaches below the table. */
+const sunkNote = (isNarrow) => (isNarrow ? ["only the peg touches", "the table in this model"] : ["only the peg touches the table in this model"]);
 
 /** A power of ten of a metre: `1 cm`. */
 function lengthName(length) {

@@ -2,7 +2,7 @@
 
 import { element } from "./elements.mjs";
 
-/** Coefficients of friction and the times to rise of the preset full-coulomb, s. Checked in page/test/lesson.mjs. */
+/** Coefficients of friction and the times to rise of the preset full-coulomb, s. Checked in page/test/runs.mjs. */
 export const RISE_TIMES = [[0.015, 49.5], [0.02, 37.1], [0.03, 24.7], [0.04, 18.5], [0.06, 12.4]];
 
 export function showWorksheet(table, solution) {
