@@ -184,7 +184,7 @@ function showEnergy(runs, time) {
     square.style.background = PARTS[index].color;
     return element("span", {}, square, `${PARTS[index].label} `, element("b", { textContent: text }));
   });
-  at("energy-numbers").replaceChildren(element("small", { textContent: `Changes${of} since the start:` }), ...numbers);
+  at("energy-numbers").replaceChildren(element("small", { textContent: `Changes${of} since the start${time > run.end ? ", until its end" : ""}:` }), ...numbers);
 }
 
 function choose(when) {

@@ -483,6 +483,35 @@ const tests = {
       assert.deepEqual(poor, [], colorScheme);
     }
   },
+  async "the picture names a run's end, a body below the table, and the spin that it shows"() {
+    /** The texts of the picture of a link. */
+    async function textsOf(hash) {
+      const other = await context.newPage();
+      await other.addInitScript(() => {
+        window.texts = new Set();
+        const { fillText } = CanvasRenderingContext2D.prototype;
+        CanvasRenderingContext2D.prototype.fillText = function (text, ...place) {
+          if (this.canvas.id === "top") window.texts.add(text);
+          return fillText.call(this, text, ...place);
+        };
+      });
+      await other.goto(`${url}${hash}`);
+      await other.waitForSelector("body.ready");
+      await other.waitForTimeout(300);
+      const texts = await other.evaluate(() => [...window.texts].join("\n"));
+      const changes = await other.textContent("#energy-numbers small");
+      await other.close();
+      return { texts, changes };
+    }
+    const ended = await textsOf("#frictionless&vs=full-coulomb&at=22");
+    assert.match(ended.texts, /^ended at 20\.00 s$/m);
+    assert.equal(ended.changes, "Changes of B since the start, until its end:");
+    const running = await textsOf("#frictionless&vs=full-coulomb&at=12");
+    assert.doesNotMatch(running.texts, /ended/);
+    assert.match(running.texts, /^spin ω·n 27\.3 rev\/s$/m);
+    assert.doesNotMatch(running.texts, /only the peg/);
+    assert.match((await textsOf("#full-coulomb&initial.theta=1.4&at=0.2")).texts, /^only the peg touches the table in this model$/m);
+  },
   async "a browser that is too old says so"() {
     const other = await context.newPage();
     await other.addInitScript(() => delete window.DecompressionStream);
