@@ -72,8 +72,12 @@ pub enum Fact {
     },
     /// The contact point stops slipping.
     Sticks {
-        /// When, s.
+        /// When first, s.
         time: f64,
+        /// Number of times.
+        count: u64,
+        /// Whether it slips again at the end.
+        slips_at_end: bool,
     },
     /// The peg hops.
     Hops {
@@ -139,12 +143,12 @@ pub enum Fact {
         /// At the end of the rise, kg m²/s.
         last: f64,
     },
-    /// The axis stays close to the angular momentum.
+    /// The axis stays close to the line of the angular momentum.
     AngleToMomentum {
         /// The largest angle between them during the rise, rad.
         largest: f64,
     },
-    /// The axis turns towards the angular momentum.
+    /// The axis turns towards the line of the angular momentum.
     AngleToMomentumChange {
         /// The angle between them at the beginning, rad.
         first: f64,
@@ -315,8 +319,21 @@ impl Fact {
             Self::Loops { count, first } => {
                 format!("The axis loops {count} times, first at {}.", moment(*first))
             }
-            Self::Sticks { time } => {
-                format!("The contact point stops slipping at {}.", moment(*time))
+            Self::Sticks {
+                time,
+                count,
+                slips_at_end,
+            } => {
+                let times = match count {
+                    1 => format!("at {}", moment(*time)),
+                    count => format!("{}, first at {}", times(*count), moment(*time)),
+                };
+                let end = if *slips_at_end {
+                    ", but slips again at the end"
+                } else {
+                    ""
+                };
+                format!("The contact point stops slipping {times}{end}.")
             }
             Self::Hops { count: 1, first } => {
                 format!("The peg is in the air once, from {}.", moment(*first))
@@ -386,11 +403,11 @@ impl Fact {
                 quantity(*last, 3, "kg m²/s")
             ),
             Self::AngleToMomentum { largest } => format!(
-                "Meanwhile the axis is always within {} of the angular momentum.",
+                "Meanwhile the axis is always within {} of the line of the angular momentum.",
                 quantity(*largest, 2, "rad")
             ),
             Self::AngleToMomentumChange { first, last } => format!(
-                "The angle between the axis and the angular momentum decreases from {} to {}.",
+                "The angle between the axis and the line of the angular momentum decreases from {} to {}.",
                 significant(*first, 3),
                 quantity(*last, 3, "rad")
             ),

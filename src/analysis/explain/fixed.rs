@@ -13,12 +13,31 @@ pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
     facts.extend(end(evidence));
     facts.extend(loops(evidence));
     facts.extend(limits(evidence));
-    let history = &evidence.history;
-    let sticks = history
-        .first(EventKind::Stick)
-        .or_else(|| history.first(EventKind::SlipStops));
-    facts.extend(sticks.map(|event| Fact::Sticks { time: event.time }));
+    facts.extend(sticks(evidence));
     facts
+}
+
+/// The times at which the contact point stops slipping.
+fn sticks(evidence: &Evidence) -> Option<Fact> {
+    let mut first = None;
+    let (mut count, mut slips) = (0, true);
+    for event in &evidence.history.events {
+        match event.kind {
+            // It may stick in the moment in which it stops slipping.
+            Some(EventKind::Stick | EventKind::SlipStops) if slips => {
+                first = first.or(Some(event.time));
+                count += 1;
+                slips = false;
+            }
+            Some(EventKind::SlipResumes) => slips = true,
+            _ => {}
+        }
+    }
+    first.map(|time| Fact::Sticks {
+        time,
+        count,
+        slips_at_end: slips,
+    })
 }
 
 /// The inclinations at which a top has risen or fallen, if it reached them.
