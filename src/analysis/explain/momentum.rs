@@ -2,6 +2,9 @@
 //!
 //! The axis of a fast top stays close to its angular momentum. Why the axis rises is then a question about the angular
 //! momentum alone: what shortens its horizontal part?
+//!
+//! A top that spins the other way moves as its mirror image, and its angular momentum points down. Angles are therefore
+//! those of a line: the angular momentum times the sign of its vertical part at the start, which is kept for the run.
 
 use crate::analysis::history::Constancy;
 use crate::physics::math::{atan2, hypot, sin_cos};
@@ -12,6 +15,7 @@ use crate::telemetry::fields::{
     pose, state, torque,
 };
 use nalgebra::Vector3;
+use std::f64::consts::PI;
 
 /// The angular momentum and the axis at an instant. The angular momentum is about the centre of a fixed peg, or about
 /// the centre of mass of a top with a free one: there, friction is the only torque besides that of the normal force.
@@ -27,14 +31,30 @@ pub(super) struct MomentumState {
     pub(super) axial: f64,
     /// Inclination of the axis, rad.
     pub(super) theta: f64,
-    /// Angle between the angular momentum and the axis, rad.
+    /// Angle between the line of the angular momentum and the axis, rad.
     pub(super) angle_to_axis: f64,
+    /// Sense of the line of the angular momentum: 1 along it, −1 against it.
+    sense: f64,
 }
 
 impl MomentumState {
-    /// Inclination of the angular momentum, rad.
+    /// Inclination of the line of the angular momentum, rad.
     pub(super) fn inclination(&self) -> f64 {
-        atan2(self.horizontal, self.vertical)
+        atan2(self.horizontal, self.sense * self.vertical)
+    }
+
+    /// The same with the line in this sense, where it is that of the angular momentum itself.
+    fn with_sense(self, sense: f64) -> Self {
+        let angle_to_axis = if sense < 0.0 {
+            PI - self.angle_to_axis
+        } else {
+            self.angle_to_axis
+        };
+        Self {
+            angle_to_axis,
+            sense,
+            ..self
+        }
     }
 }
 
@@ -45,9 +65,9 @@ pub(super) struct MomentumSpan {
     pub(super) to: MomentumState,
     /// Change of the horizontal part by the torque of friction and air drag in the samples, kg m²/s.
     pub(super) by_friction: f64,
-    /// The largest angle between the angular momentum and the axis, rad.
+    /// The largest angle between the line of the angular momentum and the axis, rad.
     pub(super) angle_to_axis: f64,
-    /// The largest inclination of the angular momentum, rad.
+    /// The largest inclination of the line of the angular momentum, rad.
     pub(super) inclination: f64,
 }
 
@@ -162,6 +182,8 @@ impl MomentumHistory {
     }
 
     fn add(&mut self, state: MomentumState, shortening: f64) {
+        let vertical = self.whole.map_or(state, |span| span.from).vertical;
+        let state = state.with_sense(if vertical < 0.0 { -1.0 } else { 1.0 });
         Constancy::take(&mut self.vertical, state.vertical);
         Constancy::take(&mut self.axial, state.axial);
         self.largest = self.largest.max(hypot(state.horizontal, state.vertical));
@@ -217,6 +239,7 @@ impl PendingSample {
             axial: self.axial?,
             theta,
             angle_to_axis: atan2(axis.cross(&momentum).norm(), axis.dot(&momentum)),
+            sense: 1.0,
         };
         let shortening = if state.horizontal > 0.0 {
             torque.dot(&horizontal) / state.horizontal
