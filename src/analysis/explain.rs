@@ -25,7 +25,7 @@ mod observations;
 mod precession;
 mod story;
 
-pub use self::claim::{Claim, Stopped};
+pub use self::claim::{Claim, Hold, Inversion, Stopped};
 use self::evidence::Evidence;
 pub use self::fact::Fact;
 use self::observations::Observations;

@@ -21,7 +21,8 @@ pub enum Claim {
         mean_theta: Option<[f64; 2]>,
     },
     /// Friction shortens the horizontal part of the angular momentum, which turns it upright by more than twice its
-    /// largest angle to the axis: the axis must follow.
+    /// largest angle to the axis: the axis must follow. All angles to the angular momentum are those to its line: a
+    /// top that spins the other way has one that points down.
     FrictionRaises {
         /// Horizontal part of the angular momentum, kg m²/s; it decreases.
         horizontal: [f64; 2],
@@ -31,7 +32,7 @@ pub enum Claim {
         is_vertical_constant: bool,
         /// Change of the horizontal part by friction and air drag, kg m²/s: more than half of its change.
         by_friction: f64,
-        /// The largest angle between the axis and the angular momentum, rad.
+        /// The largest angle between the axis and the line of the angular momentum, rad.
         angle_to_momentum: f64,
         /// Inclination of the axis, rad; it decreases.
         theta: [f64; 2],
@@ -57,9 +58,9 @@ pub enum Claim {
     /// The angular momentum is nearly vertical, and the motion loses energy. An oblate body has the least energy when
     /// it turns about its axis: the axis turns towards the angular momentum.
     LossesAlign {
-        /// Angle between the axis and the angular momentum, rad; it decreases.
+        /// Angle between the axis and the line of the angular momentum, rad; it decreases.
         angle_to_momentum: [f64; 2],
-        /// The largest inclination of the angular momentum, rad: less than half of this decrease.
+        /// The largest inclination of the line of the angular momentum, rad: less than half of this decrease.
         momentum_inclination: f64,
         /// Energy, J; it decreases.
         energy: [f64; 2],
@@ -69,6 +70,11 @@ pub enum Claim {
         has_air_drag: bool,
     },
     /// The spin is, or becomes, too slow to hold the axis up, and the top falls.
+    ///
+    /// Without friction, energy and both angular momenta decide whether the motion from the start reaches the
+    /// inclination of the fall. They don't allow it without gravity: neither the motion at the start nor the
+    /// centrifugal force carries the axis there. With gravity they allow it if the top is weak from the start, and
+    /// don't if friction has to slow the spin first.
     WeakTopFalls {
         /// Angular momentum about the axis at the start and at the fall, kg m²/s.
         axial: [f64; 2],
@@ -115,6 +121,13 @@ pub enum Claim {
         energy: [f64; 2],
         /// What the end of the slip stops.
         stops: Stopped,
+        /// Whether it slipped before.
+        has_slipped: bool,
+        /// Whether the inclination is constant since then, within the integration error.
+        is_inclination_constant: bool,
+        /// Inversion of a tippe top; absent for other tops, if it is claimed, or if the axis passed the horizontal
+        /// and came back.
+        inversion: Option<Inversion>,
         /// Whether the peg rolls; otherwise it is fixed, and the top turns as a whole.
         rolls: bool,
     },
@@ -130,16 +143,40 @@ pub enum Claim {
         starts_in_air: bool,
         /// Time from which the peg is on the table to the end, s; absent if it is in the air at the end.
         lands: Option<f64>,
+        /// Whether it bounces to the end: it never stays on the table, hits it at least twice, and the last impact is
+        /// no longer ago than the others are apart.
+        bounces_to_end: bool,
     },
-    /// Friction holds the top at rest, to the end.
-    Rests {
-        /// Start, s.
+    /// The top does not move at all.
+    RestsFromStart {
+        /// Inclination, rad.
+        theta: f64,
+        /// What holds it.
+        held_by: Hold,
+    },
+    /// The top moves, and comes to rest; it stays there to the end.
+    ComesToRest {
+        /// Start of the rest, s.
         from: f64,
         /// Inclination, rad.
         theta: f64,
         /// Kinetic energy in the first and the last sample, J.
         kinetic: [f64; 2],
+        /// What holds it.
+        held_by: Hold,
     },
+}
+
+/// What holds a top at rest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Hold {
+    /// Static friction of a fixed peg, against gravity.
+    StaticFriction,
+    /// Rolling resistance of a free peg, against gravity.
+    RollingResistance,
+    /// Nothing has to: gravity has no torque.
+    Balance,
 }
 
 /// What the end of the slip stops.
@@ -148,10 +185,18 @@ pub enum Claim {
 pub enum Stopped {
     /// The rise of a top.
     Rise,
-    /// The inversion of a tippe top, before it has turned over.
-    Inversion,
     /// Nothing that has begun.
     Nothing,
+}
+
+/// Inversion of a tippe top by the time its contact point no longer slips.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Inversion {
+    /// The axis has not passed the horizontal, and does not to the end.
+    Absent,
+    /// The axis has passed the horizontal, and stays beyond it.
+    Complete,
 }
 
 impl Claim {
@@ -191,7 +236,7 @@ impl Claim {
                 let cause = works([*has_friction, *has_air_drag, false]);
                 let verb = if *has_friction && *has_air_drag { "take" } else { "takes" };
                 format!(
-                    "The precession is so fast that the angular momentum is nearly vertical, and {cause} {verb} energy from the motion. A body whose larger moment of inertia is that about its axis has least energy when it turns about this axis. So the axis turns towards the angular momentum, and the top rises."
+                    "The precession is so fast that the angular momentum is nearly vertical, and {cause} {verb} energy from the motion. A body whose larger moment of inertia is that about its axis has least energy when it turns about this axis. So the axis turns towards the line of the angular momentum, and the top rises."
                 )
             }
             Self::WeakTopFalls {
@@ -213,20 +258,45 @@ impl Claim {
             Self::Inverts { .. } => {
                 "The top turns over because its contact point slips. Friction at the contact point does not change Jellett's integral, and the angular momentum about the vertical keeps its sense while the axis turns over. So the spin about the axis is reversed in the end. The centre of mass rises, and the energy for this comes from the rotation.".to_owned()
             }
-            Self::SlipEnds { stops, rolls, .. } => slip_ends(*stops, *rolls).to_owned(),
+            Self::SlipEnds {
+                stops,
+                has_slipped,
+                is_inclination_constant,
+                inversion,
+                rolls,
+                ..
+            } => slip_ends(
+                *stops,
+                *has_slipped,
+                *is_inclination_constant,
+                *inversion,
+                *rolls,
+            ),
             Self::Bounces {
-                starts_in_air,
+                hops,
+                impacts,
+                starts_in_air: true,
+                lands,
+                lost,
+                bounces_to_end,
+            } => {
+                let end = FlightEnd::new(*hops, lands.is_some(), *bounces_to_end);
+                starts_in_flight(end, *impacts, *lost > 0.0)
+            }
+            Self::Bounces {
+                hops,
+                impacts,
                 lands,
                 lost,
                 ..
-            } => bounces(*starts_in_air, lands.is_some(), *lost > 0.0).to_owned(),
-            Self::Rests { kinetic, .. } => {
-                if kinetic[0] > 0.0 {
-                    "The top comes to rest: its kinetic energy is spent, and static friction holds it against gravity.".to_owned()
-                } else {
-                    "The top starts at rest, and static friction holds it against gravity.".to_owned()
-                }
+            } => peg_hops(*hops, *impacts, lands.is_some(), *lost > 0.0),
+            Self::RestsFromStart { held_by, .. } => {
+                format!("The top starts at rest, and {}.", holds(*held_by))
             }
+            Self::ComesToRest { held_by, .. } => format!(
+                "The top comes to rest: its kinetic energy is spent, and {}.",
+                holds(*held_by)
+            ),
         }
     }
 
@@ -289,7 +359,8 @@ impl Claim {
             Self::Conserves { .. }
             | Self::FrictionSpeedsPrecession { .. }
             | Self::Bounces { .. }
-            | Self::Rests { .. } => Vec::new(),
+            | Self::RestsFromStart { .. }
+            | Self::ComesToRest { .. } => Vec::new(),
         }
     }
 }
@@ -301,7 +372,7 @@ fn raises(vertical: [f64; 2], is_constant: bool, [friction, air]: [bool; 2]) -> 
         format!(
             "The torque of {cause} is horizontal: it shortens the horizontal part of the angular momentum and leaves the vertical part unchanged."
         )
-    } else if vertical[1] > vertical[0] {
+    } else if vertical[1].abs() > vertical[0].abs() {
         format!(
             "The torque of {cause} shortens the horizontal part of the angular momentum, while the vertical part grows."
         )
@@ -310,53 +381,137 @@ fn raises(vertical: [f64; 2], is_constant: bool, [friction, air]: [bool; 2]) -> 
             "The torque of {cause} shortens the horizontal part of the angular momentum by a larger fraction than the vertical part."
         )
     };
+    // The angular momentum of a top that spins the other way points down.
+    let line = if vertical[0] < 0.0 {
+        "the line of "
+    } else {
+        ""
+    };
     format!(
-        "The top rises because {cause} {turn} its angular momentum upright. {torque} The top spins so fast that its axis stays close to the angular momentum, and rises with it."
+        "The top rises because {cause} {turn} {line}its angular momentum upright. {torque} The top spins so fast that its axis stays close to {line}the angular momentum, and rises with it."
     )
 }
 
-fn slip_ends(stops: Stopped, rolls: bool) -> &'static str {
-    match (stops, rolls) {
-        (Stopped::Rise, true) => {
-            "The rise ends where the peg begins to roll: the contact point no longer slips, friction does no more work, and the axis nutates between fixed inclinations."
+fn slip_ends(
+    stops: Stopped,
+    has_slipped: bool,
+    is_constant: bool,
+    inversion: Option<Inversion>,
+    rolls: bool,
+) -> String {
+    let before = match inversion {
+        Some(Inversion::Absent) => "The top does not turn over. ",
+        Some(Inversion::Complete) => "The axis passes the horizontal, and stays beyond it. ",
+        None => "",
+    };
+    let grip = match (stops, rolls, has_slipped) {
+        (Stopped::Rise, true, _) => {
+            "The rise ends where the peg begins to roll: the contact point no longer slips, friction does no more work"
         }
-        (Stopped::Inversion, true) => {
-            "The top does not turn over, because the peg rolls: the contact point does not slip, friction does no work, and the axis nutates between fixed inclinations."
+        (Stopped::Rise, false, _) => {
+            "The rise ends where the contact point stops slipping: friction does no more work"
         }
-        (Stopped::Nothing, true) => {
-            "The peg rolls to the end: the contact point does not slip, friction does no work, and the axis nutates between fixed inclinations."
+        (Stopped::Nothing, true, true) => {
+            "The peg slips at first, and then rolls to the end: the contact point no longer slips, friction does no more work"
         }
-        (Stopped::Rise, false) => {
-            "The rise ends where the contact point stops slipping: friction does no more work, and the top turns as a whole, at a fixed inclination."
+        (Stopped::Nothing, true, false) => {
+            "The peg rolls to the end: the contact point does not slip, friction does no work"
         }
-        (Stopped::Inversion | Stopped::Nothing, false) => {
-            "The contact point does not slip to the end: friction does no work, and the top turns as a whole, at a fixed inclination."
+        (Stopped::Nothing, false, true) => {
+            "The contact point slips at first, and then sticks to the end: friction does no more work"
+        }
+        (Stopped::Nothing, false, false) => {
+            "The contact point does not slip to the end: friction does no work"
+        }
+    };
+    let motion = match (rolls, is_constant) {
+        (true, false) => "the axis nutates between fixed inclinations",
+        (true, true) => "the inclination of the axis stays constant",
+        (false, _) => "the top turns as a whole, at a fixed inclination",
+    };
+    format!("{before}{grip}, and {motion}.")
+}
+
+/// The end of a motion that begins in the air.
+enum FlightEnd {
+    Lands,
+    Bounces,
+    /// In the air, for the first or another time.
+    Flies,
+    FliesAgain,
+}
+
+impl FlightEnd {
+    fn new(hops: u64, lands: bool, bounces_to_end: bool) -> Self {
+        match (lands, bounces_to_end, hops) {
+            (true, ..) => Self::Lands,
+            (false, true, _) => Self::Bounces,
+            (false, false, 0 | 1) => Self::Flies,
+            (false, false, _) => Self::FliesAgain,
         }
     }
 }
 
-fn bounces(starts_in_air: bool, lands: bool, loses: bool) -> &'static str {
-    match (starts_in_air, lands, loses) {
-        (true, true, true) => {
-            "The top starts in the air. Its peg bounces, and the impacts dissipate energy, until it stays on the table."
+fn starts_in_flight(end: FlightEnd, impacts: u64, loses: bool) -> String {
+    let hits = match (impacts, loses) {
+        (0, _) => "",
+        (1, false) => " Its peg hits the table once.",
+        (1, true) => " Its peg hits the table once, and the impact dissipates energy.",
+        (_, false) => " Its peg bounces.",
+        (_, true) => " Its peg bounces, and the impacts dissipate energy.",
+    };
+    match (end, impacts, loses) {
+        (FlightEnd::Lands, 2.., true) => {
+            "The top starts in the air. Its peg bounces, and the impacts dissipate energy, until it stays on the table.".to_owned()
         }
-        (true, true, false) => "The top starts in the air, and its peg lands on the table.",
-        (true, false, true) => {
-            "The top starts in the air. Its peg bounces on the table to the end, and the impacts dissipate energy."
+        (FlightEnd::Lands, 1, true) => {
+            "The top starts in the air. Its peg hits the table once, the impact dissipates energy, and it stays on the table.".to_owned()
         }
-        (true, false, false) => "The top starts in the air, and is in the air at the end.",
-        (false, true, true) => {
-            "At times the force between peg and table falls to zero: the peg hops, and its impacts dissipate energy."
+        (FlightEnd::Lands, ..) => {
+            "The top starts in the air, and its peg lands on the table.".to_owned()
         }
-        (false, true, false) => {
-            "At times the force between peg and table falls to zero, and the peg hops."
+        (FlightEnd::Bounces, _, true) => {
+            "The top starts in the air. Its peg bounces on the table to the end, and the impacts dissipate energy.".to_owned()
         }
-        (false, false, true) => {
-            "At times the force between peg and table falls to zero: the peg hops, its impacts dissipate energy, and it is in the air at the end."
+        (FlightEnd::Bounces, _, false) => {
+            "The top starts in the air. Its peg bounces on the table to the end.".to_owned()
         }
-        (false, false, false) => {
-            "The force between peg and table falls to zero, and the peg is in the air at the end."
+        (FlightEnd::Flies, ..) => {
+            format!("The top starts in the air, and is in the air at the end.{hits}")
         }
+        (FlightEnd::FliesAgain, ..) => {
+            format!("The top starts in the air, lands, and is in the air again at the end.{hits}")
+        }
+    }
+}
+
+/// A top that hops from the table.
+fn peg_hops(hops: u64, impacts: u64, lands: bool, loses: bool) -> String {
+    let falls = if hops == 1 {
+        "Once the force between peg and table falls to zero"
+    } else {
+        "At times the force between peg and table falls to zero"
+    };
+    let dissipation = match (impacts, loses) {
+        (_, false) => "",
+        (1, true) => "its impact dissipates energy",
+        (_, true) => "its impacts dissipate energy",
+    };
+    match (lands, loses) {
+        (true, true) => format!("{falls}: the peg hops, and {dissipation}."),
+        (true, false) => format!("{falls}, and the peg hops."),
+        (false, true) => {
+            format!("{falls}: the peg hops, {dissipation}, and it is in the air at the end.")
+        }
+        (false, false) => format!("{falls}, and the peg is in the air at the end."),
+    }
+}
+
+fn holds(held_by: Hold) -> &'static str {
+    match held_by {
+        Hold::StaticFriction => "static friction holds it against gravity",
+        Hold::RollingResistance => "rolling resistance holds it against gravity",
+        Hold::Balance => "gravity has no torque that would move it",
     }
 }
 

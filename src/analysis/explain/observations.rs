@@ -2,9 +2,10 @@
 
 use super::momentum::MomentumHistory;
 use crate::run::simulation::EventKind;
+use crate::run::time::seconds;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{
-    CENTER_OF_MASS, ENERGY, EVENTS, STATE, center_of_mass, energy, events, state,
+    CENTER_OF_MASS, ENERGY, EVENTS, IMPACTS, STATE, center_of_mass, energy, events, state,
 };
 
 /// A quantity in the first and in the last sample.
@@ -36,6 +37,25 @@ pub(super) struct GripSpan {
     pub(super) energy: Option<Ends>,
 }
 
+/// The times of the impacts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ImpactTimes {
+    /// Time of the last impact, s.
+    pub(super) last: f64,
+    /// The longest time between successive impacts, s; 0 if there is only one.
+    pub(super) longest_gap: f64,
+}
+
+impl ImpactTimes {
+    fn take(times: &mut Option<Self>, time: f64) {
+        let longest_gap = times.map_or(0.0, |known| known.longest_gap.max(time - known.last));
+        *times = Some(Self {
+            last: time,
+            longest_gap,
+        });
+    }
+}
+
 /// What is observed of a run in one pass.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Observations {
@@ -46,6 +66,7 @@ pub(super) struct Observations {
     pub(super) center_height: Option<Ends>,
     /// The samples since the contact point stopped slipping; absent if it slips or is in the air at the end.
     pub(super) grip: Option<GripSpan>,
+    pub(super) impacts: Option<ImpactTimes>,
 }
 
 impl Observations {
@@ -77,6 +98,7 @@ impl Observations {
                 Ends::take(&mut self.center_height, height);
             }
             EVENTS => self.take_event(message),
+            IMPACTS => ImpactTimes::take(&mut self.impacts, seconds(message.time_ns)),
             _ => {}
         }
     }

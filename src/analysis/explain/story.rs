@@ -1,12 +1,13 @@
 //! Why a top moves as it does, in a paragraph.
 
-use super::claim::{Claim, Stopped};
+use super::claim::{Claim, Hold, Inversion, Stopped};
 use super::evidence::{Evidence, ROUNDED};
 use super::fact::Fact;
 use super::fixed;
 use super::observations::{Ends, GripSpan};
 use super::precession;
 use crate::analysis::history::{Constancy, PegPhase, in_phase};
+use crate::physics::math::sin_cos;
 use crate::run::simulation::{EventKind, StopReason};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -49,8 +50,10 @@ pub(super) fn story(evidence: &Evidence) -> Story {
     if !starts_in_air {
         claims.extend(bounces(evidence));
     }
-    claims.extend(inverts(evidence));
-    claims.extend(slip_ends(evidence, rises));
+    let inverts = inverts(evidence);
+    let is_inversion_claimed = inverts.is_some();
+    claims.extend(inverts);
+    claims.extend(slip_ends(evidence, rises, is_inversion_claimed));
     claims.extend(weak_top_falls(evidence));
     claims.extend(rests(evidence));
     Story { claims }
@@ -194,7 +197,12 @@ fn weak_top_falls(evidence: &Evidence) -> Option<Claim> {
     let axial = [span.from.axial, top.axial_moment * fallen.axial_rate()];
     let is_weak = axial[1].abs() < critical;
     let falls = fallen.state.theta > span.from.theta;
-    (is_weak && falls).then_some(Claim::WeakTopFalls {
+    let is_weak_from_start = axial[0].abs() < critical;
+    let falls_without_friction = can_reach(evidence, fallen.state.theta, top.gravity_moment());
+    // Strong at the start, the top falls because of friction; weak, it falls without it.
+    let is_cause = !can_reach(evidence, fallen.state.theta, 0.0)
+        && falls_without_friction == is_weak_from_start;
+    (is_weak && falls && is_cause).then_some(Claim::WeakTopFalls {
         axial,
         critical,
         theta: [span.from.theta, fallen.state.theta],
@@ -202,6 +210,34 @@ fn weak_top_falls(evidence: &Evidence) -> Option<Claim> {
         has_friction: model.friction.acts_at_contact(),
         has_air_drag: model.friction.has_air_drag(),
     })
+}
+
+/// Whether the motion from the start, without friction and with this largest torque of gravity, N m, reaches an
+/// inclination below that at the start, rad.
+///
+/// Energy and the angular momenta about the vertical and the axis are then constant, and so the part of the energy in θ̇
+/// is a function of θ that is positive in one interval only: that between the turning points. The axis swings to and fro
+/// between these, and reaches what is in between.
+fn can_reach(evidence: &Evidence, theta: f64, gravity_moment: f64) -> bool {
+    let model = &evidence.scenario.model;
+    let top = model.nutating_top();
+    let (rates, start) = (evidence.scenario.rates, evidence.scenario.angles.theta);
+    let ((start_sin, start_cos), (sin, cos)) = (sin_cos(start), sin_cos(theta));
+    // The centre of mass of a top with a free peg goes up and down with θ.
+    let nodding_moment = if model.support.is_free() {
+        let lever = top.center_distance * start_sin;
+        top.transverse_moment + top.mass * lever * lever
+    } else {
+        top.transverse_moment
+    };
+    let axial = top.axial_moment * (rates.psi + rates.phi * start_cos);
+    let precession_rate = rates.phi * start_sin;
+    let vertical = top.transverse_moment * precession_rate * start_sin + axial * start_cos;
+    let kinetic = 0.5 * nodding_moment * rates.theta * rates.theta
+        + 0.5 * top.transverse_moment * precession_rate * precession_rate;
+    let horizontal = (vertical - axial * cos) / sin;
+    let needed = 0.5 * horizontal * horizontal / top.transverse_moment;
+    kinetic + gravity_moment * (start_cos - cos) > needed
 }
 
 fn inverts(evidence: &Evidence) -> Option<Claim> {
@@ -236,7 +272,7 @@ fn inverts(evidence: &Evidence) -> Option<Claim> {
     )
 }
 
-fn slip_ends(evidence: &Evidence, rises: bool) -> Option<Claim> {
+fn slip_ends(evidence: &Evidence, rises: bool, is_inversion_claimed: bool) -> Option<Claim> {
     let GripSpan {
         from,
         theta_at_start,
@@ -256,13 +292,17 @@ fn slip_ends(evidence: &Evidence, rises: bool) -> Option<Claim> {
     if !rolls && !is_fixed_inclination {
         return None;
     }
-    let is_upright_tippe_top = evidence.history.is_of_tippe_top() && theta_range[1] < FRAC_PI_2;
     let stops = if rises && theta_range[1] < evidence.scenario.angles.theta {
         Stopped::Rise
-    } else if is_upright_tippe_top {
-        Stopped::Inversion
     } else {
         Stopped::Nothing
+    };
+    let starts_upright = evidence.scenario.angles.theta < FRAC_PI_2;
+    let inversion = match evidence.history.inverted {
+        _ if !evidence.history.is_of_tippe_top() || !starts_upright || is_inversion_claimed => None,
+        None => Some(Inversion::Absent),
+        Some(time) if time <= from && theta_range[0] > FRAC_PI_2 => Some(Inversion::Complete),
+        Some(_) => None,
     };
     Some(Claim::SlipEnds {
         from,
@@ -270,6 +310,10 @@ fn slip_ends(evidence: &Evidence, rises: bool) -> Option<Claim> {
         theta_range,
         energy: [first, last],
         stops,
+        // It slips no more since then.
+        has_slipped: evidence.summary.slip_path? > 0.0,
+        is_inclination_constant: is_fixed_inclination,
+        inversion,
         rolls,
     })
 }
@@ -281,27 +325,75 @@ fn starts_in_air(evidence: &Evidence) -> bool {
 
 fn bounces(evidence: &Evidence) -> Option<Claim> {
     let peg = evidence.summary.peg.as_ref()?;
-    let last = evidence.peg_intervals.last()?;
     // Otherwise the end is that of a recording, and not of the run.
     evidence.history.stop_reason()?;
-    let in_air_at_end = last.phase == PegPhase::Flying;
+    let in_air_at_end = is_in_air_at_end(evidence);
     let flights = in_phase(&evidence.peg_intervals, PegPhase::Flying);
     let lands = flights.last()?.to;
+    // Bounces between impacts are one flight.
+    let bounces_to_end = in_air_at_end
+        && flights.len() == 1
+        && evidence
+            .observations
+            .impacts
+            .zip(evidence.history.stop_time())
+            .is_some_and(|(impacts, end)| end - impacts.last <= impacts.longest_gap);
     Some(Claim::Bounces {
         hops: peg.hops?,
         impacts: peg.impacts?,
         lost: peg.impact_loss?,
         starts_in_air: starts_in_air(evidence),
         lands: Some(lands).filter(|_| !in_air_at_end),
+        bounces_to_end,
     })
+}
+
+/// Whether the peg is in the air at the end: its last event decides, because what follows may take no time.
+fn is_in_air_at_end(evidence: &Evidence) -> bool {
+    let mut is_in_air = starts_in_air(evidence);
+    for event in &evidence.history.events {
+        match event.kind {
+            Some(EventKind::LiftOff) => is_in_air = true,
+            Some(
+                EventKind::Landing
+                | EventKind::RollBegins
+                | EventKind::RollEnds
+                | EventKind::Rest
+                | EventKind::Pivot,
+            ) => is_in_air = false,
+            _ => {}
+        }
+    }
+    is_in_air
 }
 
 fn rests(evidence: &Evidence) -> Option<Claim> {
     let rest = evidence.history.first(EventKind::Rest)?;
     let kinetic = evidence.observations.kinetic?;
-    Some(Claim::Rests {
-        from: rest.time,
-        theta: rest.state.theta,
-        kinetic: [kinetic.first, kinetic.last],
+    let theta = rest.state.theta;
+    let held_by = hold(evidence, theta);
+    Some(if rest.time <= 0.0 && kinetic.first <= 0.0 {
+        Claim::RestsFromStart { theta, held_by }
+    } else {
+        Claim::ComesToRest {
+            from: rest.time,
+            theta,
+            kinetic: [kinetic.first, kinetic.last],
+            held_by,
+        }
     })
+}
+
+fn hold(evidence: &Evidence, theta: f64) -> Hold {
+    /// Distance from the vertical below which the axis is at it, rad: π isn't a floating-point number.
+    const VERTICAL: f64 = 1e-12;
+    let model = &evidence.scenario.model;
+    let (sin, _) = sin_cos(theta);
+    if sin.abs() < VERTICAL || model.top.gravity_moment() == 0.0 {
+        Hold::Balance
+    } else if model.support.is_free() {
+        Hold::RollingResistance
+    } else {
+        Hold::StaticFriction
+    }
 }

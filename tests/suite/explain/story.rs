@@ -5,7 +5,9 @@ use crate::support::{MemorySink, scenario};
 use nalgebra::Vector3;
 use std::error::Error;
 use std::f64::consts::FRAC_PI_2;
-use toprise::analysis::explain::{Claim, Explainer, Explanation, Stopped, explain};
+use toprise::analysis::explain::{
+    Claim, Explainer, Explanation, Fact, Hold, Inversion, Stopped, explain,
+};
 use toprise::analysis::subject::ReadEnd;
 use toprise::archive::format::end_entries;
 use toprise::archive::sink::Sink as _;
@@ -204,15 +206,29 @@ fn check(told: &Told, claim: &Claim) {
             from,
             theta_range,
             stops,
+            has_slipped,
+            inversion,
             ..
-        } => check_grip(told, *from, *theta_range, *stops),
+        } => {
+            check_grip(told, *from, *theta_range, *stops);
+            let paths = told.numbers(contact::SLIP_PATH);
+            assert_eq!(*has_slipped, paths.iter().any(|path| *path > 0.0));
+            let inversions = told.times_of(EventKind::Inverts);
+            match inversion {
+                Some(Inversion::Absent) => assert!(inversions.is_empty(), "{claim:?}"),
+                Some(Inversion::Complete) => assert!(inversions[0] <= *from, "{claim:?}"),
+                None => {}
+            }
+        }
         Claim::Bounces {
             hops,
             impacts: count,
             lost,
             starts_in_air,
             lands,
+            bounces_to_end,
         } => {
+            assert!(!bounces_to_end || (*count >= 2 && lands.is_none()));
             let lift_offs = told.times_of(EventKind::LiftOff);
             let in_air = u64::from(*starts_in_air);
             assert!(*hops <= lift_offs.len() as u64 + in_air, "{claim:?}");
@@ -231,7 +247,12 @@ fn check(told: &Told, claim: &Claim) {
                 assert_eq!(told.numbers(contact::REGIME)[0], 2.0);
             }
         }
-        Claim::Rests { from, kinetic, .. } => {
+        Claim::RestsFromStart { .. } => {
+            assert_eq!(told.times_of(EventKind::Rest), [0.0]);
+            assert_eq!(told.ends(energy::KINETIC), [0.0; 2]);
+        }
+        Claim::ComesToRest { from, kinetic, .. } => {
+            assert!(*from > 0.0);
             assert!(told.times_of(EventKind::Rest).contains(from));
             assert_same("kinetic", *kinetic, told.ends(energy::KINETIC));
             let rest = told.of_topic(EVENTS).next_back().unwrap();
@@ -267,10 +288,11 @@ fn check_momentum(told: &Told, part: [f64; 2], vertical: [f64; 2], until: f64) {
     assert_same("vertical", vertical, recorded.map(|l| l.z));
     assert!(part[1] < part[0]);
     // The axis must have followed the angular momentum.
-    let inclinations = recorded.map(|l| atan2(l.z, horizontal(&l).norm()));
+    let inclinations = recorded.map(|l| atan2(l.z.abs(), horizontal(&l).norm()));
     let mut largest = 0.0_f64;
+    let sense = vertical[0].signum();
     for (momentum, axis) in momenta[..=at].iter().zip(told.axes()) {
-        largest = largest.max(momentum.angle(&axis));
+        largest = largest.max((sense * momentum).angle(&axis));
     }
     assert!(inclinations[1] - inclinations[0] > 2.0 * largest - 1e-9);
 }
@@ -392,7 +414,6 @@ fn check_grip(told: &Told, from: f64, theta_range: [f64; 2], stops: Stopped) {
     }
     match stops {
         Stopped::Rise => assert!(theta_range[1] < thetas[0]),
-        Stopped::Inversion => assert!(theta_range[1] < FRAC_PI_2),
         Stopped::Nothing => {}
     }
 }
@@ -409,7 +430,8 @@ fn kinds(claims: &[Claim]) -> Vec<&'static str> {
             Claim::Inverts { .. } => "inverts",
             Claim::SlipEnds { .. } => "slip ends",
             Claim::Bounces { .. } => "bounces",
-            Claim::Rests { .. } => "rests",
+            Claim::RestsFromStart { .. } => "rests from start",
+            Claim::ComesToRest { .. } => "comes to rest",
         })
         .collect()
 }
@@ -490,7 +512,7 @@ fn rest_from_the_start_is_explained() {
     ];
     let told = Told::run(&scenario("full-coulomb", &keys), u32::MAX).unwrap();
     let claims = &told.explanation.story.claims;
-    assert_eq!(kinds(claims), ["rests"]);
+    assert_eq!(kinds(claims), ["rests from start"]);
     check(&told, &claims[0]);
     let text = told.explanation.story.text().unwrap();
     assert!(text.starts_with("The top starts at rest"), "{text}");
@@ -505,4 +527,228 @@ fn names_a_top_that_is_weak_from_the_start() {
     check(&told, &claims[0]);
     let text = told.explanation.story.text().unwrap();
     assert!(text.contains("weak from the start"), "{text}");
+}
+
+/// The words of the causes of a run, which are checked by its numbers.
+fn checked(preset: &str, keys: &[(&str, &str)]) -> (Told, String) {
+    let told = Told::run(&scenario(preset, keys), u32::MAX).unwrap();
+    for claim in &told.explanation.story.claims {
+        check(&told, claim);
+    }
+    let text = told.explanation.story.text().unwrap_or_default();
+    (told, text)
+}
+
+/// A top that starts with no speed, moves and comes to rest did not start at rest.
+#[test]
+fn comes_to_rest_after_moving() {
+    let slips: &[(&str, &str)] = &[
+        ("initial.theta", "2"),
+        ("initial.psi_dot", "0"),
+        ("initial.phi_dot", "0"),
+        ("stop.theta_risen", ""),
+        ("stop.theta_fallen", ""),
+        ("formulation", "body"),
+        ("stop.on_stick", "continue"),
+    ];
+    let falls: &[(&str, &str)] = &[
+        ("initial.theta", "1"),
+        ("initial.psi_dot", "0"),
+        ("initial.phi_dot", "0"),
+        ("rolling.arm", "1e-4"),
+        ("stop.theta_fallen", ""),
+    ];
+    let drops: &[(&str, &str)] = &[
+        ("initial.theta", "0"),
+        ("initial.psi_dot", "0"),
+        ("initial.phi_dot", "0"),
+        ("rolling.arm", "1e-4"),
+        ("stop.theta_risen", ""),
+        ("stop.theta_fallen", ""),
+    ];
+    for (preset, keys, hold) in [
+        ("full-coulomb", slips, Hold::StaticFriction),
+        ("free-paper", falls, Hold::RollingResistance),
+        ("drop", drops, Hold::Balance),
+    ] {
+        let (told, text) = checked(preset, keys);
+        let claims = &told.explanation.story.claims;
+        let is_rest =
+            |claim: &Claim| matches!(claim, Claim::ComesToRest { held_by, .. } if *held_by == hold);
+        assert!(claims.iter().any(is_rest), "{preset}: {claims:?}");
+        assert!(
+            text.contains("comes to rest: its kinetic energy is spent"),
+            "{text}"
+        );
+        assert!(!text.contains("starts at rest"), "{text}");
+        assert!(!text.contains("to the end"), "{preset}: {text}");
+    }
+}
+
+/// A top that spins the other way moves as the mirror image.
+#[test]
+fn mirror_images_have_the_same_causes() {
+    for preset in PRESETS.iter() {
+        let run = scenario(&preset.name, &[]);
+        let mirrored: Vec<(&str, String)> = [
+            ("initial.psi_dot", run.rates.psi),
+            ("initial.phi_dot", run.rates.phi),
+        ]
+        .map(|(key, rate)| (key, (-rate).to_string()))
+        .into();
+        let keys: Vec<(&str, &str)> = mirrored.iter().map(|(k, v)| (*k, v.as_str())).collect();
+        let (told, text) = checked(&preset.name, &keys);
+        let story = explain(&run).unwrap().story;
+        let claims = &told.explanation.story.claims;
+        assert_eq!(kinds(claims), kinds(&story.claims), "{}", preset.name);
+        let is_about_momentum = text.contains("upright.");
+        assert_eq!(
+            is_about_momentum,
+            text.contains("the line of its angular momentum"),
+            "{text}"
+        );
+    }
+}
+
+/// Gravity is not the cause of a fall to which the motion at the start leads without it.
+#[test]
+fn thrown_tops_do_not_fall_by_weakness() {
+    let thrown: &[(&str, &[(&str, &str)])] = &[
+        (
+            "by precession",
+            &[
+                ("initial.psi_dot", "-90"),
+                ("initial.phi_dot", "100"),
+                ("initial.theta", "0.3"),
+            ],
+        ),
+        (
+            "by a kick",
+            &[("initial.psi_dot", "30"), ("initial.theta_dot", "300")],
+        ),
+    ];
+    for (name, keys) in thrown {
+        for gravity in ["9.81", "1e-9"] {
+            let mut keys = keys.to_vec();
+            keys.push(("gravity", gravity));
+            let (told, _) = checked("paper", &keys);
+            assert!(!told.times_of(EventKind::Fallen).is_empty(), "{name}");
+            let claims = &told.explanation.story.claims;
+            assert!(
+                !kinds(claims).contains(&"weak top falls"),
+                "{name}: {claims:?}"
+            );
+        }
+    }
+}
+
+/// Friction is not the cause of a fall that happens without it.
+#[test]
+fn strong_top_that_falls_without_friction_is_not_slowed() {
+    let keys = [
+        ("initial.psi_dot", "37.5"),
+        ("initial.phi_dot", "0"),
+        ("initial.theta", "1.4"),
+    ];
+    for k in ["0", "0.03", "0.3"] {
+        let mut keys = keys.to_vec();
+        keys.push(("friction.k", k));
+        let (told, _) = checked("full-coulomb", &keys);
+        assert!(!told.times_of(EventKind::Fallen).is_empty());
+        let claims = &told.explanation.story.claims;
+        assert!(!kinds(claims).contains(&"weak top falls"), "{claims:?}");
+    }
+}
+
+/// That rolling prevents an inversion is not shown: these tops would not turn over if they slipped.
+#[test]
+fn rolling_is_not_the_cause_of_a_missing_inversion() {
+    for (spin, slips) in [("80", true), ("5", true), ("0", false)] {
+        let keys = [("initial.psi_dot", spin), ("friction.k", "1")];
+        let (_, text) = checked("tippe-top-hangs", &keys);
+        assert!(!text.contains("because"), "{text}");
+        if text.contains("rolls") {
+            assert!(text.contains("The top does not turn over."), "{text}");
+            assert_eq!(text.contains("slips at first"), slips, "{text}");
+        }
+    }
+}
+
+/// A top that has turned over, and rolls then.
+#[test]
+fn rolling_after_inversion_mentions_both() {
+    let keys = [
+        ("initial.theta", "1.4"),
+        ("initial.psi_dot", "138.85"),
+        ("friction.k", "0.3"),
+        ("top.axial_moment", "4.5e-6"),
+        ("stop.duration", "3"),
+    ];
+    let (told, text) = checked("tippe-top-hangs", &keys);
+    assert_eq!(told.times_of(EventKind::Inverts).len(), 1);
+    assert!(text.contains("slips at first, and then rolls"), "{text}");
+    assert!(
+        text.contains("The top turns over") || text.contains("passes the horizontal"),
+        "{text}"
+    );
+}
+
+#[test]
+fn one_impact_is_no_bouncing() {
+    let (told, text) = checked("drop", &[("stop.duration", "0.0325")]);
+    assert_eq!(told.of_topic(IMPACTS).count(), 1);
+    assert!(!text.contains("bounces"), "{text}");
+    assert!(text.contains("hits the table once"), "{text}");
+}
+
+/// An upright top that rolls does not nutate.
+#[test]
+fn constant_inclination_is_no_nutation() {
+    let keys = [("initial.theta", "0"), ("friction.k", "1")];
+    let (_, text) = checked("tippe-top-hangs", &keys);
+    assert!(!text.contains("nutates"), "{text}");
+    assert!(text.contains("stays constant"), "{text}");
+}
+
+/// A contact point that sticks and slips by turns.
+#[test]
+fn counts_stops_of_slip() {
+    let keys = [
+        ("initial.theta", "2.2"),
+        ("initial.phi_dot", "20"),
+        ("initial.psi_dot", "0"),
+        ("friction.k", "1.848"),
+        ("drilling.k", "0.5"),
+        ("drilling.patch_radius", "2e-3"),
+        ("formulation", "body"),
+        ("stop.on_stick", "continue"),
+        ("stop.theta_risen", ""),
+        ("stop.theta_fallen", ""),
+        ("stop.duration", "2"),
+    ];
+    let (told, _) = checked("full-coulomb", &keys);
+    let resumes = told.times_of(EventKind::SlipResumes);
+    let stops = told.times_of(EventKind::Stick);
+    assert!(!resumes.is_empty());
+    let facts = told.explanation.chapters.iter().flat_map(|c| &c.facts);
+    let found: Vec<&Fact> = facts
+        .filter(|fact| matches!(fact, Fact::Sticks { .. }))
+        .collect();
+    let [
+        Fact::Sticks {
+            time,
+            count,
+            slips_at_end,
+        },
+    ] = found[..]
+    else {
+        panic!("{found:?}")
+    };
+    assert_eq!((*time, *count), (stops[0], stops.len() as u64));
+    assert_eq!(*slips_at_end, resumes.last() > stops.last());
+    let sentence = found[0].sentence();
+    assert!(
+        sentence.contains("first at") || sentence.contains("slips again"),
+        "{sentence}"
+    );
 }
