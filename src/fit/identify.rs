@@ -60,6 +60,9 @@ pub(super) fn identify(problem: &Problem, named: &[Named]) -> Result<Identified,
         return Err(FitError::NothingFree);
     }
     let hardly_shown = leave_out_weak(problem, named, &jacobian, &mut shown);
+    if shown.is_empty() {
+        return Err(FitError::NothingFree);
+    }
     let gram = gram(&jacobian, &shown);
     let mut parameters: Vec<Parameter> = Vec::new();
     for at in &shown {
@@ -115,7 +118,7 @@ fn leave_out_weak(
     /// Square of a component above which a parameter is involved in a direction.
     const INVOLVED: f64 = 0.01;
     let mut left_out = Vec::new();
-    loop {
+    while !shown.is_empty() {
         let gram = gram(jacobian, shown);
         let prior = |at: usize| problem.parameters[shown[at]].prior;
         let in_priors = DMatrix::from_fn(shown.len(), shown.len(), |i, j| {
@@ -135,6 +138,7 @@ fn leave_out_weak(
         let worst = direction.map(f64::abs).imax();
         left_out.push(problem.parameters[shown.remove(worst)].name());
     }
+    left_out
 }
 
 /// The points that the motion at the start reaches.

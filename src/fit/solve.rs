@@ -266,6 +266,10 @@ fn approach(
     centre: &[f64],
     watch: &Watch<'_>,
 ) -> Result<Vec<f64>, FitError> {
+    // A model without free parameters is evaluated, not fitted.
+    if start.is_empty() {
+        return Ok(Vec::new());
+    }
     let held = vec![false; start.len()];
     let mut objective = Objective::new(problem, points, Some(centre), held, watch);
     objective.config.ftol = WINDOW_PRECISION;

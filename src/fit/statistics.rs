@@ -1,6 +1,6 @@
 //! Statistics of residuals.
 
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use special::Gamma;
 
 /// Probability that χ² with these degrees of freedom is at least as large.
@@ -69,10 +69,16 @@ impl ScaledGram {
             let norm = norms[i] * norms[j];
             if norm > 0.0 { gram[(i, j)] / norm } else { 0.0 }
         });
-        Self {
-            norms,
-            eigen: scaled.symmetric_eigen(),
-        }
+        // The decomposition is not defined for a model without parameters.
+        let eigen = if norms.is_empty() {
+            SymmetricEigen {
+                eigenvectors: DMatrix::zeros(0, 0),
+                eigenvalues: DVector::zeros(0),
+            }
+        } else {
+            scaled.symmetric_eigen()
+        };
+        Self { norms, eigen }
     }
 
     /// The directions along which nothing changes, in units of 1/norm: eigenvectors whose eigenvalue is below a limit.
@@ -130,6 +136,14 @@ mod tests {
             assert!((found - p).abs() < 1e-9, "{found} {p}");
         }
         assert_eq!(chi2_p_value(f64::INFINITY, 3.0), 0.0);
+    }
+
+    #[test]
+    fn matrices_without_columns_have_empty_inverses() {
+        let gram = ScaledGram::new(&DMatrix::zeros(0, 0));
+        assert!(gram.inverse().is_empty());
+        assert!(gram.pseudo_inverse(1e-11).is_empty());
+        assert!(gram.null_directions(1e-11).is_empty());
     }
 
     #[test]

@@ -304,6 +304,22 @@ fn val_stribeck_is_told_from_other_laws() {
 }
 
 #[test]
+fn laws_without_free_parameters_are_evaluated() {
+    let truth = preset("full-coulomb");
+    let data = measure(&truth, 100.0, 2.0, &THETA_PHI, Some(3));
+    let mut request = Request::new(truth, data, &["friction.k"]);
+    request.compare = ["coulomb", "none"].map(str::to_owned).to_vec();
+    let comparison = fit(&request, &|_| {}).unwrap().report.comparison.unwrap();
+    let none = comparison
+        .laws
+        .iter()
+        .find(|law| law.law == "none")
+        .unwrap();
+    assert_eq!((none.failure.as_ref(), none.parameters.len()), (None, 0));
+    assert!(comparison.is_decided, "{}", comparison.sentence);
+}
+
+#[test]
 fn recovers_the_friction_of_its_own_motion() {
     let truth = preset("full-coulomb");
     let data = measure(&truth, 100.0, 20.0, &THETA_PHI, None);
