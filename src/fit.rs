@@ -31,7 +31,7 @@ pub use signal::{Signal, SignalSpec};
 pub use solve::Progress;
 
 use crate::run::scenario::Scenario;
-use estimate::{correlations, estimates, is_good, quality, signals};
+use estimate::{correlations, estimates, quality, signals, verdict};
 use model::Point;
 use solve::{Solution, Watch};
 
@@ -87,7 +87,7 @@ impl Request {
 pub struct Fit {
     /// The report.
     pub report: Report,
-    /// The best fit: it runs to the end of the data.
+    /// The best fit, with the preferred law of a comparison, or the scenario's: it runs to the end of the data.
     pub scenario: Scenario,
     /// The measured values and their residuals, in time order.
     pub residuals: Vec<Residual>,
@@ -138,17 +138,23 @@ pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitErr
         return Err(solve::error_from(refusal));
     }
     let modes = modes::modes(&problem, &split.fitted, &solution, &watch)?;
-    let (solution, modes) = (modes.best, modes.others);
-    let comparison = if request.compare.is_empty() {
-        None
-    } else {
+    let (mut solution, mut modes) = (modes.best, modes.others);
+    let mut comparison = None;
+    if !request.compare.is_empty() {
         let fitted = compare::Fitted {
             problem: &problem,
             solution: &solution,
             split: &split,
         };
-        Some(compare::compare(request, &fitted, &watch)?)
-    };
+        let compared = compare::compare(request, &fitted, &watch)?;
+        comparison = Some(compared.comparison);
+        // From here on everything is about the preferred law.
+        if let Some((preferred, others)) = compared.preferred {
+            problem = preferred.problem;
+            solution = preferred.solution;
+            modes = others;
+        }
+    }
     let mut profiles = Vec::new();
     for name in &request.profile {
         let profile = profile::profile(&problem, &split.fitted, &solution, name, &watch)?;
@@ -167,13 +173,8 @@ pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitErr
         held_out.as_deref().map(|r| (&split.held_out[..], r)),
     );
     let verdict = match &comparison {
-        _ if !quality.is_converged => Verdict::NotConverged,
-        Some(comparison) if comparison.is_decided => Verdict::Fitted,
-        Some(comparison) if comparison.laws.first().is_some_and(compare::is_credible) => {
-            Verdict::Undecided
-        }
-        None if is_good(&quality, &signals) => Verdict::Fitted,
-        Some(_) | None => Verdict::BadFit,
+        Some(comparison) => comparison.verdict(),
+        None => verdict(&quality, &signals),
     };
     let mut parameters = estimates(&problem, &solution, rescale);
     for (at, estimate) in parameters.iter_mut().enumerate() {
@@ -185,11 +186,12 @@ pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitErr
     let report = Report {
         verdict,
         scenario: request.scenario.name().to_owned(),
-        law: request.scenario.word("friction.law").to_owned(),
+        law: problem.scenario.word("friction.law").to_owned(),
         origin,
         loss: request.loss,
         until: split.end,
         signals,
+        losses: request.data.losses.clone(),
         notes,
         parameters,
         correlations: correlations(&problem, &solution),
@@ -221,11 +223,9 @@ pub fn sensitivities(request: &Request) -> Result<Vec<(String, Vec<f64>)>, FitEr
     let problem = Problem::new(scenario, parameters, signals, request.loss, origin)?;
     let start = problem.start();
     let points = &problem.points;
-    let residuals = problem
-        .residuals(&start, points)
-        .map_err(solve::error_from)?;
+    problem.predict(&start, points).map_err(solve::error_from)?;
     let fixed = vec![false; start.len()];
-    let columns = problem.jacobian(&start, &residuals, points, &fixed);
+    let columns = problem.jacobian(&start, points, &fixed);
     let names = problem.parameters.iter().map(Parameter::name);
     Ok(names.zip(columns).collect())
 }
@@ -249,9 +249,11 @@ fn prepare(request: &Request) -> Result<(Problem, Vec<String>, f64), FitError> {
             }
         }
     }
+    check_values(&signals)?;
     let parameters = parameters.collect();
     let mut problem = Problem::new(scenario, parameters, signals, request.loss, origin)?;
     problem.keep_until(request.until);
+    check_range(&problem, origin, request.until)?;
     if named.is_empty() {
         return Err(FitError::NothingFree);
     }
@@ -264,6 +266,43 @@ fn prepare(request: &Request) -> Result<(Problem, Vec<String>, f64), FitError> {
         });
     }
     Ok((problem, identified.notes, origin))
+}
+
+/// Refuses values that the sums of squares can't hold.
+fn check_values(signals: &[Signal]) -> Result<(), FitError> {
+    /// Well below the residual of a refused motion, and its square is finite.
+    const MAX_SIZE: f64 = 1e25;
+    for signal in signals {
+        for (at, value) in signal.values.iter().enumerate() {
+            let size = value.abs().max((value / signal.sigmas[at]).abs());
+            if size.is_nan() || size > MAX_SIZE {
+                return Err(FitError::Size {
+                    field: signal.field.to_string(),
+                    time: signal.times[at],
+                    value: *value,
+                    sigma: signal.sigmas[at],
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Refuses signals of the first file without a value in the time that is fitted.
+fn check_range(problem: &Problem, origin: f64, until: Option<f64>) -> Result<(), FitError> {
+    for (index, signal) in problem.signals.iter().enumerate() {
+        let mut points = problem.points.iter();
+        if signal.file == 0 && !points.any(|point| point.signal == index) {
+            return Err(FitError::OutOfRange {
+                field: signal.field.to_string(),
+                first: signal.times.first().copied().unwrap_or(f64::NAN),
+                last: signal.times.last().copied().unwrap_or(f64::NAN),
+                origin,
+                until: until.map(|until| origin + until),
+            });
+        }
+    }
+    Ok(())
 }
 
 /// Fits all signals; estimates standard deviations that are not given.

@@ -9,7 +9,7 @@ use super::report::{self, WrittenFile};
 use super::status::Status;
 use crate::archive::input::values;
 use crate::archive::pipeline::McapSink;
-use crate::archive::publish::{Draft, Drafts, Existing};
+use crate::archive::publish::{Draft, Drafts, Existing, is_same_file, refuse_inputs};
 use crate::archive::sink::{RecordedRun, record_all};
 use crate::archive::writer::{Form, Header};
 use crate::fit::{self, Data, Fit, FitError, Loss, Report, Request, SignalSpec, Verdict};
@@ -20,7 +20,7 @@ use clap::{Args, ValueEnum};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// Arguments of `toprise fit`.
@@ -88,11 +88,11 @@ pub(super) struct FitArguments {
     #[arg(long)]
     all: bool,
 
-    /// Record the best fit as an MCAP file
+    /// Record the best fit as an MCAP file: that of the preferred law, or of the scenario's if none is
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
-    /// Write the best fit as a scenario file
+    /// Write the best fit as a scenario file, of the same law
     #[arg(long = "scenario", value_name = "FILE")]
     best: Option<PathBuf>,
 
@@ -124,6 +124,7 @@ type Bound = (String, [f64; 2]);
 /// What the command does.
 struct FitPlan {
     request: Request,
+    inputs: Vec<PathBuf>,
     output: Option<PathBuf>,
     best: Option<PathBuf>,
     existing: Existing,
@@ -162,6 +163,12 @@ pub(super) fn fit(arguments: &FitArguments, drafts: &Drafts) -> Result<Status, a
         Verdict::BadFit | Verdict::Undecided => Status::Different,
         Verdict::NotConverged => Status::Partial,
     };
+    // A verdict on a part of the data is not one on the data.
+    let status = if fitted.report.losses.is_empty() {
+        status
+    } else {
+        Status::Partial
+    };
     let report = FitReport {
         fit: fitted.report,
         written,
@@ -181,6 +188,8 @@ fn show(progress: &Progress, state: fit::Progress) {
 
 impl FitArguments {
     fn plan(&self) -> Result<FitPlan, anyhow::Error> {
+        let inputs = self.inputs();
+        self.check_outputs(&inputs)?;
         let scenario = checked(&self.scenario, values(&self.scenario)?, &self.overrides)?;
         let data: Data = fit::read(&self.data, &self.signals, self.time.as_deref())?;
         Ok(FitPlan {
@@ -197,10 +206,34 @@ impl FitArguments {
                 profile: self.profile.clone(),
                 rescale: self.rescale,
             },
+            inputs,
             output: self.output.clone(),
             best: self.best.clone(),
             existing: Existing::forced(self.force),
         })
+    }
+
+    /// The files that are read.
+    fn inputs(&self) -> Vec<PathBuf> {
+        let mut inputs = vec![self.scenario.clone()];
+        inputs.extend(self.data.iter().cloned());
+        inputs
+    }
+
+    /// Refuses outputs that can't be written before anything is fitted.
+    fn check_outputs(&self, inputs: &[PathBuf]) -> Result<(), anyhow::Error> {
+        if let Some(output) = &self.output {
+            super::run::check_extension(output)?;
+        }
+        for output in self.output.iter().chain(&self.best) {
+            refuse_inputs(output, inputs.iter().map(PathBuf::as_path))?;
+        }
+        if let (Some(output), Some(best)) = (&self.output, &self.best)
+            && is_same_file(output, best)
+        {
+            return Err(FitArgumentError::SameOutput.into());
+        }
+        Ok(())
     }
 }
 
@@ -209,14 +242,24 @@ impl FitPlan {
     fn write(&self, fitted: &Fit, drafts: &Drafts) -> Result<Vec<WrittenFile>, anyhow::Error> {
         let mut written = Vec::new();
         if let Some(path) = &self.best {
-            let draft = Draft::new_in(drafts, path, self.existing)?;
+            let draft = self.create(drafts, path)?;
             written.push(write_scenario(draft, &fitted.scenario)?);
         }
         if let Some(path) = &self.output {
-            let draft = Draft::new_in(drafts, path, self.existing)?;
+            let draft = self.create(drafts, path)?;
             written.push(write_recording(draft, &fitted.scenario)?);
         }
         Ok(written)
+    }
+}
+
+impl FitPlan {
+    /// Creates the draft of a file. The inputs are checked again, because links may have changed since.
+    fn create(&self, drafts: &Drafts, path: &Path) -> Result<Draft, anyhow::Error> {
+        refuse_inputs(path, self.inputs.iter().map(PathBuf::as_path))?;
+        let draft = Draft::new_in(drafts, path, self.existing)?;
+        super::output::warn_of_link(path, self.existing == Existing::Replace);
+        Ok(draft)
     }
 }
 
@@ -275,6 +318,8 @@ enum FitArgumentError {
     Finite,
     #[error("must be a number from 0 to 0.9")]
     Part,
+    #[error("--output and --scenario are the same file")]
+    SameOutput,
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ mod pace;
 pub(super) mod plan;
 mod report;
 
-pub(super) use self::arguments::RunArguments;
+pub(super) use self::arguments::{RunArguments, check_extension};
 use self::files::find_identical;
 use self::pace::Pace;
 use self::plan::RunPlan;

@@ -1,11 +1,12 @@
 //! Comparison of friction laws.
 
 use super::error::FitError;
-use super::estimate::{REJECTED, estimates, quality};
+use super::estimate::{REJECTED, estimates, lowest_p, quality, signals, verdict};
 use super::extension::extensions;
 use super::model::{Point, Problem};
+use super::modes::{Modes, modes};
 use super::parameter::{self, Parameter, Target};
-use super::report::{Comparison, LawFit};
+use super::report::{Comparison, LawFit, Mode, Verdict};
 use super::solve::{Solution, Watch, complete, grow, minimise};
 use super::statistics::rms;
 use super::{Request, Split};
@@ -35,12 +36,18 @@ pub(super) struct Candidate {
     pub solution: Solution,
 }
 
+/// A comparison, and the fit of the law that it prefers, with its other minima.
+pub(super) struct Compared {
+    pub comparison: Comparison,
+    pub preferred: Option<(Candidate, Vec<Mode>)>,
+}
+
 /// Fits the laws that a request names and ranks them.
 pub(super) fn compare(
     request: &Request,
     fitted: &Fitted<'_>,
     watch: &Watch<'_>,
-) -> Result<Comparison, FitError> {
+) -> Result<Compared, FitError> {
     let mut laws: Vec<&'static Law> = Vec::new();
     for name in &request.compare {
         let law = LAWS.iter().find(|law| law.name == name && law.is_sliding());
@@ -71,6 +78,17 @@ pub(super) fn compare(
         let [a, b] = [a, b].map(|c| quality(&c.problem, points, &c.solution).bic);
         a.total_cmp(&b)
     });
+    // The other minima of the scenario's own law are known already.
+    let own = fitted.problem.scenario.word("friction.law");
+    let mut other_modes = Vec::new();
+    if let Some(best) = candidates.first_mut().filter(|best| best.law != own) {
+        let Modes {
+            best: found,
+            others,
+        } = modes(&best.problem, points, &best.solution, watch)?;
+        best.solution = found;
+        other_modes = others;
+    }
     let mut fits: Vec<LawFit> = Vec::new();
     for candidate in &candidates {
         fits.push(law_fit(candidate, fitted.split, request));
@@ -87,23 +105,44 @@ pub(super) fn compare(
         fit.delta_aic = fit.quality.aic - lowest_aic;
         fit.delta_bic = fit.quality.bic - lowest_bic;
     }
-    let (is_decided, sentence) = verdict(&fits);
+    let (is_decided, sentence) = conclusion(&fits);
     let mut extended = Vec::new();
     if let [best, rival, ..] = &candidates[..]
         && !is_decided
-        && is_credible(&fits[0])
+        && fits[0].verdict == Verdict::Fitted
     {
         extended = extensions(best, rival, fitted.split, watch)?;
     }
     for (law, failure) in failures {
         fits.push(failed(law, failure, &fits));
     }
-    Ok(Comparison {
-        laws: fits,
-        is_decided,
-        sentence,
-        extensions: extended,
+    let best = candidates.into_iter().next();
+    let preferred = best.filter(|best| is_decided && best.law != own);
+    Ok(Compared {
+        comparison: Comparison {
+            laws: fits,
+            is_decided,
+            sentence,
+            extensions: extended,
+        },
+        preferred: preferred.map(|candidate| (candidate, other_modes)),
     })
+}
+
+impl Comparison {
+    /// The verdict on all laws together.
+    pub(super) fn verdict(&self) -> Verdict {
+        let has = |verdict| self.laws.iter().any(|law| law.verdict == verdict);
+        if self.is_decided {
+            Verdict::Fitted
+        } else if has(Verdict::Fitted) {
+            Verdict::Undecided
+        } else {
+            // A law that is ahead without a minimum might describe the data.
+            let first = self.laws.first().map(|law| law.verdict);
+            first.unwrap_or(Verdict::NotConverged)
+        }
+    }
 }
 
 fn unknown_law(name: &str) -> FitError {
@@ -120,6 +159,8 @@ fn failed(law: &str, failure: String, fits: &[LawFit]) -> LawFit {
     let freedom = fits.first().map_or(0, |fit| fit.quality.freedom);
     LawFit {
         law: law.to_owned(),
+        verdict: Verdict::NotConverged,
+        residual_p_value: None,
         quality: super::report::Quality {
             chi2: f64::MAX,
             freedom,
@@ -149,8 +190,11 @@ fn law_fit(candidate: &Candidate, split: &Split, request: &Request) -> LawFit {
         1.0
     };
     let held_out = problem.residuals(&solution.values, &split.held_out).ok();
+    let signals = signals(problem, (&split.fitted, &solution.residuals), None);
     LawFit {
         law: (*law).to_owned(),
+        verdict: verdict(&quality, &signals),
+        residual_p_value: lowest_p(&signals),
         quality,
         delta_aic: 0.0,
         delta_bic: 0.0,
@@ -160,50 +204,75 @@ fn law_fit(candidate: &Candidate, split: &Split, request: &Request) -> LawFit {
     }
 }
 
-/// Whether a law may be the right one.
-pub(super) fn is_credible(fit: &LawFit) -> bool {
-    let is_rejected = fit.quality.p_value.is_some_and(|p| p < REJECTED);
-    fit.quality.is_converged && !is_rejected
-}
-
-/// Whether the first law is clearly the best, and a sentence about it.
-fn verdict(fits: &[LawFit]) -> (bool, String) {
-    let [best, others @ ..] = fits else {
+/// Whether one law, the first, is to be preferred, and a sentence about it.
+fn conclusion(fits: &[LawFit]) -> (bool, String) {
+    let Some(first) = fits.first() else {
         return (false, "None of the laws could be fitted.".to_owned());
     };
-    if !is_credible(best) {
+    let describing = fits.iter().find(|fit| fit.verdict == Verdict::Fitted);
+    let Some(best) = describing else {
+        return (
+            false,
+            format!("None of the laws describes the data: {}.", flaw(first)),
+        );
+    };
+    if best.law != first.law {
         let sentence = format!(
-            "None of the laws describes the data: the best, {}, has χ²/ν = {:.2}.",
+            "Undecided: {} describes the data, but its BIC is not the lowest: {}.",
             best.law,
-            best.quality.chi2 / best.quality.freedom as f64
+            flaw(first)
         );
         return (false, sentence);
     }
+    let others = &fits[1..];
     let mut equals = Vec::new();
     for other in others {
         if other.delta_aic - best.delta_aic < DECISIVE || other.delta_bic < DECISIVE {
             equals.push(other.law.as_str());
         }
     }
-    if equals.is_empty() {
-        let sentence = match others {
-            [] => format!("{} describes the data.", best.law),
-            [next, ..] => format!(
-                "{} describes the data; the next law, {}, is worse by ΔAIC = {:.1} and ΔBIC = {:.1}.",
-                best.law,
-                next.law,
-                next.delta_aic - best.delta_aic,
-                next.delta_bic
-            ),
-        };
-        return (true, sentence);
+    if !equals.is_empty() {
+        let sentence = format!(
+            "Undecided: the data do not tell {} from {}.",
+            best.law,
+            equals.join(" and ")
+        );
+        return (false, sentence);
     }
-    let sentence = format!(
-        "Undecided: the data do not tell {} from {}.",
-        best.law,
-        equals.join(" and ")
-    );
-    (false, sentence)
+    let mut sentence = match others {
+        [] => format!("{} describes the data.", best.law),
+        [next, ..] => format!(
+            "{} describes the data; the next law, {}, is worse by ΔAIC = {:.1} and ΔBIC = {:.1}.",
+            best.law,
+            next.law,
+            next.delta_aic - best.delta_aic,
+            next.delta_bic
+        ),
+    };
+    for other in others {
+        if other.verdict == Verdict::NotConverged {
+            sentence += &format!(
+                " No minimum was found for {}: its criteria may be lower than shown.",
+                other.law
+            );
+        }
+    }
+    (true, sentence)
+}
+
+/// Why a law does not describe the data.
+fn flaw(fit: &LawFit) -> String {
+    let law = &fit.law;
+    if !fit.quality.is_converged {
+        format!("no minimum was found for {law}")
+    } else if fit.quality.p_value.is_some_and(|p| p < REJECTED) {
+        let reduced = fit.quality.chi2 / fit.quality.freedom as f64;
+        format!("{law}, which has the lowest BIC, has χ²/ν = {reduced:.2}")
+    } else if fit.residual_p_value.is_some_and(|p| p < REJECTED) {
+        format!("the residuals of {law}, which has the lowest BIC, are not white")
+    } else {
+        format!("the standard deviations estimated for {law} have no meaning")
+    }
 }
 
 /// Fits one law: from the solution of the scenario's own law, and from the start if that fails.

@@ -3,6 +3,7 @@
 use super::error::DataError;
 use super::signal::{Signal, SignalSpec};
 use super::{recorded, table};
+use crate::archive::publish::is_same_file;
 use std::path::{Path, PathBuf};
 
 /// Measured signals. Each file has a clock of its own; that of the first is the reference.
@@ -14,6 +15,8 @@ pub struct Data {
     pub files: usize,
     /// Whether the first file is a recording of toprise, whose clock starts with the run.
     pub starts_with_run: bool,
+    /// Parts of recordings that could not be read.
+    pub losses: Vec<String>,
 }
 
 impl Data {
@@ -42,12 +45,19 @@ pub fn read(
         signals: Vec::new(),
         files: files.len(),
         starts_with_run: false,
+        losses: Vec::new(),
     };
     for (index, path) in files.iter().enumerate() {
+        if files[..index].iter().any(|known| is_same_file(known, path)) {
+            return Err(DataError::SameFile { path: path.clone() });
+        }
         if is_recording(path) {
             let read = recorded::read(path, index, specs)?;
             data.starts_with_run |= index == 0 && read.is_ours;
             data.signals.extend(read.signals);
+            for loss in read.losses {
+                data.losses.push(format!("{}: {loss}", path.display()));
+            }
         } else {
             data.signals.extend(table::read(path, index, specs, time)?);
         }

@@ -121,6 +121,38 @@ pub enum DataError {
         /// The reason.
         reason: SignalError,
     },
+    /// A name stands for several columns.
+    #[error("{}: several columns are called {name}: rename them", path.display())]
+    Ambiguous {
+        /// The file.
+        path: PathBuf,
+        /// The name.
+        name: String,
+    },
+    /// A column would count twice.
+    #[error("{}: {source_name} is read twice as a signal: each value may count only once", path.display())]
+    Duplicate {
+        /// The file.
+        path: PathBuf,
+        /// Its column, or topic and path.
+        source_name: String,
+    },
+    /// Columns that were found by their names measure the same field.
+    #[error("{}: the columns {} and {} both measure {field}: choose with --signal", path.display(), columns[0], columns[1])]
+    SameField {
+        /// The file.
+        path: PathBuf,
+        /// The field.
+        field: String,
+        /// The columns.
+        columns: [String; 2],
+    },
+    /// A file is given twice.
+    #[error("{} is given twice: each value may count only once", path.display())]
+    SameFile {
+        /// The file.
+        path: PathBuf,
+    },
     /// All values of a signal are missing.
     #[error("{}: column {column} has no values", path.display())]
     NoValues {
@@ -196,6 +228,60 @@ pub enum FitError {
     /// No parameter is free.
     #[error("nothing to fit: none of the free parameters changes any signal")]
     NothingFree,
+    /// A signal has no value in the time that is fitted.
+    #[error("{field} has no value from t = {origin} s{}: its times are {first} to {last} s; see --start and --until", until.map_or(String::new(), |until| format!(" to {until} s")))]
+    OutOfRange {
+        /// The field.
+        field: String,
+        /// Its first time, s.
+        first: f64,
+        /// Its last time, s.
+        last: f64,
+        /// Time at which the scenario starts, s.
+        origin: f64,
+        /// Time at which the fitted data end, s.
+        until: Option<f64>,
+    },
+    /// A value is too large for a sum of squares.
+    #[error(
+        "{field}: the value {value:e} at t = {time} s, with the standard deviation {sigma:e}, is too large to be fitted: remove it"
+    )]
+    Size {
+        /// The field.
+        field: String,
+        /// Its time, s.
+        time: f64,
+        /// The value, SI units.
+        value: f64,
+        /// Its standard deviation.
+        sigma: f64,
+    },
+    /// No motion near the start of a parameter reaches the data.
+    #[error(
+        "{name}: no motion with a slightly larger or smaller value can be computed: change its start (--set) or its bounds"
+    )]
+    NoDerivative {
+        /// The parameter.
+        name: String,
+    },
+    /// No offset within its bounds brings half of a file's samples into the motion.
+    #[error(
+        "{name}: no offset from {low} to {high} s brings half of its file's samples ({first} to {last} s) into the motion (0 to {end} s)"
+    )]
+    NoOverlap {
+        /// The offset.
+        name: String,
+        /// First time of the file, s.
+        first: f64,
+        /// Last time, s.
+        last: f64,
+        /// End of the motion, s.
+        end: f64,
+        /// Lower bound, s.
+        low: f64,
+        /// Upper bound, s.
+        high: f64,
+    },
     /// The data are too few.
     #[error("{samples} samples can't determine {parameters} parameters")]
     TooFew {

@@ -2,9 +2,9 @@
 
 use super::model::{Loss, Point, Problem};
 use super::parameter::principal;
-use super::report::{Correlation, Estimate, Limit, Quality, SignalReport};
+use super::report::{Correlation, Estimate, Limit, Oddity, Quality, SignalReport, Verdict};
 use super::solve::Solution;
-use super::statistics::{chi2_p_value, median_size, rms, whiteness};
+use super::statistics::{chi2_p_value, mean_p_value, median_size, rms, whiteness};
 use crate::physics::math::ln;
 
 /// Half width of a 95 % interval, and of a one-sided one, in standard deviations.
@@ -25,6 +25,13 @@ pub(super) const REJECTED: f64 = 1e-3;
 
 /// Residuals below this, in σ, are not noise: σ was given generously, and nothing follows from their correlations.
 const TINY: f64 = 0.1;
+
+/// The least number of values from which a standard deviation is judged.
+const FEWEST: usize = 10;
+
+/// A value whose squared residual is more than this part of their sum has made σ by itself. Normal noise of ten values
+/// or more does not do that.
+const DOMINANT: f64 = 0.8;
 
 /// The estimates of all parameters.
 pub(super) fn estimates(problem: &Problem, solution: &Solution, rescale: f64) -> Vec<Estimate> {
@@ -133,20 +140,70 @@ pub(super) fn signals(
             is_sigma_estimated: signal.is_sigma_estimated,
             samples: residuals.len(),
             missing: signal.missing,
+            outside: signal
+                .times
+                .len()
+                .saturating_sub(residuals.len() + later.len()),
             out_of_order: signal.out_of_order,
             rms: rms_here,
             held_out_rms: (!later.is_empty()).then(|| rms(&later)),
             held_out_samples: later.len(),
             outliers: residuals.iter().filter(|r| r.abs() > OUTLIER).count(),
             whiteness: whiteness(&clipped).filter(|_| rms_here > TINY),
+            mean: residuals.iter().sum::<f64>() / residuals.len().max(1) as f64,
+            mean_p_value: mean_p_value(&clipped).filter(|_| rms_here > TINY),
+            oddity: if signal.is_sigma_estimated {
+                oddity(fitted, index)
+            } else {
+                None
+            },
         });
     }
     reports
 }
 
-/// Whether the model describes the data: neither χ² nor the residuals' correlations reject it.
-pub(super) fn is_good(quality: &Quality, signals: &[SignalReport]) -> bool {
+/// What makes the standard deviation of a signal, estimated from its residuals, meaningless.
+fn oddity((points, residuals): (&[Point], &[f64]), signal: usize) -> Option<Oddity> {
+    let pairs = points.iter().zip(residuals);
+    let own: Vec<(&Point, f64)> = pairs
+        .filter(|(point, _)| point.signal == signal)
+        .map(|(point, residual)| (point, *residual))
+        .collect();
+    if own.len() < FEWEST {
+        return None;
+    }
+    let first = own[0].0.value;
+    if own.iter().all(|(point, _)| point.value == first) {
+        return Some(Oddity::Constant { value: first });
+    }
+    let total: f64 = own.iter().map(|(_, residual)| residual * residual).sum();
+    let largest = own.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+    let (point, residual) = largest?;
+    let is_noise = (total / own.len() as f64).sqrt() > TINY;
+    (is_noise && residual * residual > DOMINANT * total).then_some(Oddity::OneValue {
+        time: point.time,
+        value: point.value,
+    })
+}
+
+/// Whether a model describes the data: neither χ² nor the residuals' correlations and means reject it, and σ has a
+/// meaning.
+pub(super) fn verdict(quality: &Quality, signals: &[SignalReport]) -> Verdict {
     let is_rejected = quality.p_value.is_some_and(|p| p < REJECTED);
-    let mut tests = signals.iter().filter_map(|signal| signal.whiteness);
-    !is_rejected && tests.all(|p| p >= REJECTED)
+    let is_odd = signals.iter().any(|signal| signal.oddity.is_some());
+    if !quality.is_converged {
+        Verdict::NotConverged
+    } else if is_rejected || is_odd || lowest_p(signals).is_some_and(|p| p < REJECTED) {
+        Verdict::BadFit
+    } else {
+        Verdict::Fitted
+    }
+}
+
+/// The lowest p-value of the tests of residuals for correlations and for a constant error.
+pub(super) fn lowest_p(signals: &[SignalReport]) -> Option<f64> {
+    let tests = signals
+        .iter()
+        .flat_map(|signal| [signal.whiteness, signal.mean_p_value]);
+    tests.flatten().min_by(f64::total_cmp)
 }

@@ -12,6 +12,9 @@ use crate::telemetry::fields::{NumberField, state};
 /// Expected Δχ² that decides: the right law then wins in 99 % of cases.
 const WANTED: f64 = 20.0;
 
+/// More samples than this times those of the data are no small extension.
+const MAX_FINER: f64 = 100.0;
+
 /// Trial durations, relative to that of the data.
 const LONGER: [f64; 6] = [1.25, 1.5, 2.0, 3.0, 4.0, 6.0];
 
@@ -43,11 +46,13 @@ pub(super) fn extensions(
         && now > 0.0
     {
         let amount = (WANTED / now).max(1.0);
-        found.push(Extension {
-            kind: ExtensionKind::Finer,
-            amount,
-            delta_chi2: amount * now,
-        });
+        if (1.0..=MAX_FINER).contains(&amount) {
+            found.push(Extension {
+                kind: ExtensionKind::Finer,
+                amount,
+                delta_chi2: amount * now,
+            });
+        }
     }
     for (kind, field) in [
         (ExtensionKind::Azimuth, state::PHI),
@@ -55,7 +60,9 @@ pub(super) fn extensions(
     ] {
         if let Some([best, rival]) = with_signal([best, rival], field) {
             let more = with_points(points, &best.problem);
-            if let Some(delta_chi2) = expected(&best, &rival, &more, watch)? {
+            if let Some(delta_chi2) = expected(&best, &rival, &more, watch)?
+                && delta_chi2 >= WANTED
+            {
                 found.push(Extension {
                     kind,
                     amount: 1.0,

@@ -32,16 +32,24 @@ pub(super) struct Identified {
 pub(super) fn identify(problem: &Problem, named: &[Named]) -> Result<Identified, FitError> {
     let start = problem.start();
     let points = reached(problem, &start)?;
-    let residuals = problem.residuals(&start, &points).map_err(error_from)?;
+    let predicted = problem.predict(&start, &points).map_err(error_from)?;
     let fixed = vec![false; start.len()];
-    let jacobian = problem.jacobian(&start, &residuals, &points, &fixed);
-    let noise = derivative_noise(&points);
+    let jacobian = problem.jacobian(&start, &points, &fixed);
+    let noise = derivative_noise(&points, &predicted);
     let (mut shown, mut unseen, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
+    let mut scanned = Vec::new();
     for (at, named) in named.iter().enumerate() {
         if norm(&jacobian[at]) * problem.parameters[at].scale > noise {
             shown.push(at);
         } else if named.is_optional {
             left_out.push(named.parameter.name());
+        } else if matches!(named.parameter.target, Target::Offset(_)) {
+            // The scan finds an offset also if the clocks differ so much that nothing depends on small changes.
+            scanned.push(at);
+        } else if problem.derivative(at, &start, &points).is_none() {
+            return Err(FitError::NoDerivative {
+                name: named.parameter.name(),
+            });
         } else {
             unseen.push(named.parameter.name());
         }
@@ -68,6 +76,10 @@ pub(super) fn identify(problem: &Problem, named: &[Named]) -> Result<Identified,
     for at in &shown {
         parameters.push(problem.parameters[*at].clone());
     }
+    let mut free = parameters.clone();
+    for at in scanned {
+        free.push(problem.parameters[at].clone());
+    }
     let sentences = degeneracies(&parameters, &ScaledGram::new(&gram));
     if !sentences.is_empty() {
         return Err(FitError::NotIdentifiable { sentences });
@@ -89,12 +101,16 @@ pub(super) fn identify(problem: &Problem, named: &[Named]) -> Result<Identified,
         ));
     }
     notes.extend(aliasing(problem));
-    Ok(Identified { parameters, notes })
+    Ok(Identified {
+        parameters: free,
+        notes,
+    })
 }
 
 /// The size of a column of derivatives, times the scale of its parameter, that errors of the simulation can make.
-fn derivative_noise(points: &[Point]) -> f64 {
-    let sizes = points.iter().map(|point| point.value.abs() / point.sigma);
+fn derivative_noise(points: &[Point], predicted: &[f64]) -> f64 {
+    let pairs = points.iter().zip(predicted);
+    let sizes = pairs.map(|(point, value)| value.abs() / point.sigma);
     let largest = sizes.fold(0.0, f64::max);
     (points.len() as f64).sqrt() * largest * ROUNDING / STEP
 }

@@ -250,11 +250,10 @@ impl Problem {
     }
 
     /// The derivatives of the residuals: a column for each parameter, zero for those that are `fixed` and where no
-    /// derivative can be computed. `residuals` are those at `values`.
+    /// derivative can be computed.
     pub(super) fn jacobian(
         &self,
         values: &[f64],
-        residuals: &[f64],
         points: &[Point],
         fixed: &[bool],
     ) -> Vec<Vec<f64>> {
@@ -264,20 +263,21 @@ impl Problem {
                 if fixed[j] {
                     return vec![0.0; points.len()];
                 }
-                self.derivative(j, values, residuals, points)
+                let derivative = self.derivative(j, values, points);
+                derivative.unwrap_or_else(|| vec![0.0; points.len()])
             })
             .collect()
     }
 
     /// The derivatives with respect to a parameter: by central differences, or one-sided ones at a bound and where the
-    /// model ends on one side.
-    fn derivative(
+    /// model ends on one side. `None` if it can't be computed on any side. Differences are those of the predictions: measured
+    /// values, which may be huge, would only add rounding.
+    pub(super) fn derivative(
         &self,
         j: usize,
         values: &[f64],
-        residuals: &[f64],
         points: &[Point],
-    ) -> Vec<f64> {
+    ) -> Option<Vec<f64>> {
         let parameter = &self.parameters[j];
         let step = STEP * parameter.scale.max(values[j].abs());
         let [low, high] = parameter.bounds;
@@ -285,11 +285,12 @@ impl Problem {
             let mut moved = values.to_vec();
             moved[j] += steps * step;
             if (low..=high).contains(&moved[j]) {
-                self.residuals(&moved, points).ok()
+                self.predict(&moved, points).ok()
             } else {
                 None
             }
         };
+        let here = || self.predict(values, points).ok();
         let mut column = vec![0.0; points.len()];
         match (moved(1.0), moved(-1.0)) {
             (Some(up), Some(down)) => {
@@ -298,14 +299,17 @@ impl Problem {
                 }
             }
             (Some(one), None) => {
-                one_sided(&mut column, step, residuals, &one, moved(2.0).as_deref());
+                one_sided(&mut column, step, &here()?, &one, moved(2.0).as_deref());
             }
             (None, Some(one)) => {
-                one_sided(&mut column, -step, residuals, &one, moved(-2.0).as_deref());
+                one_sided(&mut column, -step, &here()?, &one, moved(-2.0).as_deref());
             }
-            (None, None) => {}
+            (None, None) => return None,
         }
-        column
+        for (derivative, point) in column.iter_mut().zip(points) {
+            *derivative /= point.sigma;
+        }
+        Some(column)
     }
 }
 

@@ -165,9 +165,16 @@ fn scan(
     }
     minima.sort_by(|a, b| a.0.total_cmp(&b.0));
     let best = minima.iter().take(CANDIDATES);
-    let mut offsets: Vec<f64> = best.map(|(_, offset)| *offset).collect();
+    let offsets: Vec<f64> = best.map(|(_, offset)| *offset).collect();
     if offsets.is_empty() {
-        offsets.push(parameter.start);
+        return Err(FitError::NoOverlap {
+            name: parameter.name(),
+            first,
+            last,
+            end,
+            low,
+            high,
+        });
     }
     Ok(Scanned { offsets, step })
 }

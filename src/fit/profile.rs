@@ -15,6 +15,16 @@ const HIGHEST: f64 = 4.5;
 /// Maximum number of values on each side.
 const MAX_VALUES: usize = 20;
 
+/// After so many equal steps, in which a parabola is above [`HIGHEST`], distances grow by a factor.
+const EVEN_STEPS: usize = 6;
+const GROWTH: f64 = 1.5;
+
+/// Values around a level whose √Δχ² differ by more than this are too coarse to interpolate.
+const MAX_GAP: f64 = 0.6;
+
+/// Maximum number of values that are added around a level on one side.
+const MAX_REFINEMENTS: usize = 14;
+
 /// Computes the profile of a parameter around a minimum.
 pub(super) fn profile(
     problem: &Problem,
@@ -33,15 +43,24 @@ pub(super) fn profile(
     let parameter = &problem.parameters[at];
     let best = solution.values[at];
     let sd = solution.covariance[(at, at)].sqrt();
-    // A parameter at a bound has no standard deviation.
-    let sd = if sd > 0.0 { sd } else { parameter.scale };
+    // A parameter at a bound has no standard deviation: its scale is only a first guess.
+    let has_sd = sd > 0.0 && !solution.held[at];
+    let sd = if has_sd { sd } else { parameter.scale };
     let mut curve = vec![(best, 0.0)];
+    let mut fixed = vec![false; solution.values.len()];
+    fixed[at] = true;
     for side in [-1.0, 1.0] {
+        // Distances from the minimum, ascending, and their Δχ².
+        let mut reached = vec![(0.0, 0.0)];
         let mut values = solution.values.clone();
-        let mut fixed = vec![false; values.len()];
-        fixed[at] = true;
-        for step in 1..=MAX_VALUES {
-            let value = parameter.clamp(best + side * sd * STEP * step as f64);
+        let mut distance = 0.0;
+        for step in 0..MAX_VALUES {
+            distance = if step < EVEN_STEPS {
+                distance + STEP * sd
+            } else {
+                GROWTH * distance
+            };
+            let value = parameter.clamp(best + side * distance);
             if values[at] == value {
                 break;
             }
@@ -51,17 +70,34 @@ pub(super) fn profile(
             }
             let found = minimise(problem, points, &values, None, &fixed, watch)?;
             values = found.values;
-            curve.push((value, found.chi2 - solution.chi2));
+            reached.push(((value - best).abs(), found.chi2 - solution.chi2));
             if found.chi2 - solution.chi2 > HIGHEST {
                 break;
             }
+        }
+        for level in [1.0, 4.0] {
+            for _ in 0..MAX_REFINEMENTS {
+                let Some((place, distance)) = coarse_gap(&reached, level) else {
+                    break;
+                };
+                let mut values = solution.values.clone();
+                values[at] = parameter.clamp(best + side * distance);
+                if problem.predict(&values, points).is_err() {
+                    break;
+                }
+                let found = minimise(problem, points, &values, None, &fixed, watch)?;
+                reached.insert(place, (distance, found.chi2 - solution.chi2));
+            }
+        }
+        for (distance, delta) in &reached[1..] {
+            curve.push((best + side * distance, *delta));
         }
     }
     curve.sort_by(|a, b| a.0.total_cmp(&b.0));
     let interval_1 = crossings(&curve, best, 1.0);
     let interval_4 = crossings(&curve, best, 4.0);
     let mut curvature_error: Option<f64> = None;
-    for side in interval_4.iter().flatten() {
+    for side in interval_4.iter().flatten().filter(|_| has_sd) {
         let error = ((side - best).abs() / (2.0 * sd) - 1.0).abs();
         curvature_error = Some(curvature_error.map_or(error, |known| known.max(error)));
     }
@@ -132,6 +168,26 @@ pub(super) fn limit(
     })
 }
 
+/// The place and distance of a value between two that bracket a level but differ too much. Distances of a wrong scale
+/// shrink by factors.
+fn coarse_gap(reached: &[(f64, f64)], level: f64) -> Option<(usize, f64)> {
+    /// Factor towards a minimum at distance 0.
+    const FACTOR: f64 = 0.25;
+    for (at, pair) in reached.windows(2).enumerate() {
+        let [(near, low), (far, high)] = [pair[0], pair[1]];
+        if low <= level && high > level {
+            let gap = high.sqrt() - low.max(0.0).sqrt();
+            let distance = if near > 0.0 {
+                (near * far).sqrt()
+            } else {
+                FACTOR * far
+            };
+            return (gap > MAX_GAP).then_some((at + 1, distance));
+        }
+    }
+    None
+}
+
 /// Where a profile reaches a level on both sides of its minimum.
 fn crossings(curve: &[(f64, f64)], best: f64, level: f64) -> [Option<f64>; 2] {
     // √Δχ² is nearly a straight line on each side: interpolate that.
@@ -154,6 +210,23 @@ fn crossings(curve: &[(f64, f64)], best: f64, level: f64) -> [Option<f64>; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn refines_a_profile_whose_first_step_is_too_long() {
+        // Δχ² at a bound grows linearly; the first distance is 10⁵ times too long.
+        let slope = 1e5;
+        let mut reached = vec![(0.0, 0.0), (1.0, slope)];
+        for level in [1.0, 4.0] {
+            for _ in 0..MAX_REFINEMENTS {
+                if let Some((place, distance)) = coarse_gap(&reached, level) {
+                    reached.insert(place, (distance, slope * distance));
+                }
+            }
+            let [_, crossing] = crossings(&reached, 0.0, level);
+            let error = crossing.unwrap() * slope / level - 1.0;
+            assert!(error.abs() < 0.15, "{level}: {error}");
+        }
+    }
 
     #[test]
     fn crossings_of_a_parabola_are_exact() {

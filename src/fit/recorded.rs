@@ -3,7 +3,8 @@
 use super::error::{DataError, SignalError};
 use super::signal::{Row, SigmaSpec, Signal, SignalSpec};
 use super::table::MAX_ROWS;
-use crate::archive::recording::{FileChannel, Recording, Selection};
+use crate::analysis::subject::loss_sentences;
+use crate::archive::recording::{Condition, FileChannel, Recording, Selection};
 use crate::run::time::seconds;
 use crate::telemetry::fields::NumberField;
 use crate::telemetry::{Numbers as _, Topics};
@@ -15,9 +16,12 @@ pub(super) struct Read {
     pub signals: Vec<Signal>,
     /// Whether the file is a recording of toprise.
     pub is_ours: bool,
+    /// Parts that could not be read, in sentences, each once.
+    pub losses: Vec<String>,
 }
 
 /// Where the values of a signal are.
+#[derive(PartialEq)]
 enum Place {
     /// A field of toprise's channels.
     Field(NumberField),
@@ -46,6 +50,12 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
             });
         }
         if let Some(place) = find_place(&recording, spec) {
+            if places.iter().any(|(_, known)| *known == place) {
+                return Err(DataError::Duplicate {
+                    path: path.to_owned(),
+                    source_name: spec.source.clone(),
+                });
+            }
             places.push((spec, place));
         }
     }
@@ -53,8 +63,9 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
         return Err(missing(&recording, path, &specs[0].source));
     }
     let mut signals = Vec::new();
+    let mut losses = Vec::new();
     for (spec, place) in places {
-        let rows = rows(&recording, path, &place)?;
+        let rows = rows(&recording, path, &place, &mut losses)?;
         let (mut found, mut missing) = (Vec::new(), 0);
         for (time, value) in rows {
             match value {
@@ -77,6 +88,7 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
     Ok(Read {
         signals,
         is_ours: recording.is_ours(),
+        losses,
     })
 }
 
@@ -130,6 +142,7 @@ fn rows(
     recording: &Recording,
     path: &Path,
     place: &Place,
+    losses: &mut Vec<String>,
 ) -> Result<Vec<(f64, Option<f64>)>, DataError> {
     let topic = match place {
         Place::Field(field) => field.topic().name().to_owned(),
@@ -147,7 +160,10 @@ fn rows(
         let row = match place {
             Place::Field(field) => match reader.next() {
                 None => break,
-                Some(Err(_)) => continue,
+                Some(Err(error)) => {
+                    add_once(losses, error.to_string());
+                    continue;
+                }
                 Some(Ok(message)) => {
                     let numbers = message.numbers(field.topic());
                     let value = numbers.map(|numbers| numbers[field.index()]);
@@ -170,7 +186,20 @@ fn rows(
         }
         rows.push(row);
     }
+    for loss in loss_sentences(&reader.all_losses()) {
+        add_once(losses, loss);
+    }
+    if recording.condition() == Condition::Interrupted {
+        add_once(losses, "the end of the file, which is cut".to_owned());
+    }
     Ok(rows)
+}
+
+/// Signals of one file share its losses.
+fn add_once(losses: &mut Vec<String>, loss: String) {
+    if !losses.contains(&loss) {
+        losses.push(loss);
+    }
 }
 
 /// The number at a path in a JSON message.

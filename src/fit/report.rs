@@ -10,7 +10,8 @@ use serde::Serialize;
 pub enum Verdict {
     /// The model describes the data and, if laws were compared, one of them is clearly best.
     Fitted,
-    /// The model does not describe the data: p < 0.001, or the residuals are not white.
+    /// The model does not describe the data: p < 0.001, or the residuals are not white or have a mean, or an estimated
+    /// standard deviation has no meaning. In a comparison, none of the laws describes them.
     BadFit,
     /// Laws were compared, and the data can't tell them apart.
     Undecided,
@@ -25,7 +26,7 @@ pub struct Report {
     pub verdict: Verdict,
     /// The scenario's name.
     pub scenario: String,
-    /// Law of friction of the fitted model.
+    /// Law of friction whose parameters and signals are reported: the preferred one of a comparison, or the scenario's.
     pub law: String,
     /// Time in the data at which the scenario starts, s.
     pub origin: f64,
@@ -35,6 +36,8 @@ pub struct Report {
     pub until: f64,
     /// The signals.
     pub signals: Vec<SignalReport>,
+    /// Parts of recordings that could not be read.
+    pub losses: Vec<String>,
     /// Remarks on the data and on what they determine.
     pub notes: Vec<String>,
     /// The parameters.
@@ -73,6 +76,9 @@ pub struct SignalReport {
     pub samples: usize,
     /// Number of rows without a value.
     pub missing: u64,
+    /// Number of samples that are neither fitted nor held out: before the start or after the end, or at times of another
+    /// file's clock at which there is no motion.
+    pub outside: usize,
     /// Number of rows that were earlier than the row before them.
     pub out_of_order: u64,
     /// Root mean square of the residuals, in σ.
@@ -88,6 +94,32 @@ pub struct SignalReport {
     /// below 0.1 σ.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub whiteness: Option<f64>,
+    /// Mean of the residuals, in σ.
+    pub mean: f64,
+    /// p-value of a mean of zero; absent if the residuals are below 0.1 σ.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mean_p_value: Option<f64>,
+    /// Why the estimated standard deviation has no meaning.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub oddity: Option<Oddity>,
+}
+
+/// What makes an estimated standard deviation meaningless.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Oddity {
+    /// All values are equal: they have no noise.
+    Constant {
+        /// The value, SI units.
+        value: f64,
+    },
+    /// One value makes most of it.
+    OneValue {
+        /// Its time, s after the start.
+        time: f64,
+        /// The value, SI units.
+        value: f64,
+    },
 }
 
 /// A parameter and its uncertainty.
@@ -173,7 +205,8 @@ pub struct Profile {
     pub values: Vec<f64>,
     /// χ² above the minimum for each value.
     pub delta_chi2: Vec<f64>,
-    /// Interval with Δχ² < 1 (68.3 %); absent sides are bounds.
+    /// Interval with Δχ² < 1 (68.3 %); sides on which it is not reached within the bounds are
+    /// absent.
     pub interval_1: [Option<f64>; 2],
     /// Interval with Δχ² < 4 (95.4 %).
     pub interval_4: [Option<f64>; 2],
@@ -185,13 +218,14 @@ pub struct Profile {
 /// Comparison of laws.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Comparison {
-    /// The laws, best first by BIC.
+    /// The laws by BIC, lowest first. If it is decided, the first one is preferred.
     pub laws: Vec<LawFit>,
     /// Whether one law is clearly best and describes the data.
     pub is_decided: bool,
     /// The verdict in a sentence.
     pub sentence: String,
-    /// Extensions of the data that would decide between the two best laws, if undecided.
+    /// Extensions of the data that are expected to decide between the two best laws, if undecided; none if no small one
+    /// does.
     pub extensions: Vec<Extension>,
 }
 
@@ -200,8 +234,13 @@ pub struct Comparison {
 pub struct LawFit {
     /// The law.
     pub law: String,
+    /// The verdict on this law alone: fitted, bad fit or not converged.
+    pub verdict: Verdict,
     /// Goodness of its fit.
     pub quality: Quality,
+    /// Lowest p-value of the tests of its residuals for correlations and a mean of zero; absent if there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub residual_p_value: Option<f64>,
     /// AIC above the lowest.
     pub delta_aic: f64,
     /// BIC above the lowest.

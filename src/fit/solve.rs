@@ -235,9 +235,7 @@ impl MPFitter for Objective<'_> {
             return Err(MPError::Eval);
         };
         self.fill(&values, residuals, deviates);
-        let jacobian = self
-            .problem
-            .jacobian(&values, residuals, self.points, &self.held);
+        let jacobian = self.problem.jacobian(&values, self.points, &self.held);
         self.watch.count(2 * jacobian.len(), f64::NAN);
         for (j, derivative) in derivs.iter_mut().enumerate() {
             let Some(column) = derivative else { continue };
@@ -327,7 +325,7 @@ pub(super) fn evaluate(
     watch: &Watch<'_>,
 ) -> Result<Solution, FitError> {
     let residuals = problem.residuals(&values, points).map_err(error_from)?;
-    let jacobian = problem.jacobian(&values, &residuals, points, fixed);
+    let jacobian = problem.jacobian(&values, points, fixed);
     watch.count(1 + 2 * jacobian.len(), f64::NAN);
     let size = values.len();
     let loss = problem.loss;

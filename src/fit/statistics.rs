@@ -39,6 +39,18 @@ pub(super) fn whiteness(residuals: &[f64]) -> Option<f64> {
     Some(chi2_p_value(statistic, lags as f64))
 }
 
+/// p-value of the mean of residuals: small if they have a constant error, which correlations about the mean don't show.
+/// `None` for fewer than two.
+pub(super) fn mean_p_value(residuals: &[f64]) -> Option<f64> {
+    let sum: f64 = residuals.iter().sum();
+    let squares: f64 = residuals.iter().map(|r| r * r).sum();
+    if residuals.len() < 2 || squares == 0.0 {
+        return None;
+    }
+    // The mean in units of its standard deviation, squared. Squares about 0 keep it finite if all are equal.
+    Some(chi2_p_value(sum * sum / squares, 1.0))
+}
+
 /// Root mean square; 0 for no values.
 pub(super) fn rms(values: &[f64]) -> f64 {
     if values.is_empty() {
@@ -136,6 +148,14 @@ mod tests {
             assert!((found - p).abs() < 1e-9, "{found} {p}");
         }
         assert_eq!(chi2_p_value(f64::INFINITY, 3.0), 0.0);
+    }
+
+    #[test]
+    fn a_constant_error_is_not_white() {
+        assert!(mean_p_value(&[0.3; 100]).unwrap() < 1e-6);
+        let alternating: Vec<f64> = (0..100).map(|i| f64::from(i % 2) - 0.5).collect();
+        assert_eq!(mean_p_value(&alternating), Some(1.0));
+        assert_eq!(mean_p_value(&[0.0; 5]), None);
     }
 
     #[test]

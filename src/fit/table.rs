@@ -60,6 +60,7 @@ pub(super) fn read(
             });
         }
     }
+    table.check_duplicates(&named, specs.is_empty())?;
     let signals = named.iter().map(|spec| table.signal(spec, clock, file));
     signals.collect()
 }
@@ -141,6 +142,45 @@ impl<'a> Table<'a> {
             let mut columns = self.columns.iter();
             columns.position(|column| split_header(column).0 == name)
         })
+    }
+
+    /// Refuses columns that would count twice, and names that stand for several columns.
+    fn check_duplicates(
+        &self,
+        specs: &[SignalSpec],
+        is_found_by_name: bool,
+    ) -> Result<(), DataError> {
+        for (at, spec) in specs.iter().enumerate() {
+            if self.is_ambiguous(&spec.source) {
+                return Err(DataError::Ambiguous {
+                    path: self.path.to_owned(),
+                    name: spec.source.clone(),
+                });
+            }
+            for other in &specs[..at] {
+                if self.position(&other.source) == self.position(&spec.source) {
+                    return Err(DataError::Duplicate {
+                        path: self.path.to_owned(),
+                        source_name: spec.source.clone(),
+                    });
+                }
+                if is_found_by_name && other.field == spec.field {
+                    return Err(DataError::SameField {
+                        path: self.path.to_owned(),
+                        field: spec.field.to_string(),
+                        columns: [other.source.clone(), spec.source.clone()],
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether several columns have this name, with their units or without.
+    fn is_ambiguous(&self, name: &str) -> bool {
+        let exact = self.columns.iter().filter(|column| *column == name).count();
+        let names = self.columns.iter().map(|column| split_header(column).0);
+        exact > 1 || exact == 0 && names.filter(|column| *column == name).count() > 1
     }
 
     fn missing(&self, name: &str) -> DataError {

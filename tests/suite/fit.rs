@@ -66,6 +66,7 @@ fn measure(
         signals,
         files: 1,
         starts_with_run: true,
+        losses: Vec::new(),
     }
 }
 
@@ -101,6 +102,7 @@ fn val_derivatives_equal_the_reference() {
         signals,
         files: 1,
         starts_with_run: true,
+        losses: Vec::new(),
     };
     let free = keys.map(|(_, key, _)| key);
     let columns = sensitivities(&Request::new(preset("full-coulomb"), data, &free)).unwrap();
@@ -284,7 +286,17 @@ fn val_stribeck_is_told_from_other_laws() {
     request.compare = ["coulomb", "viscous", "stribeck"]
         .map(str::to_owned)
         .to_vec();
-    let comparison = fit(&request, &|_| {}).unwrap().report.comparison.unwrap();
+    let fitted = fit(&request, &|_| {}).unwrap();
+    let report = fitted.report;
+    // The scenario's own law is Coulomb's, which does not describe these data.
+    assert_eq!(
+        (report.verdict, report.law.as_str()),
+        (Verdict::Fitted, "stribeck")
+    );
+    let mut parameters = report.parameters.iter();
+    assert!(parameters.any(|p| p.name == "friction.static_k"));
+    assert!(fitted.scenario.to_toml().contains("\"stribeck\""));
+    let comparison = report.comparison.unwrap();
     assert!(comparison.is_decided, "{}", comparison.sentence);
     assert_eq!(comparison.laws[0].law, "stribeck");
     for law in &comparison.laws {
@@ -296,6 +308,7 @@ fn val_stribeck_is_told_from_other_laws() {
             law.quality.chi2
         );
         assert_eq!(law.quality.p_value.unwrap() < 1e-3, law.law != "stribeck");
+        assert_eq!(law.verdict == Verdict::Fitted, law.law == "stribeck");
     }
     assert_eq!(
         (comparison.laws[0].delta_aic, comparison.laws[0].delta_bic),
@@ -317,6 +330,69 @@ fn laws_without_free_parameters_are_evaluated() {
         .unwrap();
     assert_eq!((none.failure.as_ref(), none.parameters.len()), (None, 0));
     assert!(comparison.is_decided, "{}", comparison.sentence);
+}
+
+/// The same data with other values of the first signal, whose standard deviation is unknown.
+fn with_unknown_sigma(mut data: Data, change: impl Fn(usize, f64) -> f64) -> Data {
+    let Signal {
+        field,
+        times,
+        values,
+        ..
+    } = data.signals[0].clone();
+    let values: Vec<f64> = (values.iter().enumerate())
+        .map(|(at, value)| change(at, *value))
+        .collect();
+    data.signals[0] = Signal::from_values(field, &times, &values, None).unwrap();
+    data
+}
+
+#[test]
+fn a_constant_error_does_not_describe_the_data() {
+    let truth = preset("full-coulomb");
+    let mut data = measure(&truth, 100.0, 2.0, &THETA_PHI, Some(3));
+    for value in &mut data.signals[1].values {
+        *value += 0.5e-3;
+    }
+    let mut request = Request::new(truth, data, &["friction.k"]);
+    let report = fit(&request, &|_| {}).unwrap().report;
+    assert!(report.quality.p_value.unwrap() > 1e-3);
+    assert!(report.signals[1].mean_p_value.unwrap() < 1e-3);
+    assert_eq!(report.verdict, Verdict::BadFit);
+    request.compare = ["coulomb", "viscous"].map(str::to_owned).to_vec();
+    let report = fit(&request, &|_| {}).unwrap().report;
+    assert_eq!(report.verdict, Verdict::BadFit);
+    let sentence = report.comparison.unwrap().sentence;
+    assert!(sentence.starts_with("None of the laws"), "{sentence}");
+}
+
+#[test]
+fn estimated_deviations_without_meaning_describe_nothing() {
+    use toprise::fit::report::Oddity;
+    let truth = preset("full-coulomb");
+    let data = measure(&truth, 100.0, 2.0, &THETA_PHI, Some(3));
+    let outlier = with_unknown_sigma(data.clone(), |at, v| if at == 77 { 1e20 } else { v });
+    let report = fit(
+        &Request::new(truth.clone(), outlier, &["friction.k"]),
+        &|_| {},
+    )
+    .unwrap()
+    .report;
+    assert_eq!(report.verdict, Verdict::BadFit);
+    assert_eq!(
+        report.signals[0].oddity,
+        Some(Oddity::OneValue {
+            time: 0.77,
+            value: 1e20
+        })
+    );
+    let constant = with_unknown_sigma(data, |_, _| 0.5);
+    let report = fit(&Request::new(truth, constant, &["friction.k"]), &|_| {})
+        .unwrap()
+        .report;
+    assert_eq!(report.verdict, Verdict::BadFit);
+    let oddity = report.signals[0].oddity;
+    assert_eq!(oddity, Some(Oddity::Constant { value: 0.5 }));
 }
 
 #[test]
@@ -542,6 +618,40 @@ fn fits_a_recording_and_records_the_best_fit() {
 }
 
 #[test]
+fn a_cut_recording_gives_a_partial_result() {
+    let folder = Folder::new();
+    folder.toprise(
+        "run full-coulomb --set stop.duration=3 --set sampling.period=0.01 -o a.mcap",
+        0,
+    );
+    let whole = fs::read(folder.path().join("a.mcap")).unwrap();
+    fs::write(folder.path().join("cut.mcap"), &whole[..whole.len() / 2]).unwrap();
+    let line = "fit full-coulomb cut.mcap --free friction.k --signal /top/state.theta:1mrad";
+    assert_contains(&folder.toprise(line, 3).stdout, "Not read: cut.mcap: ");
+}
+
+#[test]
+fn clocks_that_differ_by_much_are_scanned() {
+    let (_, scenario) = data_set("offset");
+    let files = ["offset_camera.csv", "offset_gyro.csv"];
+    let mut data = data(&files, &["theta:1.5mrad", "phi:1.5mrad", "omega_n:0.05"]);
+    for signal in data.signals.iter_mut().filter(|signal| signal.file == 1) {
+        for time in &mut signal.times {
+            *time -= 1000.0;
+        }
+    }
+    let report = fit(
+        &Request::new(scenario, data, &["friction.k", "initial"]),
+        &|_| {},
+    )
+    .unwrap()
+    .report;
+    assert_eq!(report.verdict, Verdict::Fitted);
+    let offset = report.parameters.iter().find(|p| p.name == "offset");
+    assert!((offset.unwrap().value - 1000.0).abs() < 10.0);
+}
+
+#[test]
 fn exit_codes_tell_bad_fits_from_bad_input() {
     let folder = Folder::new();
     folder.write(
@@ -549,6 +659,9 @@ fn exit_codes_tell_bad_fits_from_bad_input() {
         "t,theta\n0,0.5\n0.1,0.9\n0.2,0.1\n0.3,0.8\n0.4,0.2\n0.5,0.7\n",
     );
     folder.write("bad.csv", "t,theta\n0,0.5\n0.1,abc\n");
+    folder.write("twice.csv", "t,theta,theta\n0,0.5,0.5\n0.1,0.5,0.5\n");
+    folder.write("both.csv", "t,theta,tilt\n0,0.5,0.5\n0.1,0.5,0.5\n");
+    folder.write("huge.csv", "t,theta\n0,0.5\n0.1,1e290\n0.2,0.5\n");
     let fit = "fit full-coulomb a.csv --free friction.k --signal theta:1mrad";
     folder.toprise(fit, 1);
     for (line, message) in [
@@ -571,6 +684,42 @@ fn exit_codes_tell_bad_fits_from_bad_input() {
         (
             "fit full-coulomb a.csv --free friction.k --compare coulombs",
             "unknown law coulombs",
+        ),
+        (
+            "fit full-coulomb a.csv --free friction.k --start 7",
+            "/top/state.theta has no value from t = 7 s: its times are 0 to 0.5 s",
+        ),
+        (
+            "fit full-coulomb twice.csv --free friction.k",
+            "twice.csv: several columns are called theta",
+        ),
+        (
+            "fit full-coulomb both.csv --free friction.k",
+            "both.csv: the columns theta and tilt both measure /top/state.theta",
+        ),
+        (
+            "fit full-coulomb a.csv --free friction.k --signal theta:1mrad --signal theta:2mrad",
+            "a.csv: theta is read twice",
+        ),
+        (
+            "fit full-coulomb a.csv ./a.csv --free friction.k",
+            "./a.csv is given twice",
+        ),
+        (
+            "fit full-coulomb huge.csv --free friction.k",
+            "/top/state.theta: the value 1e290 at t = 0.1 s",
+        ),
+        (
+            "fit full-coulomb a.csv --free friction.k --scenario a.csv --force",
+            "a.csv",
+        ),
+        (
+            "fit full-coulomb a.csv --free friction.k -o x.rrd",
+            "-o is for the MCAP file",
+        ),
+        (
+            "fit full-coulomb a.csv --free friction.k -o x.mcap --scenario x.mcap",
+            "are the same file",
         ),
     ] {
         assert_contains(&folder.toprise(line, 2).stderr, message);

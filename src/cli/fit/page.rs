@@ -7,8 +7,8 @@ use crate::cli::report::WrittenFile;
 use crate::cli::table::Table;
 use crate::fit::Loss;
 use crate::fit::report::{
-    Comparison, Estimate, Extension, ExtensionKind, LawFit, Limit, Mode, Profile, Quality, Report,
-    SignalReport, Verdict,
+    Comparison, Estimate, Extension, ExtensionKind, LawFit, Limit, Mode, Oddity, Profile, Quality,
+    Report, SignalReport, Verdict,
 };
 
 /// A profile whose interval differs from the curvature's by more than this is mentioned.
@@ -32,7 +32,7 @@ pub(super) fn page(report: &FitReport, all: bool) -> Vec<Section> {
         sections.push(profile_section(profile, all));
     }
     if let Some(comparison) = &fit.comparison {
-        sections.push(laws(comparison));
+        sections.push(laws(fit, comparison));
         if all {
             for law in &comparison.laws {
                 sections.push(law_parameters(law));
@@ -46,19 +46,39 @@ pub(super) fn page(report: &FitReport, all: bool) -> Vec<Section> {
 }
 
 fn headline(fit: &Report) -> Section {
-    let (tone, verdict) = match fit.verdict {
-        Verdict::Fitted => (Tone::Good, "describes the data"),
-        Verdict::BadFit => (Tone::Bad, "does not describe the data"),
-        Verdict::Undecided => (Tone::Weak, "undecided between laws"),
-        Verdict::NotConverged => (Tone::Bad, "no minimum was found"),
+    let name = &fit.scenario;
+    let law = &fit.law;
+    let is_comparison = fit.comparison.is_some();
+    let (tone, title) = match fit.verdict {
+        Verdict::Fitted => (Tone::Good, format!("{name} ({law}): describes the data")),
+        Verdict::Undecided => (Tone::Weak, format!("{name}: undecided between laws")),
+        Verdict::BadFit if is_comparison => (
+            Tone::Bad,
+            format!("{name}: none of the laws describes the data"),
+        ),
+        Verdict::BadFit => (
+            Tone::Bad,
+            format!("{name} ({law}): does not describe the data"),
+        ),
+        Verdict::NotConverged if is_comparison => (
+            Tone::Bad,
+            format!("{name}: no minimum was found for the best law"),
+        ),
+        Verdict::NotConverged => (Tone::Bad, format!("{name} ({law}): no minimum was found")),
     };
-    let mut section =
-        Section::with_tone(tone, format!("{} ({}): {verdict}", fit.scenario, fit.law));
-    section.note = match fit.loss {
-        Loss::Squares => goodness(&fit.quality),
-        // The loss has no known distribution.
-        Loss::Huber => format!("Huber's loss {:.1}", fit.quality.chi2),
-    };
+    let mut section = Section::with_tone(tone, title);
+    // The verdict on several laws has no χ² of its own.
+    if is_comparison && fit.verdict != Verdict::Fitted {
+        section.line(format!(
+            "Parameters, signals and remarks are those of the scenario's own law, {law}."
+        ));
+    } else {
+        section.note = match fit.loss {
+            Loss::Squares => goodness(&fit.quality),
+            // The loss has no known distribution.
+            Loss::Huber => format!("Huber's loss {:.1}", fit.quality.chi2),
+        };
+    }
     let samples: usize = fit.signals.iter().map(|signal| signal.samples).sum();
     section.line(format!(
         "{} in {} s; the scenario starts at t = {} s in the data. {}.",
@@ -237,6 +257,9 @@ fn losses(signal: &SignalReport) -> String {
     if signal.out_of_order > 0 {
         losses.push(format!("{} out of order", count(signal.out_of_order)));
     }
+    if signal.outside > 0 {
+        losses.push(format!("{} outside", count(signal.outside as u64)));
+    }
     if signal.outliers > 0 {
         losses.push(format!("{} above 5 σ", count(signal.outliers as u64)));
     }
@@ -245,6 +268,9 @@ fn losses(signal: &SignalReport) -> String {
 
 fn remarks(fit: &Report) -> Section {
     let mut remarks = fit.notes.clone();
+    for loss in &fit.losses {
+        remarks.push(format!("Not read: {loss}."));
+    }
     let quality = &fit.quality;
     let reduced = quality.chi2 / quality.freedom as f64;
     if quality.p_value.is_some_and(|p| p < REJECTED) {
@@ -258,6 +284,27 @@ fn remarks(fit: &Report) -> Section {
             "The residuals are correlated in time: the model misses something, and the standard deviations of the parameters are too small."
                 .to_owned(),
         );
+    }
+    for signal in &fit.signals {
+        let SignalReport { field, unit, .. } = signal;
+        if signal.mean_p_value.is_some_and(|p| p < REJECTED) {
+            remarks.push(format!(
+                "The residuals of {field} have the mean {} σ: a constant error, such as a camera that is not level.",
+                rounded(signal.mean, 2)
+            ));
+        }
+        match signal.oddity {
+            Some(Oddity::Constant { value }) => remarks.push(format!(
+                "All values of {field} are {} {unit}: they have no noise from which σ could be estimated. Check the sensor, or give σ.",
+                rounded(value, 6)
+            )),
+            Some(Oddity::OneValue { time, value }) => remarks.push(format!(
+                "One value of {field}, {} {unit} at {} s after the start, makes most of the estimated σ. Remove it, or give σ.",
+                rounded(value, 6),
+                plain(time)
+            )),
+            None => {}
+        }
     }
     let outliers: usize = fit.signals.iter().map(|signal| signal.outliers).sum();
     if outliers > 0 && fit.loss == Loss::Squares {
@@ -301,7 +348,7 @@ fn profile_section(profile: &Profile, all: bool) -> Section {
     ] {
         let [low, high] = [low, high].map(|side| match side {
             Some(value) => rounded(value, 6),
-            None => "bound".to_owned(),
+            None => "not reached".to_owned(),
         });
         section.line(format!("{level}: {low} to {high}"));
     }
@@ -327,7 +374,7 @@ fn profile_section(profile: &Profile, all: bool) -> Section {
     section
 }
 
-fn laws(comparison: &Comparison) -> Section {
+fn laws(fit: &Report, comparison: &Comparison) -> Section {
     let mut section = Section::with_tone(
         if comparison.is_decided {
             Tone::Good
@@ -337,10 +384,11 @@ fn laws(comparison: &Comparison) -> Section {
         "Laws",
     );
     let has_held_out = comparison.laws.iter().any(|law| law.held_out_rms.is_some());
-    let mut header = vec!["", "parameters", "χ²/ν", "p", "ΔAIC", "ΔBIC"];
+    let mut header = vec!["", "parameters", "χ²/ν", "p", "white", "ΔAIC", "ΔBIC"];
     if has_held_out {
         header.push("held out RMS/σ");
     }
+    header.push("verdict");
     let mut rows = Vec::new();
     for law in &comparison.laws {
         if let Some(failure) = &law.failure {
@@ -348,17 +396,12 @@ fn laws(comparison: &Comparison) -> Section {
             continue;
         }
         let quality = &law.quality;
-        let p = quality.p_value.map_or("–".to_owned(), |p| {
-            probability(p)
-                .trim_start_matches("p = ")
-                .trim_start_matches("p ")
-                .to_owned()
-        });
         let mut row = vec![
             law.law.clone(),
             law.parameters.len().to_string(),
             rounded(quality.chi2 / quality.freedom as f64, 5),
-            p,
+            cell_of_probability(quality.p_value),
+            cell_of_probability(law.residual_p_value),
             number(law.delta_aic, 1),
             number(law.delta_bic, 1),
         ];
@@ -368,6 +411,12 @@ fn laws(comparison: &Comparison) -> Section {
                     .map_or("–".to_owned(), |rms| rounded(rms, 3)),
             );
         }
+        let verdict = match law.verdict {
+            Verdict::Fitted => "describes the data",
+            Verdict::BadFit => "does not",
+            Verdict::Undecided | Verdict::NotConverged => "no minimum found",
+        };
+        row.push(verdict.to_owned());
         rows.push(row);
     }
     section.table(Table {
@@ -379,8 +428,25 @@ fn laws(comparison: &Comparison) -> Section {
     if !comparison.extensions.is_empty() {
         let extensions: Vec<String> = comparison.extensions.iter().map(extension).collect();
         section.line(format!("To decide: {}.", extensions.join("; or ")));
+    } else if fit.verdict == Verdict::Undecided
+        && comparison.laws.first().map(|law| law.verdict) == Some(Verdict::Fitted)
+    {
+        section.line(
+            "No small extension of the data is expected to decide: up to 6 times the duration, 100 times the samples, or another angle.",
+        );
     }
     section
+}
+
+/// A p-value as a cell under a header that names it.
+fn cell_of_probability(p: Option<f64>) -> String {
+    let Some(p) = p else {
+        return "–".to_owned();
+    };
+    let text = probability(p);
+    text.trim_start_matches("p ")
+        .trim_start_matches("= ")
+        .to_owned()
 }
 
 fn extension(extension: &Extension) -> String {

@@ -107,7 +107,7 @@ impl RunArguments {
 }
 
 /// Refuses to write an MCAP file under a name that says something else.
-fn check_extension(path: &Path) -> Result<(), Error> {
+pub(in crate::cli) fn check_extension(path: &Path) -> Result<(), Error> {
     let name = path.display();
     let Some(extension) = path.extension() else {
         return Ok(());
