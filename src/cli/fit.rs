@@ -88,11 +88,11 @@ pub(super) struct FitArguments {
     #[arg(long)]
     all: bool,
 
-    /// Record the best fit as an MCAP file: that of the preferred law, or of the scenario's if none is
+    /// Record the best fit, with the preferred law, as an MCAP file
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
-    /// Write the best fit as a scenario file, of the same law
+    /// Write the best fit, with the preferred law, as a scenario file
     #[arg(long = "scenario", value_name = "FILE")]
     best: Option<PathBuf>,
 
