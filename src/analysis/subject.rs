@@ -2,13 +2,10 @@
 
 use crate::analysis::missing::{MessageCounts, Missing};
 use crate::archive::format::{STOP_REASON, end_entries};
-use crate::archive::recording::{Condition, Entries, Losses, Reader, Recording, Selection};
+use crate::archive::recording::{Condition, Entries, Reader, Recording, Selection};
 use crate::run::scenario::Scenario;
 use crate::run::simulation::StopReason;
 use crate::telemetry::{Message, RunError, RunMessages, Topic, Topics};
-
-/// Maximum number of losses that are described. `info` and `verify` list more.
-const MAX_SENTENCES: usize = 10;
 
 /// A run to be analysed.
 #[derive(Clone, Copy, Debug)]
@@ -175,7 +172,7 @@ fn read(
 
 /// Parts that a recording lacks and a reader could not read, in sentences.
 pub(super) fn losses(recording: &Recording, reader: &Reader<'_>) -> Vec<String> {
-    let losses = loss_sentences(&reader.all_losses());
+    let losses = reader.all_losses().sentences();
     let left_out = reader.left_out().map(ToString::to_string);
     // A run that was interrupted by its user has an end record that says so.
     let reason = recording.end().and_then(|end| end.get(STOP_REASON));
@@ -184,21 +181,6 @@ pub(super) fn losses(recording: &Recording, reader: &Reader<'_>) -> Vec<String> 
     let lacks_end = is_interrupted.then(|| if recording.is_ours() { "run" } else { "file" });
     let end = lacks_end.map(|what| format!("missing end of the {what} (interrupted)"));
     losses.into_iter().chain(left_out).chain(end).collect()
-}
-
-/// The first losses in sentences, and the number of the others.
-pub(crate) fn loss_sentences(losses: &Losses) -> Vec<String> {
-    let mut sentences: Vec<String> = losses
-        .list()
-        .iter()
-        .take(MAX_SENTENCES)
-        .map(|loss| format!("missing {loss}"))
-        .collect();
-    let more = losses.count() - sentences.len() as u64;
-    if more > 0 {
-        sentences.push(format!("missing {more} more parts of the file"));
-    }
-    sentences
 }
 
 fn simulate(

@@ -3,7 +3,6 @@
 use super::error::{DataError, SignalError};
 use super::signal::{Row, SigmaSpec, Signal, SignalSpec};
 use super::table::MAX_ROWS;
-use crate::analysis::subject::loss_sentences;
 use crate::archive::recording::{Condition, FileChannel, Recording, Selection};
 use crate::run::time::seconds;
 use crate::telemetry::fields::NumberField;
@@ -186,7 +185,7 @@ fn rows(
         }
         rows.push(row);
     }
-    for loss in loss_sentences(&reader.all_losses()) {
+    for loss in reader.all_losses().sentences() {
         add_once(losses, loss);
     }
     if recording.condition() == Condition::Interrupted {

@@ -28,6 +28,9 @@ pub struct Loss {
 /// Maximum number of losses that are listed; further ones are counted.
 const MAX_LISTED: usize = 1000;
 
+/// Maximum number of losses that are described. `info` and `verify` list more.
+const MAX_SENTENCES: usize = 10;
+
 /// The parts of a file that can't be read.
 ///
 /// Lists the first 1000 and counts all, because a damaged file can have millions.
@@ -38,6 +41,21 @@ pub struct Losses {
 }
 
 impl Losses {
+    /// The first losses in sentences, and the number of the others.
+    pub fn sentences(&self) -> Vec<String> {
+        let mut sentences: Vec<String> = self
+            .list
+            .iter()
+            .take(MAX_SENTENCES)
+            .map(|loss| format!("missing {loss}"))
+            .collect();
+        let more = self.count - sentences.len() as u64;
+        if more > 0 {
+            sentences.push(format!("missing {more} more parts of the file"));
+        }
+        sentences
+    }
+
     /// The first losses.
     pub fn list(&self) -> &[Loss] {
         &self.list

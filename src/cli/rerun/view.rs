@@ -1,7 +1,6 @@
 //! `toprise view`.
 
 use super::viewer::{self, ViewerArguments};
-use crate::analysis::subject::loss_sentences;
 use crate::archive::format::is_end_of;
 use crate::archive::input::{has_extension, open_file};
 use crate::archive::publish::{Draft, Drafts, Existing, refuse_inputs};
@@ -348,7 +347,7 @@ fn outcome_of(recording: &Recording, selection: &Selection) -> Option<Outcome> {
 
 /// Parts that could not be shown, in sentences.
 fn losses(replayed: &Replayed) -> Vec<String> {
-    let losses = loss_sentences(&replayed.losses).into_iter();
+    let losses = replayed.losses.sentences().into_iter();
     let left_out = replayed.left_out.iter().map(ToString::to_string);
     losses.chain(left_out).collect()
 }
