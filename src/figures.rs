@@ -20,10 +20,8 @@
 
 mod channel;
 mod data;
-#[cfg(feature = "sweep")]
 mod error;
 mod locus;
-#[cfg(feature = "sweep")]
 mod map;
 mod plot;
 mod report;
@@ -33,10 +31,10 @@ mod time;
 mod track;
 
 pub use self::data::{MissingData, RunData};
-#[cfg(feature = "sweep")]
 pub use self::error::FigureError;
 #[cfg(feature = "sweep")]
-pub use self::map::{CONTEXT_COLUMNS, Map, MapAxis, MapRun};
+pub use self::map::CONTEXT_COLUMNS;
+pub use self::map::{Map, MapAxis, MapRun};
 pub use self::plot::drawing::Drawing;
 pub use self::plot::png::PngError;
 pub use self::report::{FigureFile, FiguresReport, Lacking, LeftOut, RunLoss};

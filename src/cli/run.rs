@@ -1,12 +1,12 @@
 //! `toprise run`.
 
-mod arguments;
+pub(super) mod arguments;
 mod files;
 mod pace;
 pub(super) mod plan;
 mod report;
 
-pub(super) use self::arguments::{RunArguments, check_extension};
+pub(super) use self::arguments::RunArguments;
 use self::files::find_identical;
 use self::pace::Pace;
 use self::plan::RunPlan;

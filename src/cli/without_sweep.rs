@@ -1,5 +1,11 @@
 //! In place of `sweep.rs` in a program without the feature `sweep`: no arguments, and no tables.
 
+#![expect(
+    clippy::unused_self,
+    clippy::unnecessary_wraps,
+    reason = "the signatures are those of the modules that read tables"
+)]
+
 use crate::run::scenario::Values;
 use anyhow::Error;
 use clap::Args;

@@ -7,9 +7,11 @@ mod curves;
 mod grid;
 mod plane;
 mod runs;
+#[cfg(feature = "sweep")]
 mod table;
 
 pub use self::runs::{Map, MapAxis, MapRun};
+#[cfg(feature = "sweep")]
 pub use self::table::CONTEXT_COLUMNS;
 
 use super::error::FigureError;

@@ -9,15 +9,12 @@ pub(crate) const MAX_MAGNITUDE: f64 = 1e100;
 const ZERO: f64 = 1e-12;
 
 /// The digits of the minor ticks of a logarithmic scale.
-#[cfg(feature = "sweep")]
 const ALL_DIGITS: &[u8] = &[1, 2, 3, 4, 5, 6, 7, 8, 9];
 
 /// The digits of the labelled ticks in each decade of a logarithmic scale, from many to few.
-#[cfg(feature = "sweep")]
 const LABELLED_DIGITS: [&[u8]; 4] = [ALL_DIGITS, &[1, 2, 3, 5], &[1, 2, 5], &[1, 3]];
 
 /// Powers of ten alone.
-#[cfg(feature = "sweep")]
 const ONE: &[u8] = &[1];
 
 /// The range of values along an axis, with its ticks.
@@ -130,7 +127,6 @@ impl Scale {
 
     /// A scale of decimal logarithms from `low` to `high`, with at most `max_labels` labels, but with three if they fit
     /// the range: some digits of each decade, powers of ten alone, or round numbers if the range is less than a decade.
-    #[cfg(feature = "sweep")]
     pub(crate) fn logarithmic(low: f64, high: f64, max_labels: usize) -> Self {
         let linear = Self::new(low, high, max_labels);
         let Some((ticks, every)) = linear.labelled_decades(max_labels) else {
@@ -152,7 +148,6 @@ impl Scale {
     }
 
     /// As many labelled ticks of a logarithmic scale as allowed, and the distance between decades with labels.
-    #[cfg(feature = "sweep")]
     fn labelled_decades(&self, max_labels: usize) -> Option<(Vec<Tick>, i32)> {
         let decades = (self.high - self.low) as i32 + 1;
         let powers_of_ten = (1..=decades).map(|every| (ONE, every));
@@ -165,7 +160,6 @@ impl Scale {
     }
 
     /// Ticks at some digits of every n-th decade of a logarithmic scale.
-    #[cfg(feature = "sweep")]
     fn decade_ticks(&self, digits: &[u8], every: i32) -> Vec<Tick> {
         let slack = 1e-9 * (self.high - self.low);
         let range = self.low - slack..=self.high + slack;
@@ -186,7 +180,6 @@ impl Scale {
     }
 
     /// The logarithmic scale of the same range with the ticks of a linear one.
-    #[cfg(feature = "sweep")]
     fn within_a_decade(self, max_labels: usize) -> Self {
         let unit = exponent_of_labels(self.low.floor() as i32);
         let [from, to] = [self.low, self.high].map(|log| libm::exp10(log - f64::from(unit)));
@@ -220,7 +213,6 @@ impl Scale {
 }
 
 /// A digit times a power of ten, in human-readable form.
-#[cfg(feature = "sweep")]
 fn decimal(digit: u8, decade: i32) -> String {
     match decade {
         0..=4 => format!("{digit}{}", "0".repeat(decade as usize)),
@@ -307,7 +299,6 @@ mod tests {
         );
     }
 
-    #[cfg(feature = "sweep")]
     #[test]
     fn logarithmic_labels_are_round_numbers() {
         let log = libm::log10;
@@ -359,7 +350,6 @@ mod tests {
     }
 
     proptest! {
-        #[cfg(feature = "sweep")]
         #[test]
         fn logarithmic_labels_are_few_and_equal_their_values(
             low in -30.0..6.0, span in 1e-3..18.0, most in 3_usize..10,
