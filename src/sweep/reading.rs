@@ -27,7 +27,7 @@ impl Columns {
     /// Reads columns by name or key.
     ///
     /// # Errors
-    /// [`SweepError::File`] if it is not a Parquet file, or a column is missing.
+    /// [`SweepError::Table`] if it is not a Parquet file, or a column is missing.
     pub fn read(path: &Path, names: &[&str]) -> Result<Self, SweepError> {
         reader::read(path, |opened| {
             let mut wanted = Vec::new();
@@ -46,7 +46,7 @@ impl Columns {
     /// The columns of a table in memory; `name` stands for it in errors.
     ///
     /// # Errors
-    /// [`SweepError::File`] if a column is missing.
+    /// [`SweepError::Table`] if a column is missing.
     pub fn from_batches(
         name: &str,
         names: &[&str],
@@ -74,7 +74,7 @@ impl Columns {
     /// The numbers of a column; NaN where there is none.
     ///
     /// # Errors
-    /// [`SweepError::File`] if they are not numbers.
+    /// [`SweepError::Table`] if they are not numbers.
     pub fn numbers(&self, name: &str) -> Result<Vec<f64>, SweepError> {
         let mut numbers = Vec::new();
         for cell in self.cells(name)? {
@@ -92,7 +92,7 @@ impl Columns {
     /// The cells of a column as strings; `None` for nulls.
     ///
     /// # Errors
-    /// [`SweepError::File`] if they are neither numbers nor words.
+    /// [`SweepError::Table`] if they are neither numbers nor words.
     pub fn texts(&self, name: &str) -> Result<Vec<Option<String>>, SweepError> {
         let mut texts = Vec::new();
         for cell in self.cells(name)? {
@@ -140,7 +140,7 @@ fn find_column(schema: &Schema, name: &str) -> Result<usize, TableError> {
 /// The scenario values of a row of a sweep table: those of its base with the row's changes.
 ///
 /// # Errors
-/// [`SweepError::File`] if it is not the table of a sweep, has no such row, or gives another scenario than the one that was
+/// [`SweepError::Table`] if it is not the table of a sweep, has no such row, or gives another scenario than the one that was
 /// run; [`SweepError::Scenario`] if this version doesn't have a key of it.
 pub fn values_of_row(table: &Path, row: u64) -> Result<Values, SweepError> {
     reader::read(table, |opened| read_row(row, opened))
