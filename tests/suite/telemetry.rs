@@ -149,8 +149,12 @@ fn regress_committed_schemas_match_the_table() {
         assert_eq!(committed, schema, "{name} {advice}");
     }
     let files = fs::read_dir(&directory).unwrap().count();
-    // A build without Rerun has no `view`, one without sweeps no `sweep`.
-    let missing = [cfg!(not(feature = "rerun")), cfg!(not(feature = "sweep"))];
+    // A build without Rerun has no `view`, one without sweeps no `sweep`, one without fits no `fit`.
+    let missing = [
+        cfg!(not(feature = "rerun")),
+        cfg!(not(feature = "sweep")),
+        cfg!(not(feature = "fit")),
+    ];
     let missing = missing.map(usize::from).iter().sum::<usize>();
     let of_scenarios = 1;
     let expected = 2 * channels().len() + reports.len() + missing + of_scenarios;
