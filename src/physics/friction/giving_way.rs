@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 /// method has to resolve that time, in a number of steps proportional to `1/√v` of the slowest `v`. Slip below this
 /// speed is given the direction that it would take anyway. Friction turns it within `v/(k g)`, at this speed 1e-7 s, and
 /// what the slip misses in that time is below the tolerances: with a tenth of this speed, later events of sticking and
-/// slipping tops move by 3e-12 s.
+/// slipping tops move by 2e-12 s, and by 1e-11 s with rolling resistance.
 pub(crate) const GIVING_WAY: f64 = 1e-7;
 
 impl Friction {
