@@ -9,8 +9,6 @@ mod arguments;
 mod completions;
 mod diff;
 mod explain;
-#[cfg(feature = "rerun")]
-mod explained;
 mod figures;
 #[cfg(feature = "fit")]
 mod fit;

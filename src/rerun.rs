@@ -1,6 +1,6 @@
 //! Rerun recordings of runs: all channels, the 3D scene and a layout.
 //!
-//! [`RerunSink`] writes one run, [`PairSink`] two runs that are compared. Both are [`Stream`]s, which go into an
+//! [`RerunSink`] writes one run, [`ExplainedSink`] with the reason for its motion, [`PairSink`] two runs that are compared. Both are [`Stream`]s, which go into an
 //! `.rrd` file, to a live viewer, or to both.
 //!
 //! Related numbers share an entity, `{topic}/{plot}`, with several instances and static names and colours; this is much
@@ -14,6 +14,7 @@ mod entities;
 mod entity;
 mod error;
 mod events;
+mod explained;
 mod identity;
 mod importer;
 mod look;
@@ -35,6 +36,7 @@ mod viewer;
 pub use self::comparison::PairSink;
 pub use self::entities::RerunSink;
 pub use self::error::{RerunError, ViewerError};
+pub use self::explained::ExplainedSink;
 pub use self::identity::{Geometry, Identity, Playback, StoreNames};
 pub use self::importer::{ImportError, import};
 pub use self::magnitude::Magnitudes;

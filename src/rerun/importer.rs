@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 use rerun::EXTERNAL_IMPORTER_INCOMPATIBLE_EXIT_CODE;
 use thiserror::Error;
 
-use super::entities::RerunSink;
 use super::error::RerunError;
+use super::explained::ExplainedSink;
 use super::identity::{Identity, Playback, StoreNames};
 use super::outlet::Destinations;
 use crate::archive::input::has_extension;
@@ -187,7 +187,7 @@ fn show(scenario: &Scenario, identity: &Identity, output: File) -> Result<(), Im
         file: Some(output),
         live: None,
     };
-    let mut sink = RerunSink::new(identity, destinations);
+    let mut sink = ExplainedSink::new(scenario, identity, destinations);
     let mut tally = Tally::default();
     let mut sinks: [&mut dyn Sink; 1] = [&mut sink];
     let RecordedRun { end, error } = record(&mut run, &mut sinks, |record, _| {

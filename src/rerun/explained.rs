@@ -1,27 +1,26 @@
 //! A Rerun stream whose first page says why the top moves as it does.
 
+use super::entities::RerunSink;
+use super::error::{RerunError, ViewerError};
+use super::identity::Identity;
+use super::outlet::Destinations;
 use crate::analysis::explain::Explainer;
 use crate::analysis::subject::ReadEnd;
 use crate::archive::format::end_entries;
 use crate::archive::sink::{Sink, SinkError};
-use crate::rerun::{Destinations, Identity, RerunError, RerunSink, ViewerError};
 use crate::run::outcome::Outcome;
 use crate::run::scenario::Scenario;
 use crate::telemetry::Message;
 
 /// A Rerun stream of a run, and the explanation of the run, made from the same messages.
-pub(super) struct ExplainedSink {
+pub struct ExplainedSink {
     sink: RerunSink,
     explainer: Explainer,
 }
 
 impl ExplainedSink {
     /// Opens the destinations of a run of this scenario.
-    pub(super) fn new(
-        scenario: &Scenario,
-        identity: &Identity,
-        destinations: Destinations,
-    ) -> Self {
+    pub fn new(scenario: &Scenario, identity: &Identity, destinations: Destinations) -> Self {
         Self {
             sink: RerunSink::new(identity, destinations),
             explainer: Explainer::new(scenario),
@@ -29,17 +28,17 @@ impl ExplainedSink {
     }
 
     /// Whether data is being sent to a viewer, as far as is known.
-    pub(super) fn is_live(&self) -> bool {
+    pub fn is_live(&self) -> bool {
         self.sink.is_live()
     }
 
     /// Viewer warnings since the last call.
-    pub(super) fn take_warnings(&mut self) -> Vec<ViewerError> {
+    pub fn take_warnings(&mut self) -> Vec<ViewerError> {
         self.sink.take_warnings()
     }
 
     /// Adds the outcome of a complete run, and the reason for the motion if it is known.
-    pub(super) fn set_outcome(&mut self, outcome: &Outcome) {
+    pub fn set_outcome(&mut self, outcome: &Outcome) {
         self.sink.set_outcome(outcome);
         let ended = ReadEnd {
             end: Some(end_entries(&outcome.end)),
@@ -55,7 +54,10 @@ impl ExplainedSink {
     }
 
     /// Completes the stream. Returns pending warnings.
-    pub(super) fn finish(self) -> Result<Vec<ViewerError>, RerunError> {
+    ///
+    /// # Errors
+    /// [`RerunError`] if the file could not be written.
+    pub fn finish(self) -> Result<Vec<ViewerError>, RerunError> {
         self.sink.finish()
     }
 }
