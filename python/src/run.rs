@@ -429,8 +429,8 @@ impl Run {
     /// Writes the whole run as a recording (MCAP), with the bytes that `toprise run` writes. The file
     /// contains all topics, even if this run has only some; the scenario is simulated again for it.
     ///
-    /// A name that ends with `.rrd` writes a recording for the Rerun viewer, converted by it (`pip install rerun-sdk`).
-    /// With `force`, an existing file is replaced.
+    /// A name that ends with `.rrd` writes a recording for the Rerun viewer: with the scene and layout of the program
+    /// `toprise` where it is installed, otherwise as Rerun converts it (`pip install rerun-sdk`). With `force`, an existing file is replaced.
     ///
     /// Raises `RecordingError` if the file exists or can't be written.
     #[pyo3(signature = (path, *, force=false))]

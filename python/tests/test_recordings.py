@@ -1,5 +1,6 @@
 """Recordings that are damaged, cut off or no recordings at all."""
 
+import sys
 import warnings
 
 import pytest
@@ -80,7 +81,31 @@ def test_a_run_is_saved_as_the_program_records_it(brief, tmp_path):
     assert path.read_bytes() == before
 
 
-def test_rrd_files_are_converted_by_rerun(brief, tmp_path, monkeypatch):
+def without_the_program(monkeypatch):
+    monkeypatch.setattr("shutil.which", lambda name: None)
+
+
+def test_the_program_writes_rrd_files_with_its_layout(brief, tmp_path, monkeypatch):
+    program = tmp_path / "toprise"
+    program.write_text(
+        f"#!{sys.executable}\n"
+        "import shutil, sys\n"
+        "command, source, option, target, *rest = sys.argv[1:]\n"
+        "assert (command, option, rest) == ('view', '--rrd', ['--force', '--quiet']), sys.argv\n"
+        "if 'bad' in target: sys.exit('no space left')\n"
+        "shutil.copy(source, target)\n"
+    )
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    path = tmp_path / "a.rrd"
+    brief.save(path)
+    assert path.read_bytes()[1:5] == b"MCAP"
+    with pytest.raises(toprise.RecordingError, match="bad.rrd: no space left"):
+        brief.save(tmp_path / "bad.rrd")
+
+
+def test_without_the_program_rerun_converts(brief, tmp_path, monkeypatch):
+    without_the_program(monkeypatch)
     package = tmp_path / "rerun"
     package.mkdir()
     (package / "__init__.py").touch()
@@ -101,6 +126,7 @@ def test_rrd_files_are_converted_by_rerun(brief, tmp_path, monkeypatch):
 
 
 def test_a_run_opens_in_the_viewer(brief, tmp_path, monkeypatch, reference):
+    without_the_program(monkeypatch)
     viewer = tmp_path / "rerun"
     viewer.mkdir()
     (viewer / "__init__.py").touch()
