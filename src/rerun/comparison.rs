@@ -8,10 +8,10 @@ use super::blueprint;
 use super::blueprint::pair::Extent;
 use super::entities::Entities;
 use super::entity::SUMMARY;
-use super::look::Look;
-use super::outlet::{Destinations, Outlet, To};
+use super::output::{Destination, Destinations, Output};
 use super::pair::PairIdentity;
 use super::plots::Plots;
+use super::role::Role;
 use super::scene::log_stage;
 use super::sink::{Content, Stream};
 use crate::physics::math;
@@ -33,66 +33,66 @@ pub struct Comparison {
 impl Stream<Comparison> {
     /// Opens the destinations and sends static content: layout, names, the scene's bodies.
     pub fn new(identity: &PairIdentity, destinations: Destinations) -> Self {
-        Self::open(identity.store(), &identity.name, destinations, |outlet| {
-            outlet.send_layout(To::Both, blueprint::pair::messages(identity, None));
-            Comparison::new(identity, outlet)
+        Self::open(identity.store(), &identity.name, destinations, |output| {
+            output.send_layout(Destination::Both, blueprint::pair::messages(identity, None));
+            Comparison::new(identity, output)
         })
     }
 
     /// Adds a message of one run. The messages of each run must be in time order; the runs may be interleaved freely.
     pub fn write(&mut self, side: Side, message: &Message<'_>) {
         self.end_ns = self.end_ns.max(message.time_ns);
-        let (content, outlet) = (&mut self.content, &mut self.outlet);
-        content.runs[side.index()].write(message, outlet);
+        let (content, output) = (&mut self.content, &mut self.output);
+        content.runs[side.index()].write(message, output);
     }
 
     /// Adds the differences B − A of the numbers of a message, at the time of A; texts are ignored.
     ///
     /// Channels that are neither sampled nor `/top/nutation` are ignored.
     pub fn difference(&mut self, message: &Message<'_>) {
-        let (content, outlet) = (&mut self.content, &mut self.outlet);
-        content.difference.write(message, Some, outlet);
-        content.magnitude.write(message, log_magnitude, outlet);
+        let (content, output) = (&mut self.content, &mut self.output);
+        content.difference.write(message, Some, output);
+        content.magnitude.write(message, log_magnitude, output);
     }
 
     /// Replaces the summary of the comparison, which is Markdown.
     pub fn summarize(&mut self, markdown: &str) {
-        self.content.summarize(markdown, &mut self.outlet);
+        self.content.summarize(markdown, &mut self.output);
     }
 }
 
 impl Comparison {
     /// Sends static data: shared entities and those of each run.
-    fn new(identity: &PairIdentity, outlet: &mut Outlet) -> Self {
-        if let Some(geometry) = identity.stage() {
-            log_stage(&geometry, outlet);
+    fn new(identity: &PairIdentity, output: &mut Output) -> Self {
+        if let Some(geometry) = identity.common_geometry() {
+            log_stage(&geometry, output);
         }
         let runs = [Side::A, Side::B].map(|side| {
             let run = identity.with_common_scales(side);
-            Entities::new(&run, &identity.look(side), outlet)
+            Entities::new(&run, &identity.role(side), output)
         });
         let comparison = Self {
             runs,
             difference: Plots::new(
                 |plot| identity.has_difference_of(plot),
-                &Look::Difference,
-                outlet,
+                &Role::Difference,
+                output,
             ),
             magnitude: Plots::new(
                 |plot| identity.has_magnitude_of(plot),
-                &Look::Magnitude,
-                outlet,
+                &Role::Magnitude,
+                output,
             ),
             identity: identity.clone(),
         };
         // Until the comparison ends, the summary contains only the colour key.
-        comparison.summarize("", outlet);
+        comparison.summarize("", output);
         comparison
     }
 
-    fn summarize(&self, text: &str, outlet: &mut Outlet) {
+    fn summarize(&self, text: &str, output: &mut Output) {
         let text = TextDocument::from_markdown(format!("{}{text}", self.identity.key()));
-        outlet.send_static(SUMMARY, &text);
+        output.send_static(SUMMARY, &text);
     }
 }
 
@@ -102,19 +102,19 @@ fn log_magnitude(number: f64) -> Option<f64> {
 }
 
 impl Content for Comparison {
-    fn finish(&mut self, end_ns: u64, outlet: &mut Outlet) {
-        self.difference.reach(end_ns, outlet);
-        self.magnitude.reach(end_ns, outlet);
+    fn finish(&mut self, end_ns: u64, output: &mut Output) {
+        self.difference.extend_to(end_ns, output);
+        self.magnitude.extend_to(end_ns, output);
         for run in &mut self.runs {
-            run.summarize_events(outlet);
+            run.summarize_events(output);
         }
-        outlet.complete();
+        output.complete();
         let extent = Extent {
             duration: seconds(end_ns),
             runs: [0, 1].map(|run| self.runs[run].plots()),
             differences: &self.difference,
         };
         let layout = blueprint::pair::messages(&self.identity, Some(&extent));
-        outlet.send_layout(To::Both, layout);
+        output.send_layout(Destination::Both, layout);
     }
 }

@@ -7,10 +7,10 @@ use super::blueprint;
 use super::entity::ABOUT;
 use super::events::Events;
 use super::identity::{Identity, Playback};
-use super::look::Look;
-use super::outlet::{Destinations, Outlet, To};
+use super::output::{Destination, Destinations, Output};
 use super::plots::Plots;
 use super::properties;
+use super::role::Role;
 use super::scene::{Scene, explanation};
 use super::sink::{Content, Stream};
 use crate::archive::sink::{Sink, SinkError};
@@ -34,39 +34,39 @@ pub struct Entities {
 impl Stream<Entities> {
     /// Opens the destinations and sends static content: layout, names, the scene's bodies.
     pub fn new(identity: &Identity, destinations: Destinations) -> Self {
-        Self::open(identity.store(), &identity.name, destinations, |outlet| {
+        Self::open(identity.store(), &identity.name, destinations, |output| {
             // The file is opened when the run is complete.
             for (to, playback) in [
-                (To::Viewer, identity.playback),
-                (To::File, Playback::FromStart),
+                (Destination::Viewer, identity.playback),
+                (Destination::File, Playback::FromStart),
             ] {
-                outlet.send_layout(to, blueprint::run::messages(identity, playback));
+                output.send_layout(to, blueprint::run::messages(identity, playback));
             }
-            Entities::new(identity, &Look::Alone, outlet)
+            Entities::new(identity, &Role::Alone, output)
         })
     }
 
     /// Sets the outcome of the run, as properties of the recording: `outcome:rise_time` and so on.
     pub fn set_outcome(&mut self, outcome: &Outcome) {
         let values = properties::from_outcome(outcome);
-        self.outlet.send_static(properties::entity(), &values);
+        self.output.send_static(properties::entity(), &values);
     }
 }
 
 impl Stream<Entities> {
     /// Sets the reason for the motion, a paragraph of Markdown. It is shown first when the run has ended.
     pub fn set_story(&mut self, paragraph: &str) {
-        let about = about(&self.content.identity, &Look::Alone, paragraph);
-        self.outlet.send_static(Look::Alone.entity(ABOUT), &about);
+        let about = about(&self.content.identity, &Role::Alone, paragraph);
+        self.output.send_static(Role::Alone.entity(ABOUT), &about);
         self.content.has_story = true;
     }
 }
 
 /// The description of a run after a paragraph, followed by the scales of the scene's arrows.
-fn about(identity: &Identity, look: &Look, paragraph: &str) -> TextDocument {
+fn about(identity: &Identity, role: &Role, paragraph: &str) -> TextDocument {
     let mut text = format!("{paragraph}\n\n{}", identity.description);
     if identity.has(POSE) {
-        text += &explanation(identity, look);
+        text += &explanation(identity, role);
     }
     TextDocument::from_markdown(text.trim_start())
 }
@@ -74,26 +74,26 @@ fn about(identity: &Identity, look: &Look, paragraph: &str) -> TextDocument {
 impl Sink for Stream<Entities> {
     fn write(&mut self, message: &Message<'_>) -> Result<(), SinkError> {
         self.end_ns = message.time_ns;
-        self.content.write(message, &mut self.outlet);
+        self.content.write(message, &mut self.output);
         Ok(())
     }
 
     fn flush(&mut self) -> Result<(), SinkError> {
-        self.outlet.show();
+        self.output.show();
         Ok(())
     }
 }
 
 impl Entities {
     /// Sends static data: description, names and colours, bodies of the scene.
-    pub(super) fn new(identity: &Identity, look: &Look, outlet: &mut Outlet) -> Self {
+    pub(super) fn new(identity: &Identity, role: &Role, output: &mut Output) -> Self {
         let has_scene = identity.has(POSE);
-        outlet.send_static(look.entity(ABOUT), &about(identity, look, ""));
+        output.send_static(role.entity(ABOUT), &about(identity, role, ""));
         let top = identity.geometry.top;
         Self {
-            plots: Plots::new(|plot| identity.has(plot.topic()), look, outlet),
-            events: identity.has(EVENTS).then(|| Events::new(top, look, outlet)),
-            scene: has_scene.then(|| Scene::new(identity, look, outlet)),
+            plots: Plots::new(|plot| identity.has(plot.topic()), role, output),
+            events: identity.has(EVENTS).then(|| Events::new(top, role, output)),
+            scene: has_scene.then(|| Scene::new(identity, role, output)),
             identity: identity.clone(),
             has_story: false,
         }
@@ -105,28 +105,28 @@ impl Entities {
     }
 
     /// Adds the content of a message of the run.
-    pub(super) fn write(&mut self, message: &Message<'_>, outlet: &mut Outlet) {
-        self.plots.write(message, Some, outlet);
+    pub(super) fn write(&mut self, message: &Message<'_>, output: &mut Output) {
+        self.plots.write(message, Some, output);
         if let Some(events) = &mut self.events {
-            events.write(message, outlet);
+            events.write(message, output);
         }
         if let Some(scene) = &mut self.scene {
-            scene.write(message, outlet);
+            scene.write(message, output);
         }
     }
 
     /// Adds content derived from all events.
-    pub(super) fn summarize_events(&mut self, outlet: &mut Outlet) {
+    pub(super) fn summarize_events(&mut self, output: &mut Output) {
         if let Some(events) = &mut self.events {
-            events.summarize(outlet);
+            events.summarize(output);
         }
     }
 }
 
 impl Content for Entities {
-    fn finish(&mut self, end_ns: u64, outlet: &mut Outlet) {
-        self.summarize_events(outlet);
-        outlet.complete();
+    fn finish(&mut self, end_ns: u64, output: &mut Output) {
+        self.summarize_events(output);
+        output.complete();
         let ended = blueprint::run::EndedRun {
             duration: seconds(end_ns),
             plots: &self.plots,
@@ -135,10 +135,10 @@ impl Content for Entities {
         let layout = blueprint::run::messages_at_end(&self.identity, &ended);
         // A viewer that follows a paced run has shown it already.
         let to = match self.identity.playback {
-            Playback::FromStart => To::Both,
-            Playback::Following => To::File,
+            Playback::FromStart => Destination::Both,
+            Playback::Following => Destination::File,
         };
-        outlet.send_layout(to, layout);
+        output.send_layout(to, layout);
     }
 }
 

@@ -1,6 +1,6 @@
 //! Entity names shared by writing and layout code.
 //!
-//! Those without a leading slash are relative to the run: see [`Look::entity`](super::look::Look::entity).
+//! Those without a leading slash are relative to the run: see [`Role::entity`](super::role::Role::entity).
 
 /// The log of events with repetitions merged into one line.
 pub(super) const EVENTS: &str = "events";

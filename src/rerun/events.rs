@@ -4,8 +4,8 @@ use crate::run::time::seconds;
 use rerun::{Color, TextLog};
 
 use super::entity;
-use super::look::Look;
-use super::outlet::{Columns, Outlet};
+use super::output::{Columns, Output};
+use super::role::Role;
 use super::track::Track;
 use crate::physics::top::Top;
 use crate::run::simulation::EventKind;
@@ -32,18 +32,18 @@ struct Repeated {
 
 impl Events {
     /// Opens empty logs. Where two runs are compared, each entry's "level" is the name of its run.
-    pub(super) fn new(top: Top, look: &Look, outlet: &mut Outlet) -> Self {
+    pub(super) fn new(top: Top, role: &Role, output: &mut Output) -> Self {
         Self {
-            summary: log(entity::EVENTS, look, outlet),
-            each: log(entity::EACH_EVENT, look, outlet),
-            nutation: log("events/nutation", look, outlet),
+            summary: log(entity::EVENTS, role, output),
+            each: log(entity::EACH_EVENT, role, output),
+            nutation: log("events/nutation", role, output),
             kinds: Vec::new(),
             top,
         }
     }
 
     /// Adds the event of a message, if it is one.
-    pub(super) fn write(&mut self, message: &Message<'_>, outlet: &mut Outlet) {
+    pub(super) fn write(&mut self, message: &Message<'_>, output: &mut Output) {
         if message.topic() != EVENTS {
             return;
         }
@@ -52,13 +52,13 @@ impl Events {
         let text = format!("{time:.6} s: {}", event_sentence(message, &self.top));
         let kind = EventKind::find(events::NAME.of(message));
         if kind.is_some_and(EventKind::is_of_nutation) {
-            self.nutation.push(outlet, time_ns, [text]);
+            self.nutation.push(output, time_ns, [text]);
             return;
         }
         if kind.is_none_or(|kind| self.is_first(kind, time_ns)) {
-            self.summary.push(outlet, time_ns, [text.clone()]);
+            self.summary.push(output, time_ns, [text.clone()]);
         }
-        self.each.push(outlet, time_ns, [text]);
+        self.each.push(output, time_ns, [text]);
     }
 
     /// Counts an event. Returns whether it is the first of its kind.
@@ -81,29 +81,29 @@ impl Events {
     }
 
     /// Adds a line for each kind that happened more than once.
-    pub(super) fn summarize(&mut self, outlet: &mut Outlet) {
+    pub(super) fn summarize(&mut self, output: &mut Output) {
         for repeated in self.kinds.drain(..).filter(|repeated| repeated.more > 0) {
             let Repeated { kind, more, .. } = repeated;
             if let Some(plural) = kind.plural(&self.top) {
                 let span = [repeated.again_ns, repeated.last_ns];
                 let [again, last] = span.map(seconds);
                 let text = format!("{again:.6} s to {last:.6} s: {more} more {plural}");
-                self.summary.push(outlet, repeated.again_ns, [text]);
+                self.summary.push(output, repeated.again_ns, [text]);
             }
         }
     }
 }
 
 /// An empty log; where two runs are compared, with the name and the colour of the run.
-fn log(entity: &str, look: &Look, outlet: &mut Outlet) -> Track<String> {
-    let entity = look.entity(entity);
-    if let Look::Compared(_, run) = look {
+fn log(entity: &str, role: &Role, output: &mut Output) -> Track<String> {
+    let entity = role.entity(entity);
+    if let Role::Compared(_, run) = role {
         let mark = TextLog::update_fields()
             .with_level(run.as_str())
-            .with_color(Color::from_u32(look.color(u32::MAX, 0)));
-        outlet.send_static(entity.as_str(), &mark);
+            .with_color(Color::from_u32(role.color(u32::MAX, 0)));
+        output.send_static(entity.as_str(), &mark);
     }
-    Track::new(entity, columns, outlet)
+    Track::new(entity, columns, output)
 }
 
 fn columns(rows: &[String]) -> Columns {

@@ -16,7 +16,7 @@ use thiserror::Error;
 use super::error::RerunError;
 use super::explained::ExplainedSink;
 use super::identity::{Identity, Playback, StoreNames};
-use super::outlet::Destinations;
+use super::output::Destinations;
 use crate::archive::input::has_extension;
 use crate::archive::sink::{RecordedRun, Sink, SinkError, record};
 use crate::run::outcome::Outcome;

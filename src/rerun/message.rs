@@ -15,13 +15,13 @@ const MAX_LETTERS: usize = 100;
 /// The store of a recording. To a viewer, which keeps one layout for each application, recordings of different names are
 /// different applications.
 pub(super) fn store(name: &str, recording_id: &str) -> StoreId {
-    let letters: String = name.chars().take(MAX_LETTERS).map(plain).collect();
+    let letters: String = name.chars().take(MAX_LETTERS).map(id_letter).collect();
     let application = ApplicationId::new_or_unknown(format!("toprise-{letters}"));
     StoreId::new(StoreKind::Recording, application, recording_id)
 }
 
 /// The letter, or a dash for one that viewers escape in identifiers.
-fn plain(letter: char) -> char {
+fn id_letter(letter: char) -> char {
     if letter.is_ascii_alphanumeric() || "-_".contains(letter) {
         letter
     } else {

@@ -2,8 +2,8 @@
 
 use super::blueprint::charts::compares;
 use super::identity::{Geometry, Identity};
-use super::look::Look;
 use super::message::store;
+use super::role::Role;
 use crate::telemetry::fields::{NUTATION, POSE, Plot};
 use crate::telemetry::proportions::Proportions;
 use crate::telemetry::side::Side;
@@ -45,9 +45,9 @@ impl PairIdentity {
         }
     }
 
-    /// Look of a run's entities.
-    pub(super) fn look(&self, side: Side) -> Look {
-        Look::Compared(side, self.name_of(side).to_owned())
+    /// Role of a run's entities.
+    pub(super) fn role(&self, side: Side) -> Role {
+        Role::Compared(side, self.name_of(side).to_owned())
     }
 
     /// Whether there will be differences of a plot: both runs have it, row by row.
@@ -68,7 +68,7 @@ impl PairIdentity {
     }
 
     /// Geometry of the larger of the tops that are drawn, if any; free if one of them is.
-    pub(super) fn stage(&self) -> Option<Geometry> {
+    pub(super) fn common_geometry(&self) -> Option<Geometry> {
         let larger = [&self.a, &self.b]
             .into_iter()
             .filter(|run| run.has(POSE))

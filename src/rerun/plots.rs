@@ -2,8 +2,8 @@
 
 use rerun::Scalars;
 
-use super::look::Look;
-use super::outlet::{Columns, Outlet};
+use super::output::{Columns, Output};
+use super::role::Role;
 use super::style;
 use super::track::Track;
 use crate::telemetry::fields::{NumberField, Plot};
@@ -28,13 +28,13 @@ struct PlotTrack {
 
 impl Plots {
     /// Opens the `wanted` plots, and sends their names and colours.
-    pub(super) fn new(wanted: impl Fn(Plot) -> bool, look: &Look, outlet: &mut Outlet) -> Self {
+    pub(super) fn new(wanted: impl Fn(Plot) -> bool, role: &Role, output: &mut Output) -> Self {
         let mut plots = Vec::new();
         for topic in Topic::all() {
             let mut tracks = Vec::new();
             for plot in Plot::all(topic) {
                 if wanted(plot) {
-                    tracks.push(PlotTrack::new(plot, look, outlet));
+                    tracks.push(PlotTrack::new(plot, role, output));
                 }
             }
             plots.push(tracks);
@@ -58,11 +58,11 @@ impl Plots {
     }
 
     /// Adds a row without values to plots that end before this time, so that time axes extend to it.
-    pub(super) fn reach(&mut self, time_ns: u64, outlet: &mut Outlet) {
+    pub(super) fn extend_to(&mut self, time_ns: u64, output: &mut Output) {
         let plots = self.0.iter_mut().flatten();
         for plot in plots.filter(|plot| plot.end_ns < time_ns) {
             let missing = std::iter::repeat_n(f64::NAN, plot.numbers.len());
-            plot.track.push(outlet, time_ns, missing);
+            plot.track.push(output, time_ns, missing);
         }
     }
 
@@ -71,25 +71,25 @@ impl Plots {
         &mut self,
         message: &Message<'_>,
         value: impl Fn(f64) -> Option<f64>,
-        outlet: &mut Outlet,
+        output: &mut Output,
     ) {
         for plot in &mut self.0[message.channel] {
-            plot.write(message, &value, outlet);
+            plot.write(message, &value, output);
         }
     }
 }
 
 impl PlotTrack {
     /// An empty plot; sends names and colours.
-    fn new(plot: Plot, look: &Look, outlet: &mut Outlet) -> Self {
-        let entity = look.entity(&plot.to_string());
+    fn new(plot: Plot, role: &Role, output: &mut Output) -> Self {
+        let entity = role.entity(&plot.to_string());
         let numbers: Vec<_> = plot.numbers().collect();
         let width = numbers.len();
-        outlet.send_static(entity.as_str(), &*style::series(&numbers, look));
+        output.send_static(entity.as_str(), &*style::series(&numbers, role));
         Self {
             plot,
             numbers,
-            track: Track::new(entity, move |rows| columns(rows, width), outlet),
+            track: Track::new(entity, move |rows| columns(rows, width), output),
             ranges: vec![NO_VALUES; width],
             end_ns: 0,
         }
@@ -99,7 +99,7 @@ impl PlotTrack {
         &mut self,
         message: &Message<'_>,
         value: impl Fn(f64) -> Option<f64>,
-        outlet: &mut Outlet,
+        output: &mut Output,
     ) {
         let mut row = Vec::with_capacity(self.numbers.len());
         for number in &self.numbers {
@@ -111,7 +111,7 @@ impl PlotTrack {
         for (range, number) in self.ranges.iter_mut().zip(&row) {
             *range = [range[0].min(*number), range[1].max(*number)];
         }
-        self.track.push(outlet, message.time_ns, row);
+        self.track.push(output, message.time_ns, row);
         self.end_ns = message.time_ns;
     }
 }

@@ -17,10 +17,11 @@ use self::focus::Focus;
 use self::path::Path;
 use super::entity::{CONTACT_PATHS, STAGE, TRAIL_ABOVE, TRAIL_BELOW};
 use super::identity::{Geometry, Identity};
-use super::look::Look;
-use super::outlet::{Columns, Outlet};
+use super::output::{Columns, Output};
 use super::palette::{GREEN, GREY, PURPLE, SKY, VERMILION};
+use super::role::Role;
 use super::track::Track;
+use crate::run::simulation::Regime;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{CONTACT, POSE, contact, pose};
 use crate::telemetry::proportions::Proportions;
@@ -53,43 +54,43 @@ pub(super) struct Scene {
 
 impl Scene {
     /// Sends bodies, colours and labels, and the static parts unless shared.
-    pub(super) fn new(identity: &Identity, look: &Look, outlet: &mut Outlet) -> Self {
+    pub(super) fn new(identity: &Identity, role: &Role, output: &mut Output) -> Self {
         let geometry = identity.geometry;
-        let (is_alone, is_free) = (look.is_alone(), geometry.is_free);
+        let (is_alone, is_free) = (role.is_alone(), geometry.is_free);
         if is_alone {
-            log_stage(&geometry, outlet);
+            log_stage(&geometry, output);
         }
-        let focus = is_free.then(|| Focus::new(&geometry, look, outlet));
+        let focus = is_free.then(|| Focus::new(&geometry, role, output));
         let proportions = Proportions::new(&geometry.top);
-        let mut body = shape::top(&proportions.scaled(look.size()));
-        if let Some(albedo) = look.albedo() {
+        let mut body = shape::top(&proportions.scaled(role.size()));
+        if let Some(albedo) = role.albedo() {
             body = body.with_albedo_factor(Rgba32::from_u32(albedo));
         }
-        outlet.send_static(look.entity("scene/top/body"), &body);
+        output.send_static(role.entity("scene/top/body"), &body);
         let text = "path of the symmetry axis";
         let [latest, past] = TRAIL_ABOVE;
         let mut trail =
-            Path::new(look, &[(latest, PURPLE)], 1.3, outlet).fading(look, past, PURPLE, outlet);
+            Path::new(role, &[(latest, PURPLE)], 1.3, output).fading(role, past, PURPLE, output);
         if !is_free {
             // The name stays at the start of the path, which a travelling top leaves.
-            trail = trail.named(look, "scene/trail/name", text, PURPLE);
+            trail = trail.named(role, "scene/trail/name", text, PURPLE);
         }
         let below = [(TRAIL_BELOW, PURPLE)];
-        let below = (!is_free).then(|| Path::new(look, &below, 1.0, outlet));
+        let below = (!is_free).then(|| Path::new(role, &below, 1.0, output));
         let [slides, rolls, flies] = CONTACT_PATHS;
         let colors = [(slides, SKY), (rolls, GREEN), (flies, VERMILION)];
         let contact_path = (is_free && identity.has(CONTACT)).then(|| {
             let text = "path of the contact point";
-            let path = Path::new(look, &colors, 1.6, outlet);
-            path.named(look, "scene/contact_path/name", text, GREY)
+            let path = Path::new(role, &colors, 1.6, output);
+            path.named(role, "scene/contact_path/name", text, GREY)
         });
         Self {
-            top: Track::new(look.entity("scene/top"), columns, outlet),
+            top: Track::new(role.entity("scene/top"), columns, output),
             trail,
             trail_radius: 1.13 * proportions.tip,
             below,
             contact_path,
-            arrows: Arrow::all(identity, look, outlet),
+            arrows: Arrow::all(identity, role, output),
             focus,
             orientation: None,
             peg: geometry.top.peg_radius * Vector3::z(),
@@ -98,41 +99,43 @@ impl Scene {
     }
 
     /// Adds what a message contains for the scene.
-    pub(super) fn write(&mut self, message: &Message<'_>, outlet: &mut Outlet) {
+    pub(super) fn write(&mut self, message: &Message<'_>, output: &mut Output) {
         if message.topic() == POSE {
-            self.write_pose(message, outlet);
+            self.write_pose(message, output);
         }
         if message.topic() == CONTACT {
             self.contact = contact::CONTACT_POINT.of(message);
-            if let Some(path) = &mut self.contact_path {
-                let kind = match contact::REGIME.of(message) {
-                    1.0 => 0,
-                    0.0 => 1,
-                    _ => 2,
+            if let Some(path) = &mut self.contact_path
+                && let Some(regime) = Regime::from_code(contact::REGIME.of(message))
+            {
+                let kind = match regime {
+                    Regime::Slipping => 0,
+                    Regime::Sticking => 1,
+                    Regime::Flying => 2,
                 };
-                path.write(message.time_ns, kind, self.contact, outlet);
+                path.write(message.time_ns, kind, self.contact, output);
             }
         }
         for arrow in &mut self.arrows {
-            arrow.write(message, self.orientation, [self.peg, self.contact], outlet);
+            arrow.write(message, self.orientation, [self.peg, self.contact], output);
         }
     }
 
-    fn write_pose(&mut self, message: &Message<'_>, outlet: &mut Outlet) {
+    fn write_pose(&mut self, message: &Message<'_>, output: &mut Output) {
         let time_ns = message.time_ns;
         let orientation = UnitQuaternion::new_unchecked(pose::ORIENTATION.of(message));
         self.orientation = Some(orientation);
         self.peg = pose::PEG_POSITION.of(message);
         let translation = self.peg.cast::<f32>().into();
         let quaternion = orientation.coords.cast::<f32>().into();
-        self.top.push(outlet, time_ns, [(translation, quaternion)]);
+        self.top.push(output, time_ns, [(translation, quaternion)]);
         let point = self.peg + self.trail_radius * pose::AXIS.of(message);
-        self.trail.write(time_ns, 0, point, outlet);
+        self.trail.write(time_ns, 0, point, output);
         if let Some(below) = &mut self.below {
-            below.write(time_ns, 0, Vector3::new(point.x, point.y, 0.0), outlet);
+            below.write(time_ns, 0, Vector3::new(point.x, point.y, 0.0), output);
         }
         if let Some(focus) = &mut self.focus {
-            focus.write(time_ns, self.peg, outlet);
+            focus.write(time_ns, self.peg, output);
         }
     }
 }
@@ -146,25 +149,25 @@ fn columns(rows: &[Pose]) -> Columns {
 }
 
 /// Sends the static parts: the table and, for a fixed peg, the vertical.
-pub(super) fn log_stage(geometry: &Geometry, outlet: &mut Outlet) {
+pub(super) fn log_stage(geometry: &Geometry, output: &mut Output) {
     let size = Proportions::new(&geometry.top).size();
-    outlet.send_static(STAGE, &ViewCoordinates::RIGHT_HAND_Z_UP());
+    output.send_static(STAGE, &ViewCoordinates::RIGHT_HAND_Z_UP());
     // A free peg needs a larger table.
     let (rings, table) = if geometry.is_free {
         (20, 14.0 * size)
     } else {
         (5, 2.1 * size)
     };
-    outlet.send_static("scene/table", &shape::table(table));
-    outlet.send_static("scene/table/marks", &shape::table_marks(table, rings));
+    output.send_static("scene/table", &shape::table(table));
+    output.send_static("scene/table/marks", &shape::table_marks(table, rings));
     if !geometry.is_free {
-        focus::send_vertical(geometry, "scene/focus/vertical".to_owned(), outlet);
+        focus::send_vertical(geometry, "scene/focus/vertical".to_owned(), output);
     }
 }
 
 /// The scales of the arrows and the colours of the path of a free peg, in Markdown.
-pub(super) fn explanation(identity: &Identity, look: &Look) -> String {
-    let mut text = arrow::explanation(identity, look);
+pub(super) fn explanation(identity: &Identity, role: &Role) -> String {
+    let mut text = arrow::explanation(identity, role);
     if identity.geometry.is_free {
         text += "\n\n## Path of the contact point\n\nBlue where it slides, green where it rolls or sticks, vermilion \
                  where the peg is in the air.\n";

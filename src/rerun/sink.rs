@@ -3,7 +3,7 @@
 use rerun::{EntityPath, RecordingInfo, StoreId};
 
 use super::error::{RerunError, ViewerError};
-use super::outlet::{Destinations, Outlet};
+use super::output::{Destinations, Output};
 
 /// A Rerun recording that is being written: its content, and where it goes.
 ///
@@ -11,7 +11,7 @@ use super::outlet::{Destinations, Outlet};
 /// viewer, [`Self::finish`] errors of the file.
 pub struct Stream<C> {
     pub(super) content: C,
-    pub(super) outlet: Outlet,
+    pub(super) output: Output,
     /// Time of the latest message, ns.
     pub(super) end_ns: u64,
 }
@@ -19,7 +19,7 @@ pub struct Stream<C> {
 /// The content of a recording.
 pub trait Content {
     /// Adds content derived from the whole run, up to the last message, and sends all pending rows.
-    fn finish(&mut self, end_ns: u64, outlet: &mut Outlet);
+    fn finish(&mut self, end_ns: u64, output: &mut Output);
 }
 
 impl<C: Content> Stream<C> {
@@ -28,26 +28,26 @@ impl<C: Content> Stream<C> {
         store: StoreId,
         name: &str,
         destinations: Destinations,
-        content: impl FnOnce(&mut Outlet) -> C,
+        content: impl FnOnce(&mut Output) -> C,
     ) -> Self {
-        let mut outlet = Outlet::open(store, destinations);
+        let mut output = Output::open(store, destinations);
         let name = RecordingInfo::update_fields().with_name(name);
-        outlet.send_static(EntityPath::properties(), &name);
+        output.send_static(EntityPath::properties(), &name);
         Self {
-            content: content(&mut outlet),
-            outlet,
+            content: content(&mut output),
+            output,
             end_ns: 0,
         }
     }
 
     /// Whether data is being sent to a viewer, as far as is known.
     pub fn is_live(&self) -> bool {
-        self.outlet.is_live()
+        self.output.is_live()
     }
 
     /// Viewer warnings since the last call, including a missing viewer.
     pub fn take_warnings(&mut self) -> Vec<ViewerError> {
-        std::mem::take(&mut self.outlet.warnings)
+        std::mem::take(&mut self.output.warnings)
     }
 
     /// Sends all remaining data and completes the file with its footer.
@@ -57,7 +57,7 @@ impl<C: Content> Stream<C> {
     /// # Errors
     /// The first [`RerunError`]; the file then holds what was written before.
     pub fn finish(mut self) -> Result<Vec<ViewerError>, RerunError> {
-        self.content.finish(self.end_ns, &mut self.outlet);
-        self.outlet.finish()
+        self.content.finish(self.end_ns, &mut self.output);
+        self.output.finish()
     }
 }

@@ -3,8 +3,8 @@
 use rerun::components::{AggregationPolicy, InterpolationMode, MarkerShape};
 use rerun::{AsComponents, Color, SeriesLines, SeriesPoints};
 
-use super::look::Look;
 use super::palette::{BLUE, GREEN, GREY, ORANGE, PALE, PURPLE, SKY, VERMILION, YELLOW};
+use super::role::Role;
 use crate::telemetry::fields::{
     NUTATION, NumberField, acceleration, contact, energy, momentum, nutation, precession, state,
     torque,
@@ -64,9 +64,11 @@ const NAMED_STYLES: [(NumberField, &str, u32, f32); 42] = [
 ///
 /// Nutation means are dots, because dots are drawn above lines. Lines show the envelope where many values share a
 /// pixel.
-pub(super) fn series(numbers: &[NumberField], look: &Look) -> Box<dyn AsComponents> {
+pub(super) fn series(numbers: &[NumberField], role: &Role) -> Box<dyn AsComponents> {
     let styles = numbers.iter().enumerate();
-    let styles: Vec<_> = styles.map(|(at, number)| one(*number, at, look)).collect();
+    let styles: Vec<_> = styles
+        .map(|(at, number)| style_of(*number, at, role))
+        .collect();
     let names = styles.iter().map(|(name, ..)| name.as_str());
     let colors = styles.iter().map(|(_, color, _)| Color::from_u32(*color));
     let widths = styles.iter().map(|(.., width)| *width);
@@ -86,7 +88,7 @@ pub(super) fn series(numbers: &[NumberField], look: &Look) -> Box<dyn AsComponen
 }
 
 /// Name, colour and width of a number, given its position in the plot.
-fn one(number: NumberField, place: usize, look: &Look) -> (String, u32, f32) {
+fn style_of(number: NumberField, place: usize, role: &Role) -> (String, u32, f32) {
     let known = NAMED_STYLES.iter().find(|(known, ..)| *known == number);
     let (name, color, width) = if let Some(&(_, name, color, width)) = known {
         (name.to_owned(), color, width)
@@ -98,8 +100,8 @@ fn one(number: NumberField, place: usize, look: &Look) -> (String, u32, f32) {
     // The means of two runs and of their difference are lighter than the curve behind them.
     let shade = if number.topic() == NUTATION { 1 } else { place };
     (
-        look.name(&name),
-        look.color(color, shade),
-        look.width(width),
+        role.name(&name),
+        role.color(color, shade),
+        role.width(width),
     )
 }

@@ -5,12 +5,12 @@ use std::rc::Rc;
 
 use rerun::external::re_log_types::EntityPath;
 
-use super::outlet::{Columns, Outlet, Pending, To};
+use super::output::{Columns, Destination, Output, Pending};
 
 /// Rows per chunk.
 const CHUNK_ROWS: usize = 4096;
 
-/// The rows of one entity, which the outlet flushes.
+/// The rows of one entity, which the output flushes.
 pub(super) struct Track<R>(Rc<RefCell<Rows<R>>>);
 
 /// Converts the values of some rows to components.
@@ -32,7 +32,7 @@ impl<R: 'static> Track<R> {
     pub(super) fn new(
         entity: impl Into<EntityPath>,
         columns: impl Fn(&[R]) -> Columns + 'static,
-        outlet: &mut Outlet,
+        output: &mut Output,
     ) -> Self {
         let rows = Rc::new(RefCell::new(Rows {
             entity: entity.into(),
@@ -41,48 +41,48 @@ impl<R: 'static> Track<R> {
             shown: 0,
             columns: Box::new(columns),
         }));
-        outlet.register(Rc::clone(&rows) as _);
+        output.register(Rc::clone(&rows) as _);
         Self(rows)
     }
 
     /// Adds a row at a simulation time in ns, and sends a chunk if it is full.
-    pub(super) fn push(&self, outlet: &mut Outlet, time_ns: u64, row: impl IntoIterator<Item = R>) {
+    pub(super) fn push(&self, output: &mut Output, time_ns: u64, row: impl IntoIterator<Item = R>) {
         let mut rows = self.0.borrow_mut();
         // Saturates at 292 years.
         rows.times.push(i64::try_from(time_ns).unwrap_or(i64::MAX));
         rows.values.extend(row);
         if rows.times.len() == CHUNK_ROWS {
-            rows.complete(outlet);
+            rows.complete(output);
         }
     }
 }
 
 impl<R> Rows<R> {
-    fn send(&self, to: To, start: usize, outlet: &mut Outlet) {
+    fn send(&self, to: Destination, start: usize, output: &mut Output) {
         let width = self.values.len() / self.times.len();
         let columns = (self.columns)(&self.values[start * width..]);
-        outlet.send_rows(to, &self.entity, &self.times[start..], columns);
+        output.send_rows(to, &self.entity, &self.times[start..], columns);
     }
 }
 
 impl<R> Pending for Rows<R> {
-    fn show(&mut self, outlet: &mut Outlet) {
-        if outlet.is_live() && self.shown < self.times.len() {
-            self.send(To::Viewer, self.shown, outlet);
+    fn show(&mut self, output: &mut Output) {
+        if output.is_live() && self.shown < self.times.len() {
+            self.send(Destination::Viewer, self.shown, output);
             self.shown = self.times.len();
         }
     }
 
     /// Sends all rows as one chunk: to the viewer too, unless it has some of them.
-    fn complete(&mut self, outlet: &mut Outlet) {
+    fn complete(&mut self, output: &mut Output) {
         if self.times.is_empty() {
             return;
         }
         if self.shown == 0 {
-            self.send(To::Both, 0, outlet);
+            self.send(Destination::Both, 0, output);
         } else {
-            self.show(outlet);
-            self.send(To::File, 0, outlet);
+            self.show(output);
+            self.send(Destination::File, 0, output);
         }
         self.times.clear();
         self.values.clear();

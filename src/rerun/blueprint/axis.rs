@@ -65,7 +65,7 @@ fn with_ticks([low, high]: [f64; 2]) -> Option<[f64; 2]> {
         return None;
     }
     let step = power_of_ten(math::log10(size / MAX_TICKS).ceil());
-    let air = 0.05 * size;
+    let padding = 0.05 * size;
     let [mut first, mut last] = [(low / step).ceil(), (high / step).floor()];
     while last - first < 2.0 {
         if high / step - last > first - low / step {
@@ -74,7 +74,10 @@ fn with_ticks([low, high]: [f64; 2]) -> Option<[f64; 2]> {
             first -= 1.0;
         }
     }
-    Some([(first * step).min(low) - air, (last * step).max(high) + air])
+    Some([
+        (first * step).min(low) - padding,
+        (last * step).max(high) + padding,
+    ])
 }
 
 #[cfg(test)]

@@ -12,13 +12,14 @@ use super::charts::{
     TRAVEL_CONTRASTS,
 };
 use super::views::{
-    Stage, bound, events, scene, speed, target, time_panel, time_series, titled, window,
+    SceneView, events, playback_speed, scene, set_value_range, target, time_panel, time_series,
+    titled, window,
 };
 use crate::rerun::entity::{self, ABOUT, STAGE, SUMMARY};
 use crate::rerun::identity::{Geometry, Playback};
-use crate::rerun::look::Look;
 use crate::rerun::pair::PairIdentity;
 use crate::rerun::plots::Plots;
+use crate::rerun::role::Role;
 use crate::telemetry::Topic;
 use crate::telemetry::fields::{EVENTS, NUTATION, POSE, Plot};
 use crate::telemetry::side::Side;
@@ -55,7 +56,7 @@ pub(crate) fn messages(identity: &PairIdentity, extent: Option<&Extent<'_>>) -> 
         extent,
     };
     let right = charts.pages();
-    let speed = extent.map_or(1.0, |extent| speed(extent.duration));
+    let speed = extent.map_or(1.0, |extent| playback_speed(extent.duration));
     let panel = time_panel(Playback::FromStart, speed);
     window(layout, left, right, [38.0, 62.0], &panel)
 }
@@ -68,13 +69,13 @@ fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Child {
         rows.push(scene);
         shares.push(53.0);
     }
-    rows.push(words(layout, identity));
+    rows.push(texts(layout, identity));
     shares.push(25.0);
-    let runs = looks(identity, EVENTS);
+    let runs = roles(identity, EVENTS);
     if !runs.is_empty() {
         let contents: Vec<_> = runs
             .iter()
-            .map(|(look, _)| look.entity(entity::EVENTS))
+            .map(|(role, _)| role.entity(entity::EVENTS))
             .collect();
         let kinds = [TextLogColumnKind::LogLevel, TextLogColumnKind::Body];
         rows.push(events(layout, "Events", &contents, &kinds));
@@ -85,11 +86,11 @@ fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Child {
 
 /// Both tops in one view, if their pegs are fixed; otherwise in two, each with a camera that follows its top.
 fn scenes(layout: &mut Layout, identity: &PairIdentity) -> Option<Child> {
-    let geometry = identity.stage()?;
-    let runs = looks(identity, POSE);
+    let geometry = identity.common_geometry()?;
+    let runs = roles(identity, POSE);
     if !geometry.is_free {
         let names = [Side::A, Side::B].map(|side| titled_run(identity, side));
-        return Some(stage(
+        return Some(scene_view(
             layout,
             &names.join(" · "),
             &runs,
@@ -100,13 +101,13 @@ fn scenes(layout: &mut Layout, identity: &PairIdentity) -> Option<Child> {
     }
     let mut views = Vec::new();
     for run in runs {
-        let (look, own) = &run;
-        let Look::Compared(side, _) = look else {
+        let (role, own) = &run;
+        let Role::Compared(side, _) = role else {
             continue;
         };
         let name = format!("{}: {}", side.name(), identity.name_of(*side));
-        let target = target(look, own);
-        views.push(stage(layout, &name, &[run], &geometry, target, NARROW));
+        let target = target(role, own);
+        views.push(scene_view(layout, &name, &[run], &geometry, target, NARROW));
     }
     layout.contain_any(row(&[]), &views)
 }
@@ -121,17 +122,17 @@ fn titled_run(identity: &PairIdentity, side: Side) -> String {
 }
 
 /// A view of the scene of some runs on the common table.
-fn stage(
+fn scene_view(
     layout: &mut Layout,
     name: &str,
-    runs: &[(Look, &Geometry)],
+    runs: &[(Role, &Geometry)],
     geometry: &Geometry,
     target: Option<String>,
     distance: f64,
 ) -> Child {
     let mut contents = vec![format!("{STAGE}/**")];
-    contents.extend(runs.iter().map(|(look, _)| look.entity("scene/**")));
-    let stage = Stage {
+    contents.extend(runs.iter().map(|(role, _)| role.entity("scene/**")));
+    let stage = SceneView {
         name,
         contents: &contents,
         runs,
@@ -143,19 +144,19 @@ fn stage(
 }
 
 /// The looks and geometries of the runs that have a topic.
-fn looks(identity: &PairIdentity, topic: Topic) -> Vec<(Look, &Geometry)> {
+fn roles(identity: &PairIdentity, topic: Topic) -> Vec<(Role, &Geometry)> {
     [Side::A, Side::B]
         .into_iter()
         .filter(|side| identity.run(*side).has(topic))
-        .map(|side| (identity.look(side), &identity.run(side).geometry))
+        .map(|side| (identity.role(side), &identity.run(side).geometry))
         .collect()
 }
 
 /// Tabs with the summary and the run descriptions.
-fn words(layout: &mut Layout, identity: &PairIdentity) -> Child {
+fn texts(layout: &mut Layout, identity: &PairIdentity) -> Child {
     let mut pages = vec![layout.view("TextDocument", "Summary", SUMMARY, &["$origin"])];
     for side in [Side::A, Side::B] {
-        let about = identity.look(side).entity(ABOUT);
+        let about = identity.role(side).entity(ABOUT);
         pages.push(layout.view("TextDocument", identity.name_of(side), &about, &["$origin"]));
     }
     layout.contain(tabs(), &pages)
@@ -213,7 +214,7 @@ impl Charts<'_> {
             entities(
                 contrast.plots,
                 |plot| identity.run(side).has(plot.topic()),
-                &identity.look(side),
+                &identity.role(side),
             )
         });
         let name = titled(contrast.name, contrast.plots[0].unit());
@@ -222,7 +223,7 @@ impl Charts<'_> {
         if let Some(extent) = self.extent {
             let magnitudes = &self.identity.a.magnitudes;
             if let Some(range) = axis_range(contrast.plots, &extent.runs, magnitudes, MIN_SPAN) {
-                bound(self.layout, &view, range);
+                set_value_range(self.layout, &view, range);
             }
         }
         Some(view)
@@ -234,7 +235,7 @@ impl Charts<'_> {
         let contents = entities(
             plots,
             |plot| self.identity.has_difference_of(plot),
-            &Look::Difference,
+            &Role::Difference,
         );
         let name = format!("{}: B − A", contrast.name);
         let name = titled(&name, contrast.plots[0].unit());
@@ -243,7 +244,7 @@ impl Charts<'_> {
             let magnitudes = &self.identity.a.magnitudes;
             let values = [extent.differences];
             if let Some(range) = axis_range(plots, &values, magnitudes, MIN_DIFFERENCE) {
-                bound(self.layout, &view, range);
+                set_value_range(self.layout, &view, range);
             }
         }
         Some(view)
@@ -254,7 +255,7 @@ impl Charts<'_> {
         let contents = entities(
             contrast.differences,
             |plot| self.identity.has_magnitude_of(plot),
-            &Look::Magnitude,
+            &Role::Magnitude,
         );
         let name = format!("{}: log₁₀ |B − A|", contrast.name);
         self.curves(&name, &contents, None)
@@ -283,10 +284,10 @@ fn legend_of_parts(plots: &[Plot]) -> Option<Corner2D> {
 }
 
 /// The entities of the existing plots.
-fn entities(plots: &[Plot], exists: impl Fn(Plot) -> bool, look: &Look) -> Vec<String> {
+fn entities(plots: &[Plot], exists: impl Fn(Plot) -> bool, role: &Role) -> Vec<String> {
     plots
         .iter()
         .filter(|plot| exists(**plot))
-        .map(|plot| look.entity(&plot.to_string()))
+        .map(|plot| role.entity(&plot.to_string()))
         .collect()
 }

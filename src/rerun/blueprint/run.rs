@@ -9,13 +9,14 @@ use super::axis::{MIN_SPAN, axis_range};
 use super::builder::{Child, Layout, Messages, column, tabs};
 use super::charts::{Chart, MORE, RATES, RISE, TABLE, TRAVEL};
 use super::views::{
-    Stage, bound, events, scene, speed, target, time_panel, time_series, titled, window,
+    SceneView, events, playback_speed, scene, set_value_range, target, time_panel, time_series,
+    titled, window,
 };
 use crate::rerun::entity::{self, ABOUT, EACH_EVENT};
 use crate::rerun::identity::{Geometry, Identity, Playback};
-use crate::rerun::look::Look;
 use crate::rerun::magnitude::Magnitudes;
 use crate::rerun::plots::Plots;
+use crate::rerun::role::Role;
 use crate::telemetry::fields::{EVENTS, POSE, Plot};
 use crate::telemetry::proportions::Proportions;
 
@@ -39,7 +40,7 @@ pub(crate) struct EndedRun<'a> {
 /// values.
 pub(crate) fn messages_at_end(identity: &Identity, ended: &EndedRun<'_>) -> Messages {
     let layout = Layout::changes(&identity.store());
-    let panel = time_panel(Playback::FromStart, speed(ended.duration));
+    let panel = time_panel(Playback::FromStart, playback_speed(ended.duration));
     complete(layout, identity, Some(ended), &panel)
 }
 
@@ -77,7 +78,7 @@ fn left_side(layout: &mut Layout, identity: &Identity, has_story: bool) -> Child
     if identity.has(EVENTS) {
         let place = usize::from(has_story);
         for (name, entity) in [("Each event", EACH_EVENT), ("Events", entity::EVENTS)] {
-            let contents = [Look::Alone.entity(entity)];
+            let contents = [Role::Alone.entity(entity)];
             let log = events(layout, name, &contents, &[TextLogColumnKind::Body]);
             pages.insert(place, log);
         }
@@ -87,12 +88,12 @@ fn left_side(layout: &mut Layout, identity: &Identity, has_story: bool) -> Child
         return words;
     }
     let whole = ["$origin/**".to_owned()];
-    let stage = Stage {
+    let stage = SceneView {
         name: &identity.title,
         contents: &whole,
-        runs: &[(Look::Alone, &identity.geometry)],
+        runs: &[(Role::Alone, &identity.geometry)],
         geometry: &identity.geometry,
-        target: target(&Look::Alone, &identity.geometry),
+        target: target(&Role::Alone, &identity.geometry),
         distance: 1.0,
     };
     let scene = scene(layout, &stage);
@@ -121,7 +122,7 @@ fn pages(identity: &Identity, plots: Option<&Plots>) -> Vec<Page> {
     }
     pages.push(page("More", &MORE, identity));
     if let Some(plots) = plots {
-        give_places(&mut pages, |chart| {
+        replace_constant_charts(&mut pages, |chart| {
             is_constant(chart, plots, &identity.magnitudes)
         });
     }
@@ -140,7 +141,7 @@ fn page(name: &'static str, charts: &'static [Chart], identity: &Identity) -> Pa
 }
 
 /// Exchanges the constant charts of the first page for others, as long as there are any.
-fn give_places(pages: &mut [Page], is_constant: impl Fn(&Chart) -> bool) {
+fn replace_constant_charts(pages: &mut [Page], is_constant: impl Fn(&Chart) -> bool) {
     let Some((first, others)) = pages.split_first_mut() else {
         return;
     };
@@ -201,7 +202,7 @@ fn right_side(layout: &mut Layout, identity: &Identity, plots: Option<&Plots>) -
             let range = bounds_of_tippe_top(unit, &identity.geometry)
                 .or_else(|| axis_range(chart.plots, &[plots?], &identity.magnitudes, MIN_SPAN));
             if let Some(range) = range {
-                bound(layout, &view, range);
+                set_value_range(layout, &view, range);
             }
             views.push(view);
         }
@@ -217,7 +218,7 @@ fn right_side(layout: &mut Layout, identity: &Identity, plots: Option<&Plots>) -
 mod tests {
     use super::super::charts::{GAP_NAME, REGIME_NAME};
     use super::*;
-    use crate::rerun::outlet::{Destinations, Outlet};
+    use crate::rerun::output::{Destinations, Output};
     use crate::run::scenario::{Preset, Scenario};
     use crate::run::simulation::Simulation;
     use crate::telemetry::fields::energy;
@@ -230,12 +231,12 @@ mod tests {
         let scenario = Scenario::new(values).unwrap();
         let topics: Vec<_> = Topic::all_with(scenario.model.support).collect();
         let identity = Identity::new("test", &scenario, topics, Playback::FromStart);
-        let mut outlet = Outlet::open(identity.store(), Destinations::default());
-        let mut plots = Plots::new(|plot| identity.has(plot.topic()), &Look::Alone, &mut outlet);
+        let mut output = Output::open(identity.store(), Destinations::default());
+        let mut plots = Plots::new(|plot| identity.has(plot.topic()), &Role::Alone, &mut output);
         let mut telemetry = Telemetry::with_topics(&Topics::All);
         for record in Simulation::new(&scenario).unwrap() {
             let written = telemetry.messages(&record.unwrap(), |message| {
-                plots.write(message, Some, &mut outlet);
+                plots.write(message, Some, &mut output);
                 Ok::<_, TelemetryError>(())
             });
             written.unwrap();

@@ -13,8 +13,8 @@ use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 use super::builder::{Child, Layout, Messages, row};
 use crate::rerun::entity::{CAMERA_TARGET, EVENTS, STAGE, Shown, paths};
 use crate::rerun::identity::{Geometry, Playback};
-use crate::rerun::look::Look;
 use crate::rerun::message::TIMELINE;
+use crate::rerun::role::Role;
 use crate::rerun::scale::round;
 use crate::telemetry::proportions::Proportions;
 
@@ -22,13 +22,13 @@ use crate::telemetry::proportions::Proportions;
 const PLAYING_TIME: f64 = 25.0;
 
 /// Content of a view of the scene.
-pub(super) struct Stage<'a> {
+pub(super) struct SceneView<'a> {
     /// Its title.
     pub(super) name: &'a str,
     /// Entities.
     pub(super) contents: &'a [String],
     /// Runs whose paths are shown up to the time cursor.
-    pub(super) runs: &'a [(Look, &'a Geometry)],
+    pub(super) runs: &'a [(Role, &'a Geometry)],
     /// The top whose height is the unit of the camera position.
     pub(super) geometry: &'a Geometry,
     /// The entity that the camera follows.
@@ -38,12 +38,12 @@ pub(super) struct Stage<'a> {
 }
 
 /// The entity that the camera follows: the place below a free peg.
-pub(super) fn target(look: &Look, geometry: &Geometry) -> Option<String> {
-    geometry.is_free.then(|| look.entity(CAMERA_TARGET))
+pub(super) fn target(role: &Role, geometry: &Geometry) -> Option<String> {
+    geometry.is_free.then(|| role.entity(CAMERA_TARGET))
 }
 
 /// A view of the scene.
-pub(super) fn scene(layout: &mut Layout, stage: &Stage<'_>) -> Child {
+pub(super) fn scene(layout: &mut Layout, stage: &SceneView<'_>) -> Child {
     let view = layout.view("3D", stage.name, STAGE, stage.contents);
     let proportions = Proportions::new(&stage.geometry.top);
     // In heights of the top: the middle of the scene, and the place of the camera as seen from there.
@@ -71,9 +71,9 @@ pub(super) fn scene(layout: &mut Layout, stage: &Stage<'_>) -> Child {
     layout.property(&view, "Background", &background);
     layout.property(&view, "LineGrid3D", &grid);
     layout.property(&view, "SpatialInformation", &surroundings);
-    for (look, geometry) in stage.runs {
+    for (role, geometry) in stage.runs {
         for (path, shown) in paths(geometry.is_free) {
-            let property = format!("ViewContents/overrides{}/visualizers", look.entity(path));
+            let property = format!("ViewContents/overrides{}/visualizers", role.entity(path));
             let start = match shown {
                 Shown::Past => TimeRangeBoundary::Infinite,
                 Shown::Latest(times) => {
@@ -154,7 +154,7 @@ pub(super) fn time_series(
 }
 
 /// Sets the initial value range of a chart.
-pub(super) fn bound(layout: &mut Layout, view: &Child, range: [f64; 2]) {
+pub(super) fn set_value_range(layout: &mut Layout, view: &Child, range: [f64; 2]) {
     let axis = parts::ScalarAxis::new().with_range(range);
     layout.property(view, "ScalarAxis", &axis);
 }
@@ -199,7 +199,7 @@ pub(super) fn time_panel(playback: Playback, speed: f64) -> parts::TimePanelBlue
 }
 
 /// The speed at which a run of this duration, in s, plays in about [`PLAYING_TIME`]; 1 if it has none.
-pub(super) fn speed(duration: f64) -> f64 {
+pub(super) fn playback_speed(duration: f64) -> f64 {
     let speed = round(duration / PLAYING_TIME);
     if speed > 0.0 { speed } else { 1.0 }
 }

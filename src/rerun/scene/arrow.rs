@@ -5,9 +5,9 @@ use rerun::archetypes::{Arrows3D, Points3D};
 use rerun::{Color, Radius};
 
 use crate::rerun::identity::Identity;
-use crate::rerun::look::Look;
-use crate::rerun::outlet::{Columns, Outlet};
+use crate::rerun::output::{Columns, Output};
 use crate::rerun::palette;
+use crate::rerun::role::Role;
 use crate::rerun::scale;
 use crate::rerun::track::Track;
 use crate::telemetry::Message;
@@ -45,7 +45,7 @@ const COMPARED: VectorField = contact::FRICTION_FORCE;
 
 /// The arrows that are drawn, with their scales, as numbers and as text. Without friction, its arrows have no length
 /// and are omitted.
-fn drawn(identity: &Identity, look: &Look) -> impl Iterator<Item = (Kind, f64, String)> {
+fn drawn(identity: &Identity, role: &Role) -> impl Iterator<Item = (Kind, f64, String)> {
     let scales = &identity.geometry.scales;
     let scales = [
         scales.slip,
@@ -56,16 +56,16 @@ fn drawn(identity: &Identity, look: &Look) -> impl Iterator<Item = (Kind, f64, S
     ];
     let kinds = KINDS.into_iter().zip(scales);
     let drawn = kinds.filter(|((_, _, vector, _), scale)| {
-        let is_shown = look.is_alone() || *vector == COMPARED;
+        let is_shown = role.is_alone() || *vector == COMPARED;
         identity.has(vector.topic()) && *scale > 0.0 && is_shown
     });
     drawn.map(|(kind, scale)| (kind, scale, scale::legend(scale, kind.2.x().unit())))
 }
 
 /// Quantity per centimetre of each arrow, in Markdown.
-pub(super) fn explanation(identity: &Identity, look: &Look) -> String {
+pub(super) fn explanation(identity: &Identity, role: &Role) -> String {
     let mut text = "\n\n## Arrows\n\n| arrow | scale |\n| --- | --- |\n".to_owned();
-    for ((name, ..), _, legend) in drawn(identity, look) {
+    for ((name, ..), _, legend) in drawn(identity, role) {
         text += &format!("| {name} | {legend} |\n");
     }
     text
@@ -94,32 +94,32 @@ pub(super) struct Arrow {
 
 impl Arrow {
     /// The arrows with data to draw; sends colours, thickness and names.
-    pub(super) fn all(identity: &Identity, look: &Look, outlet: &mut Outlet) -> Vec<Self> {
+    pub(super) fn all(identity: &Identity, role: &Role, output: &mut Output) -> Vec<Self> {
         let size = Proportions::new(&identity.geometry.top).size();
         let mut arrows = Vec::new();
-        for ((name, color, vector, lift), scale, legend) in drawn(identity, look) {
-            let entity = look.entity(&format!("scene/{}", name.replace(' ', "_")));
-            let color = Color::from_u32(look.color(color, 0));
-            let radius = 0.017 * size * look.thickness();
+        for ((name, color, vector, lift), scale, legend) in drawn(identity, role) {
+            let entity = role.entity(&format!("scene/{}", name.replace(' ', "_")));
+            let color = Color::from_u32(role.color(color, 0));
+            let radius = 0.017 * size * role.thickness();
             let arrow = Arrows3D::update_fields()
                 .with_colors([color])
                 .with_radii([Radius::new_scene_units(radius as f32)]);
-            outlet.send_static(entity.as_str(), &arrow);
-            let name = look.short_name(name);
+            output.send_static(entity.as_str(), &arrow);
+            let name = role.short_name(name);
             let label = format!("{entity}/label");
             let cut_label = format!("{entity}/cut_label");
             let text = format!("{name} ({legend})");
             let cut_text = format!("{name} (longer than drawn; {legend})");
-            send_label(&label, text, color, outlet);
-            send_label(&cut_label, cut_text, color, outlet);
+            send_label(&label, text, color, output);
+            send_label(&cut_label, cut_text, color, output);
             arrows.push(Self {
                 vector,
                 scale,
                 height: size,
-                lift: (lift + look.lift()) * size,
-                arrows: Track::new(entity, arrow_columns, outlet),
-                labels: Track::new(label, label_columns, outlet),
-                cut_labels: Track::new(cut_label, label_columns, outlet),
+                lift: (lift + role.lift()) * size,
+                arrows: Track::new(entity, arrow_columns, output),
+                labels: Track::new(label, label_columns, output),
+                cut_labels: Track::new(cut_label, label_columns, output),
                 next_label_ns: 0,
             });
         }
@@ -133,7 +133,7 @@ impl Arrow {
         message: &Message<'_>,
         orientation: Option<UnitQuaternion<f64>>,
         [peg, contact]: [Vector3<f64>; 2],
-        outlet: &mut Outlet,
+        output: &mut Output,
     ) {
         let (time_ns, vector) = (message.time_ns, self.vector);
         if message.topic() != vector.topic() {
@@ -148,16 +148,16 @@ impl Arrow {
             // Without a pose the directions of the body axes are unknown.
             None => return,
         };
-        let (arrow, is_cut) = fit(vector / self.scale, self.height);
+        let (arrow, is_cut) = clip_to_view(vector / self.scale, self.height);
         let row = [origin, arrow].map(|part| part.cast::<f32>().into());
-        self.arrows.push(outlet, time_ns, [row]);
+        self.arrows.push(output, time_ns, [row]);
         if time_ns >= self.next_label_ns {
             self.next_label_ns = time_ns.saturating_add(LABEL_NS);
             let place = self.label_offset(arrow);
             let place = place.map(|offset| (origin + offset).cast::<f32>().into());
             let (label, cut_label) = if is_cut { (None, place) } else { (place, None) };
-            self.labels.push(outlet, time_ns, [label]);
-            self.cut_labels.push(outlet, time_ns, [cut_label]);
+            self.labels.push(output, time_ns, [label]);
+            self.cut_labels.push(output, time_ns, [cut_label]);
         }
     }
 
@@ -172,7 +172,7 @@ impl Arrow {
 ///
 /// The scale comes from the start of the run, and some quantities grow by more than an order of magnitude: the angular
 /// momentum does where a law of friction has only some of the torque's components.
-fn fit(arrow: Vector3<f64>, height: f64) -> (Vector3<f64>, bool) {
+fn clip_to_view(arrow: Vector3<f64>, height: f64) -> (Vector3<f64>, bool) {
     let longest = scale::max_length(height);
     let length = arrow.norm();
     if length > longest {
@@ -183,13 +183,13 @@ fn fit(arrow: Vector3<f64>, height: f64) -> (Vector3<f64>, bool) {
 }
 
 /// Sends the text and the style of a label, which gets its places later.
-fn send_label(entity: &str, text: String, color: Color, outlet: &mut Outlet) {
+fn send_label(entity: &str, text: String, color: Color, output: &mut Output) {
     let label = Points3D::update_fields()
         .with_colors([color])
         .with_radii([Radius::new_ui_points(0.0)])
         .with_labels([text])
         .with_show_labels(true);
-    outlet.send_static(entity, &label);
+    output.send_static(entity, &label);
 }
 
 /// Whether an arrow begins at the point of contact, or the lowest point of a peg in the air; others begin at the centre of
@@ -222,7 +222,7 @@ mod tests {
     /// The longest of each arrow in a run, in heights of the top and before it is cut, in the order of [`drawn`].
     fn longest(identity: &Identity, scenario: &Scenario) -> Vec<(&'static str, f64)> {
         let height = Proportions::new(&identity.geometry.top).size();
-        let mut lengths: Vec<_> = drawn(identity, &Look::Alone)
+        let mut lengths: Vec<_> = drawn(identity, &Role::Alone)
             .map(|((name, _, vector, _), scale, _)| (name, vector, scale, 0.0_f64))
             .collect();
         let mut telemetry = Telemetry::with_topics(&Topics::All);
@@ -282,9 +282,9 @@ mod tests {
     #[test]
     fn long_arrows_are_cut() {
         let long = Vector3::new(3.0, 0.0, 4.0);
-        let (cut, is_cut) = fit(long, 1.0);
+        let (cut, is_cut) = clip_to_view(long, 1.0);
         assert!(is_cut && (cut.norm() - scale::max_length(1.0)).abs() < 1e-15);
         assert!(cut.cross(&long).norm() < 1e-15, "the direction stays");
-        assert_eq!(fit(0.1 * long, 1.0), (0.1 * long, false));
+        assert_eq!(clip_to_view(0.1 * long, 1.0), (0.1 * long, false));
     }
 }

@@ -6,8 +6,8 @@ use rerun::{Color, LineStrips3D, Points3D, Radius};
 
 use crate::rerun::entity::CAMERA_TARGET;
 use crate::rerun::identity::Geometry;
-use crate::rerun::look::Look;
-use crate::rerun::outlet::{Columns, Outlet};
+use crate::rerun::output::{Columns, Output};
+use crate::rerun::role::Role;
 use crate::rerun::track::Track;
 use crate::telemetry::proportions::Proportions;
 
@@ -20,12 +20,12 @@ const STEP_NS: u64 = 10_000_000;
 
 /// Sends the vertical line through the centre of the table, or through the peg that the camera follows, up to half a
 /// height above the top.
-pub(super) fn send_vertical(geometry: &Geometry, entity: String, outlet: &mut Outlet) {
+pub(super) fn send_vertical(geometry: &Geometry, entity: String, output: &mut Output) {
     let height = geometry.top.peg_radius + 1.5 * Proportions::new(&geometry.top).size();
     let line = LineStrips3D::new([[[0.0, 0.0, 0.0], [0.0, 0.0, height as f32]]])
         .with_colors([Color::from_u32(0x8A93_A3FF)])
         .with_radii([Radius::new_ui_points(0.7)]);
-    outlet.send_static(entity, &line);
+    output.send_static(entity, &line);
 }
 
 /// Two invisible points tracked by the camera. The viewer looks at their midpoint from 1.5 times their extent.
@@ -44,23 +44,23 @@ pub(super) struct Focus {
 
 impl Focus {
     /// Sends the target of the camera, and the vertical through the peg.
-    pub(super) fn new(geometry: &Geometry, look: &Look, outlet: &mut Outlet) -> Self {
-        send_vertical(geometry, look.entity("scene/focus/vertical"), outlet);
-        outlet.send_static(look.entity(CAMERA_TARGET), &camera_target(geometry));
+    pub(super) fn new(geometry: &Geometry, role: &Role, output: &mut Output) -> Self {
+        send_vertical(geometry, role.entity("scene/focus/vertical"), output);
+        output.send_static(role.entity(CAMERA_TARGET), &camera_target(geometry));
         Self {
-            track: Track::new(look.entity("scene/focus"), columns, outlet),
+            track: Track::new(role.entity("scene/focus"), columns, output),
             next_ns: 0,
         }
     }
 
     /// Moves it to a place at a time in ns.
-    pub(super) fn write(&mut self, time_ns: u64, place: Vector3<f64>, outlet: &mut Outlet) {
+    pub(super) fn write(&mut self, time_ns: u64, place: Vector3<f64>, output: &mut Output) {
         if time_ns < self.next_ns {
             return;
         }
         self.next_ns = time_ns.saturating_add(STEP_NS);
         let place = [place.x as f32, place.y as f32, 0.0];
-        self.track.push(outlet, time_ns, [place]);
+        self.track.push(output, time_ns, [place]);
     }
 }
 

@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 use rerun::archetypes::{LineStrips3D, Points3D};
 use rerun::{Color, Radius};
 
-use crate::rerun::look::Look;
-use crate::rerun::outlet::{Columns, Outlet};
+use crate::rerun::output::{Columns, Output};
+use crate::rerun::role::Role;
 use crate::rerun::track::Track;
 
 /// Time between two pieces of a path, in ns.
@@ -37,15 +37,15 @@ pub(super) struct Path {
 impl Path {
     /// An empty path without a name, of these colours, each with its entity.
     pub(super) fn new(
-        look: &Look,
+        role: &Role,
         colors: &[(&str, u32)],
         width: f32,
-        outlet: &mut Outlet,
+        output: &mut Output,
     ) -> Self {
         let mut tracks = Vec::new();
         for (place, (entity, color)) in colors.iter().enumerate() {
-            let color = look.color(*color, place);
-            tracks.push(track(look.entity(entity), color, width, outlet));
+            let color = role.color(*color, place);
+            tracks.push(track(role.entity(entity), color, width, output));
         }
         Self {
             tracks,
@@ -61,20 +61,20 @@ impl Path {
     /// The same path, drawn a second time in a darker colour, for the part that has faded.
     pub(super) fn fading(
         mut self,
-        look: &Look,
+        role: &Role,
         entity: &str,
         color: u32,
-        outlet: &mut Outlet,
+        output: &mut Output,
     ) -> Self {
-        let color = darkened(look.color(color, 0));
-        self.faded = Some(track(look.entity(entity), color, FADED_WIDTH, outlet));
+        let color = darkened(role.color(color, 0));
+        self.faded = Some(track(role.entity(entity), color, FADED_WIDTH, output));
         self
     }
 
     /// The same path with a name in this colour, if it is the only one in its scene.
     pub(super) fn named(
         mut self,
-        look: &Look,
+        role: &Role,
         entity: &'static str,
         text: &str,
         color: u32,
@@ -84,7 +84,7 @@ impl Path {
             .with_radii([Radius::new_ui_points(0.0)])
             .with_labels([text])
             .with_show_labels(true);
-        self.name = look.is_alone().then_some((entity, name));
+        self.name = role.is_alone().then_some((entity, name));
         self
     }
 
@@ -94,7 +94,7 @@ impl Path {
         time_ns: u64,
         kind: usize,
         point: Vector3<f64>,
-        outlet: &mut Outlet,
+        output: &mut Output,
     ) {
         let is_changed = kind != self.kind;
         if time_ns < self.next_point_ns && !is_changed {
@@ -103,7 +103,7 @@ impl Path {
         self.next_point_ns = time_ns.saturating_add(POINT_NS);
         let point: [f32; 3] = point.cast().into();
         if let Some((entity, name)) = self.name.take() {
-            outlet.send_static(entity, &name.with_positions([point]));
+            output.send_static(entity, &name.with_positions([point]));
         }
         self.piece.push(point);
         if (time_ns >= self.next_piece_ns || is_changed) && self.piece.len() > 1 {
@@ -111,21 +111,21 @@ impl Path {
             // Each piece begins where the one before it ended.
             let piece = std::mem::replace(&mut self.piece, vec![point]);
             if let Some(faded) = &self.faded {
-                faded.push(outlet, time_ns, [piece.clone()]);
+                faded.push(output, time_ns, [piece.clone()]);
             }
-            self.tracks[self.kind].push(outlet, time_ns, [piece]);
+            self.tracks[self.kind].push(output, time_ns, [piece]);
         }
         self.kind = kind;
     }
 }
 
 /// An empty track, whose color and width in points are sent.
-fn track(entity: String, color: u32, width: f32, outlet: &mut Outlet) -> Track<Vec<[f32; 3]>> {
+fn track(entity: String, color: u32, width: f32, output: &mut Output) -> Track<Vec<[f32; 3]>> {
     let style = LineStrips3D::update_fields()
         .with_colors([Color::from_u32(color)])
         .with_radii([Radius::new_ui_points(width)]);
-    outlet.send_static(entity.as_str(), &style);
-    Track::new(entity, columns, outlet)
+    output.send_static(entity.as_str(), &style);
+    Track::new(entity, columns, output)
 }
 
 /// A third of a colour's brightness: lines can't be translucent.

@@ -11,7 +11,7 @@ const GHOST: u32 = 0x88;
 
 /// Owner of an entity; determines its name and style.
 #[derive(Clone, Debug)]
-pub(super) enum Look {
+pub(super) enum Role {
     /// The only run of a recording.
     Alone,
     /// One of two runs, with its name.
@@ -22,7 +22,7 @@ pub(super) enum Look {
     Magnitude,
 }
 
-impl Look {
+impl Role {
     /// Whether there is no other run in the recording.
     pub(super) fn is_alone(&self) -> bool {
         matches!(self, Self::Alone)

@@ -1,6 +1,6 @@
 //! The destinations of the chunks of a recording: a file, a viewer, or both.
 //!
-//! They are independent. Viewer failures become warnings; a file error is returned by [`Outlet::finish`].
+//! They are independent. Viewer failures become warnings; a file error is returned by [`Output::finish`].
 
 use std::cell::RefCell;
 use std::fs::File;
@@ -25,7 +25,7 @@ pub struct Destinations {
 
 /// Destinations of a message.
 #[derive(Clone, Copy)]
-pub(super) enum To {
+pub(super) enum Destination {
     /// The viewer only; the file gets the same rows later in longer chunks.
     Viewer,
     /// The file only; the viewer already has the rows.
@@ -37,16 +37,16 @@ pub(super) enum To {
 /// Buffered rows.
 pub(super) trait Pending {
     /// Sends those that the viewer does not have yet, to the viewer; the file gets them later, in longer chunks.
-    fn show(&mut self, outlet: &mut Outlet);
+    fn show(&mut self, output: &mut Output);
     /// Sends all, to every destination that does not have them yet.
-    fn complete(&mut self, outlet: &mut Outlet);
+    fn complete(&mut self, output: &mut Output);
 }
 
 /// Components of rows.
 pub(super) type Columns = Result<Vec<SerializedComponentColumn>, RerunError>;
 
 /// Numbers the chunks of one recording and passes them to its destinations.
-pub struct Outlet {
+pub struct Output {
     pub(super) store: StoreId,
     ids: Ids,
     live_ids: Ids,
@@ -56,13 +56,13 @@ pub struct Outlet {
     live: Option<LiveDestination>,
     /// Warnings about the viewer that have not been taken yet.
     pub(super) warnings: Vec<ViewerError>,
-    waiting: Vec<Rc<RefCell<dyn Pending>>>,
+    pending: Vec<Rc<RefCell<dyn Pending>>>,
 }
 
-impl Outlet {
+impl Output {
     /// Opens a store in all destinations.
     pub(super) fn open(store: StoreId, destinations: Destinations) -> Self {
-        let mut outlet = Self {
+        let mut output = Self {
             store,
             ids: Ids::RECORDING,
             live_ids: Ids::LIVE,
@@ -70,38 +70,38 @@ impl Outlet {
             failure: None,
             live: None,
             warnings: Vec::new(),
-            waiting: Vec::new(),
+            pending: Vec::new(),
         };
         match destinations.file.map(RrdFile::open) {
-            Some(Ok(file)) => outlet.file = Some(file),
-            Some(Err(error)) => outlet.fail(error),
+            Some(Ok(file)) => output.file = Some(file),
+            Some(Err(error)) => output.fail(error),
             None => {}
         }
         match destinations.live.map(|live| LiveDestination::open(&live)) {
-            Some(Ok(live)) => outlet.live = Some(live),
-            Some(Err(warning)) => outlet.warnings.push(warning),
+            Some(Ok(live)) => output.live = Some(live),
+            Some(Err(warning)) => output.warnings.push(warning),
             None => {}
         }
-        let opening = opening(&outlet.store, &mut outlet.ids);
-        outlet.send_to(To::Both, Ok(opening));
-        outlet
+        let opening = opening(&output.store, &mut output.ids);
+        output.send_to(Destination::Both, Ok(opening));
+        output
     }
 
     /// Registers rows that are sent later.
     pub(super) fn register(&mut self, rows: Rc<RefCell<dyn Pending>>) {
-        self.waiting.push(rows);
+        self.pending.push(rows);
     }
 
     /// Sends waiting rows to the viewer.
     pub(super) fn show(&mut self) {
-        for rows in self.waiting.clone() {
+        for rows in self.pending.clone() {
             rows.borrow_mut().show(self);
         }
     }
 
     /// Sends all waiting rows.
     pub(super) fn complete(&mut self) {
-        for rows in self.waiting.clone() {
+        for rows in self.pending.clone() {
             rows.borrow_mut().complete(self);
         }
     }
@@ -119,38 +119,42 @@ impl Outlet {
     ) {
         let time = TimePoint::STATIC;
         let message = single_row(&self.store, &mut self.ids, entity, time, components);
-        self.send_to(To::Both, message);
+        self.send_to(Destination::Both, message);
     }
 
     /// Sends rows of an entity, with their times in ns.
     pub(super) fn send_rows(
         &mut self,
-        to: To,
+        to: Destination,
         entity: &EntityPath,
         times: &[i64],
         columns: Columns,
     ) {
         let ids = match to {
-            To::Viewer => &mut self.live_ids,
-            To::File | To::Both => &mut self.ids,
+            Destination::Viewer => &mut self.live_ids,
+            Destination::File | Destination::Both => &mut self.ids,
         };
         let message = columns.and_then(|columns| rows(&self.store, ids, entity, times, columns));
         self.send_to(to, message);
     }
 
     /// Sends the messages of a layout.
-    pub(super) fn send_layout(&mut self, to: To, messages: Vec<Result<LogMsg, RerunError>>) {
+    pub(super) fn send_layout(
+        &mut self,
+        to: Destination,
+        messages: Vec<Result<LogMsg, RerunError>>,
+    ) {
         for message in messages {
             self.send_to(to, message);
         }
     }
 
     /// Sends a message to some of the destinations.
-    fn send_to(&mut self, to: To, message: Result<LogMsg, RerunError>) {
+    fn send_to(&mut self, to: Destination, message: Result<LogMsg, RerunError>) {
         match (to, message) {
-            (To::Viewer, Ok(message)) => self.feed_viewer(message),
-            (To::File, Ok(message)) => self.write_file(message),
-            (To::Both, Ok(message)) => {
+            (Destination::Viewer, Ok(message)) => self.feed_viewer(message),
+            (Destination::File, Ok(message)) => self.write_file(message),
+            (Destination::Both, Ok(message)) => {
                 self.feed_viewer(message.clone());
                 self.write_file(message);
             }
