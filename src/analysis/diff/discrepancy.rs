@@ -7,6 +7,7 @@ use super::field::rms;
 use crate::physics::dynamics::{Integrals, Model, Motion, Peg, Phase};
 use crate::physics::friction::Branch;
 use crate::physics::kinematics::{Euler, Tilt, world_to_lean};
+use crate::run::simulation::Regime;
 use crate::run::time::seconds;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{CONTACT, FREE_PEG, STATE, contact, free_peg, state};
@@ -61,6 +62,7 @@ pub(super) struct Residuals {
     models: [Model; 2],
     /// A's last known state, with its time (ns).
     motion: Option<(u64, Motion)>,
+    /// Whether the contact point of the last sample slips.
     slides: bool,
     states: u64,
     sums: [Sums; QUANTITIES.len()],
@@ -155,7 +157,10 @@ impl Residuals {
                     self.add(message.time_ns, &motion);
                 }
             }
-            CONTACT => self.slides = contact::REGIME.of(message) == 1.0,
+            CONTACT => {
+                let regime = Regime::from_code(contact::REGIME.of(message));
+                self.slides = regime == Some(Regime::Slipping);
+            }
             FREE_PEG if self.slides => {
                 if let Some((time_ns, mut motion)) = self.motion
                     && time_ns == message.time_ns

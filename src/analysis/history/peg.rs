@@ -2,7 +2,7 @@
 
 use super::event::{Constancy, Event};
 use crate::physics::dynamics::Model;
-use crate::run::simulation::EventKind;
+use crate::run::simulation::{EventKind, Regime};
 use crate::telemetry::Message;
 use crate::telemetry::fields::{
     CENTER_OF_MASS, CONTACT, FREE_PEG, IMPACTS, MOMENTUM, STATE, center_of_mass, contact, free_peg,
@@ -39,9 +39,6 @@ impl Interval {
         self.to - self.from
     }
 }
-
-/// The regime of a peg in the air, as `/top/contact` has it.
-const FLYING: f64 = 2.0;
 
 /// The history of a free peg.
 #[derive(Clone, Debug, Default)]
@@ -130,7 +127,8 @@ impl PegHistory {
 
     fn contact(&mut self, message: &Message<'_>) {
         // A peg that is thrown up starts at the height of the table, but in flight.
-        self.flies_at_first |= self.travelled.is_none() && contact::REGIME.of(message) == FLYING;
+        let regime = Regime::from_code(contact::REGIME.of(message));
+        self.flies_at_first |= self.travelled.is_none() && regime == Some(Regime::Flying);
         let point = contact::CONTACT_POINT.of(message);
         let (first, farthest) = self.travelled.get_or_insert(([point.x, point.y], 0.0));
         let away = crate::physics::math::hypot(point.x - first[0], point.y - first[1]);
