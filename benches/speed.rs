@@ -300,9 +300,9 @@ fn diffs(criterion: &mut Criterion) {
         ("JSON", &json_a, &json_b),
         ("protobuf", &protobuf_a, &protobuf_b),
     ] {
-        for (what, floor) in [("", false), (" with the integrators' errors", true)] {
+        for (what, integration_error) in [("", false), (" with the integrators' errors", true)] {
             let options = diff::Options {
-                floor,
+                integration_error,
                 ..diff::Options::default()
             };
             group.bench_function(format!("{name}{what}"), |bencher| {

@@ -70,7 +70,7 @@ pub fn analyses(recording: &Recording) {
 /// Compares two recordings, without simulating them again.
 fn difference(a: &Recording, b: &Recording) -> Option<Report> {
     let options = diff::Options {
-        floor: false,
+        integration_error: false,
         ..diff::Options::default()
     };
     let report = diff::compare(a, b, &options);

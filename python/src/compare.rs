@@ -79,7 +79,7 @@ impl Observer for Watching {
 
 /// Compares two runs; see `toprise.diff`.
 #[pyfunction]
-#[pyo3(signature = (a, b, *, abs, rel, tolerances, floor, topics, ignore))]
+#[pyo3(signature = (a, b, *, abs, rel, tolerances, integration_error, topics, ignore))]
 #[allow(clippy::too_many_arguments)]
 pub fn diff(
     py: Python<'_>,
@@ -88,7 +88,7 @@ pub fn diff(
     abs: f64,
     rel: f64,
     tolerances: Vec<String>,
-    floor: bool,
+    integration_error: bool,
     topics: Vec<String>,
     ignore: Vec<String>,
 ) -> PyResult<(String, Vec<String>)> {
@@ -104,7 +104,7 @@ pub fn diff(
     }
     let options = Options {
         tolerances: bounds,
-        floor,
+        integration_error,
         topics,
     };
     let (a, b) = (a.open(py)?, b.open(py)?);

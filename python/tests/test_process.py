@@ -108,7 +108,7 @@ def test_nothing_is_needed_but_python():
     process = python(
         "import sys\n"
         "run = toprise.run('paper', {'stop.duration': 0.01})\n"
-        "repr(run), repr(run.events), run.events._repr_html_(), toprise.diff(run, run, floor=False)\n"
+        "repr(run), repr(run.events), run.events._repr_html_(), toprise.diff(run, run, integration_error=False)\n"
         "assert not {'numpy', 'pyarrow', 'polars', 'pandas'} & set(sys.modules)\n"
         "sys.modules['numpy'] = None\n"
         "try:\n  run.events.numpy('time')\nexcept ImportError:\n  print('told')\n"

@@ -18,29 +18,29 @@ def is_of_schema(report, name):
 def test_a_run_and_its_recording_are_identical(reference):
     recording = reference / "paper.mcap"
     run = toprise.run("paper", {"sampling.period": 0.01})
-    report = toprise.diff(run, recording, floor=False)
+    report = toprise.diff(run, recording, integration_error=False)
     assert report.verdict == "identical"
-    assert toprise.diff(toprise.read(recording), str(recording), floor=False).verdict == "identical"
+    assert toprise.diff(toprise.read(recording), str(recording), integration_error=False).verdict == "identical"
     assert is_of_schema(report, "DiffReport")
 
 
 def test_a_difference_is_summarised(brief):
     other = toprise.Scenario("paper", {"stop.duration": 0.1, "friction.k": 0.0303})
-    report = toprise.diff(brief, other, floor=False)
+    report = toprise.diff(brief, other, integration_error=False)
     assert report.verdict == "different"
     assert report.summary == str(report) == repr(report)
     lines = report.summary.splitlines()
     assert lines[:2] == ["Different", "friction.k: A 0.03, B 0.0303"]
     assert all("B − A" in line for line in lines[2:])
     assert report["setup"]["scenario"][0]["key"] == "friction.k"
-    assert report["floor"] is None
-    equal = toprise.diff(brief, other, abs=1.0, rel=0.5, floor=False, topics=["/top/state"])
+    assert report["integration_errors"] is None
+    equal = toprise.diff(brief, other, abs=1.0, rel=0.5, integration_error=False, topics=["/top/state"])
     assert equal.verdict == "equal"
     equal = toprise.diff(
-        brief, other, tolerances={"/top/state.*": "rel:1"}, topics=["/top/state"], floor=False
+        brief, other, tolerances={"/top/state.*": "rel:1"}, topics=["/top/state"], integration_error=False
     )
     assert equal.verdict == "equal"
-    ignoring = toprise.diff(brief, other, ignore=["/top/*"], floor=False)
+    ignoring = toprise.diff(brief, other, ignore=["/top/*"], integration_error=False)
     assert [channel["topic"] for channel in ignoring["channels"]] == ["/events"]
 
 

@@ -29,7 +29,7 @@ def test_keys_may_have_an_underscore_for_the_dot(brief):
     assert toprise.Scenario.unit("top_mass") == "kg"
     assert toprise.run(brief.scenario, {"top_mass": 0.1}).scenario == dotted
     assert toprise.outcome(flat) == toprise.outcome(dotted)
-    assert toprise.diff(flat, dotted, floor=False).verdict == "identical"
+    assert toprise.diff(flat, dotted, integration_error=False).verdict == "identical"
     with pytest.raises(toprise.ScenarioError, match="top.mass: set twice"):
         toprise.Scenario("paper", {"top.mass": 0.1, "top_mass": 0.2})
     with pytest.raises(KeyError, match="top.mass"):

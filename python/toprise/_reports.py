@@ -83,16 +83,16 @@ def diff(
     abs: float = 0.0,
     rel: float = 0.0,
     tolerances: Mapping[str, float | str] | None = None,
-    floor: bool = True,
+    integration_error: bool = True,
     topics: Iterable[str] = (),
     ignore: Iterable[str] = (),
 ) -> DiffReport:
     """Compares two runs: their scenarios, events, averaged motion and messages.
 
     `abs` (in the unit of each field) and `rel` (relative to the larger magnitude) are the tolerances; `tolerances` sets
-    them for some fields, as in `{"/top/state.theta": 1e-9, "/top/torque.*": "rel:1e-6"}`. If `floor` is true, the
-    integration errors are estimated by repeating both simulations with tighter tolerances. `topics` and `ignore` select the
-    topics and fields to compare.
+    them for some fields, as in `{"/top/state.theta": 1e-9, "/top/torque.*": "rel:1e-6"}`. If `integration_error` is
+    true, the integration errors are estimated by repeating both simulations with tighter tolerances. `topics` and
+    `ignore` select the topics and fields to compare.
 
     Any two MCAP files can be compared. Messages of files not written by toprise are compared byte by byte.
 
@@ -105,7 +105,7 @@ def diff(
         abs=abs,
         rel=rel,
         tolerances=bounds,
-        floor=floor,
+        integration_error=integration_error,
         topics=list(topics),
         ignore=list(ignore),
     )

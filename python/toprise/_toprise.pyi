@@ -140,7 +140,7 @@ def diff(
     abs: float,
     rel: float,
     tolerances: Sequence[str],
-    floor: bool,
+    integration_error: bool,
     topics: Sequence[str],
     ignore: Sequence[str],
 ) -> tuple[str, list[str]]: ...

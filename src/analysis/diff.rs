@@ -35,7 +35,7 @@ mod evidence;
 mod field;
 mod finding;
 mod findings;
-mod floor;
+mod integration_error;
 mod observer;
 mod occurrence;
 mod others;
@@ -51,7 +51,7 @@ pub use self::discrepancy::{Discrepancy, Residual};
 pub use self::error::DiffError;
 pub use self::field::FieldDifference;
 pub use self::finding::{EndCondition, Finding, Quantity};
-pub use self::floor::{Floor, IntegratorError};
+pub use self::integration_error::{IntegrationErrors, IntegratorError};
 pub use self::observer::Observer;
 pub use self::others::TopicBytes;
 pub use self::report::{ComparedRun, Report, Verdict};
@@ -139,13 +139,13 @@ fn compare_runs(
     let paired = read_both(runs, &limits, options, observer, &carry_on)?;
     check_messages(&paired)?;
     let integrations = match paired.common_end() {
-        Some(end) if options.floor => {
+        Some(end) if options.integration_error => {
             let runs = [0, 1].map(|side| (runs[side], &paired.runs[side].history));
             let limits = Limits {
                 until: Some(seconds(end)),
                 ..limits
             };
-            floor::compute(runs, &limits, &carry_on)
+            integration_error::compute(runs, &limits, &carry_on)
         }
         _ => None,
     };

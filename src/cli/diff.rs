@@ -91,7 +91,7 @@ impl ComparisonArguments {
         }
         Ok(Options {
             tolerances,
-            floor: !self.no_integration_error,
+            integration_error: !self.no_integration_error,
             topics: self.topics.clone(),
         })
     }

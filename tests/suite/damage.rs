@@ -428,7 +428,7 @@ fn gaps_make_no_findings() {
             assert!(!counts || hit == last, "{hit:?}: {fact:?}");
         }
         let options = Options {
-            floor: false,
+            integration_error: false,
             ..Options::default()
         };
         for pair in [[&hole, &original], [&original, &hole]] {

@@ -33,7 +33,7 @@ use toprise::telemetry::{Message, Telemetry};
 
 fn quick() -> Options {
     Options {
-        floor: false,
+        integration_error: false,
         ..Options::default()
     }
 }
@@ -445,14 +445,14 @@ fn marks_differences_below_the_integration_error() {
     assert!(is_small, "{theta:?}");
     let fields = report.channels.iter().flat_map(|channel| &channel.fields);
     let (below, above): (Vec<_>, Vec<_>) = fields
-        .filter(|field| field.largest != 0.0 && field.floor.is_some())
-        .partition(|field| field.is_below_floor);
+        .filter(|field| field.largest != 0.0 && field.integration_error.is_some())
+        .partition(|field| field.is_within_integration_error);
     let are_most_below = below.len() > 20 && above.len() < below.len() / 10;
     assert!(are_most_below, "{above:?}");
     // A real difference is not below.
     let other = short(&[("friction.k", "0.0301")]);
     let report = compare(&short(&[]), &other, &Options::default());
-    assert!(!field(&report.unwrap(), "/top/state", "theta").is_below_floor);
+    assert!(!field(&report.unwrap(), "/top/state", "theta").is_within_integration_error);
 }
 
 /// Errors are numbers or absent, as the schema has it.

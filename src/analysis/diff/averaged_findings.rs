@@ -4,7 +4,7 @@ use super::averages::AverageErrors;
 use super::crossing::MeanCrossing;
 use super::evidence::Evidence;
 use super::finding::{Finding, Quantity};
-use super::floor::{IntegrationError, combined};
+use super::integration_error::{IntegrationError, combined};
 use crate::telemetry::fields::{NumberField, nutation};
 
 /// The times at which the averaged motions cross a common level.

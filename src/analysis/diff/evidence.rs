@@ -3,7 +3,7 @@
 use super::averages::Averaged;
 use super::discrepancy::Discrepancy;
 use super::finding::{Finding, Quantity};
-use super::floor::{IntegrationError, Integrations, combined};
+use super::integration_error::{IntegrationError, Integrations, combined};
 use super::pairing::Paired;
 use crate::analysis::history::RunHistory;
 use crate::run::scenario::Scenario;

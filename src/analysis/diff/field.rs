@@ -32,9 +32,9 @@ pub struct FieldDifference {
     /// The tolerance; of a derived quantity: that of the first field that it is derived from.
     pub tolerance: Tolerance,
     /// Combined integration error of A and B; absent if unknown.
-    pub floor: Option<f64>,
+    pub integration_error: Option<f64>,
     /// Whether the difference is below three times the integration error and rounding.
-    pub is_below_floor: bool,
+    pub is_within_integration_error: bool,
 }
 
 /// Safety factor of the estimated integration error.
@@ -104,17 +104,24 @@ impl FieldTally {
         self.found.beyond == 0
     }
 
-    /// The differences; `floor` contains the integration errors.
-    pub(super) fn report(&self, field: &str, unit: &str, floor: Option<f64>) -> FieldDifference {
+    /// The differences of a field, whose integrations have this error.
+    pub(super) fn report(
+        &self,
+        field: &str,
+        unit: &str,
+        integration_error: Option<f64>,
+    ) -> FieldDifference {
         let found = &self.found;
-        let errors = floor.map(|f| UNDERESTIMATED * f + ROUNDINGS * f64::EPSILON * found.scale);
+        let bound = integration_error
+            .map(|error| UNDERESTIMATED * error + ROUNDINGS * f64::EPSILON * found.scale);
         let differs = found.first_different.is_some();
         FieldDifference {
             field: field.to_owned(),
             unit: unit.to_owned(),
             rms: rms(self.squares, found.count),
-            floor,
-            is_below_floor: errors.is_some_and(|e| differs && found.largest.abs() <= e),
+            integration_error,
+            is_within_integration_error: bound
+                .is_some_and(|bound| differs && found.largest.abs() <= bound),
             ..found.clone()
         }
     }

@@ -1,6 +1,6 @@
 //! A finding: a pair of corresponding numbers, and how it is displayed.
 
-use super::floor::IntegrationError;
+use super::integration_error::IntegrationError;
 use crate::analysis::phrase::{duration, moment, signed_duration, significant};
 use crate::run::simulation::{EventKind, StopReason};
 use schemars::{JsonSchema, Schema, SchemaGenerator};

@@ -9,7 +9,7 @@ use super::crossing::ripple;
 use super::event_findings::events;
 use super::evidence::Evidence;
 use super::finding::{EndCondition, Finding, Quantity};
-use super::floor::{IntegrationError, combined};
+use super::integration_error::{IntegrationError, combined};
 use super::pairing::RunData;
 use crate::analysis::history::RunHistory;
 use crate::run::scenario::Scenario;
@@ -207,8 +207,8 @@ fn energy_lost(evidence: &Evidence<'_>) -> Option<Finding> {
     let energies = [a, b];
     let field = energy::TOTAL.to_string();
     let errors = evidence.integrations.map(|integrations| {
-        let floor = &integrations.floor;
-        [&floor.a, &floor.b].map(|error| error.field(&field).unwrap_or_default())
+        let errors = &integrations.errors;
+        [&errors.a, &errors.b].map(|error| error.field(&field).unwrap_or_default())
     });
     let lost = [0, 1].map(|side| {
         let energies = energies[side];

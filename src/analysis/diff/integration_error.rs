@@ -41,10 +41,10 @@ const ROUNDINGS: f64 = 8.0;
 
 /// The errors of both integrations.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
-pub struct Floor {
-    /// A's.
+pub struct IntegrationErrors {
+    /// The errors of A's integration.
     pub a: IntegratorError,
-    /// B's.
+    /// The errors of B's integration.
     pub b: IntegratorError,
 }
 
@@ -71,7 +71,7 @@ impl IntegratorError {
     }
 }
 
-impl Floor {
+impl IntegrationErrors {
     /// The errors of a field, A's and B's together.
     pub(super) fn field(&self, field: &str) -> Option<f64> {
         Some(self.a.field(field)? + self.b.field(field)?)
@@ -92,7 +92,7 @@ pub(super) enum IntegrationError {
 /// The integrations of both runs.
 #[derive(Debug)]
 pub(super) struct Integrations {
-    pub(super) floor: Floor,
+    pub(super) errors: IntegrationErrors,
     sides: [Repeated; 2],
 }
 
@@ -172,7 +172,7 @@ impl Integrations {
     fn new(sides: [Repeated; 2]) -> Self {
         let [a, b] = sides.each_ref().map(|side| side.error.clone());
         Self {
-            floor: Floor { a, b },
+            errors: IntegrationErrors { a, b },
             sides,
         }
     }

@@ -7,7 +7,7 @@ use super::discrepancy::{Discrepancy, Residuals};
 use super::evidence::Evidence;
 use super::finding::Finding;
 use super::findings::findings;
-use super::floor::{Floor, Integrations};
+use super::integration_error::{IntegrationErrors, Integrations};
 use super::others::{self, TopicBytes};
 use super::pairing::{Paired, RunData};
 use super::setup::{KeyDifference, SetupDifferences};
@@ -44,7 +44,7 @@ pub struct Report {
     /// B's model evaluated at the states of A; requires both scenarios and `/top/state` of A.
     pub discrepancy: Option<Discrepancy>,
     /// The integration errors; absent if not requested or not computable.
-    pub floor: Option<Floor>,
+    pub integration_errors: Option<IntegrationErrors>,
     /// Notes on this comparison.
     pub notes: Vec<String>,
 }
@@ -109,9 +109,9 @@ impl Report {
         others: Vec<TopicBytes>,
         integrations: Option<Integrations>,
     ) -> Self {
-        let floor = integrations
+        let errors = integrations
             .as_ref()
-            .map(|integrations| &integrations.floor);
+            .map(|integrations| &integrations.errors);
         let [a, b] = [0, 1].map(|side| {
             let RunData {
                 history, losses, ..
@@ -166,12 +166,12 @@ impl Report {
             findings,
             channels: paired
                 .compared()
-                .map(|t| t.report(&|field| floor?.field(field)))
+                .map(|t| t.report(&|field| errors?.field(field)))
                 .collect(),
             others,
             averaged,
             discrepancy,
-            floor: integrations.map(|integrations| integrations.floor),
+            integration_errors: integrations.map(|integrations| integrations.errors),
             notes,
             a,
             b,

@@ -188,7 +188,7 @@ pub struct Options {
     /// The differences that count as equal.
     pub tolerances: Tolerances,
     /// Whether to estimate integration errors by repeating the simulations with tighter tolerances.
-    pub floor: bool,
+    pub integration_error: bool,
     /// The topics to compare; all common topics if empty.
     pub topics: Vec<String>,
 }
@@ -198,7 +198,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             tolerances: Tolerances::default(),
-            floor: true,
+            integration_error: true,
             topics: Vec::new(),
         }
     }

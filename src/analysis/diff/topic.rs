@@ -233,11 +233,14 @@ impl TopicTally {
         fields.map(|(number, tally)| (number.to_string(), tally.found.largest.abs()))
     }
 
-    /// The comparison; `floor` returns the integration error of a field.
-    pub(super) fn report(&self, floor: &impl Fn(&str) -> Option<f64>) -> ChannelDifference {
+    /// The differences of the topic; `integration_error` returns the error of a field.
+    pub(super) fn report(
+        &self,
+        integration_error: &impl Fn(&str) -> Option<f64>,
+    ) -> ChannelDifference {
         let mut fields = Vec::new();
         for (number, tally) in &self.fields {
-            let error = floor(&number.to_string());
+            let error = integration_error(&number.to_string());
             fields.push(tally.report(number.path(), number.unit(), error));
         }
         fields.extend(self.derived.iter().map(Derived::report));

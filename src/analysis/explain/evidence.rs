@@ -44,7 +44,7 @@ impl Evidence {
     }
 
     /// Accumulated integration error at the end of the run in a quantity of this size; an upper estimate.
-    pub(super) fn floor(&self, size: f64) -> f64 {
+    pub(super) fn integration_error(&self, size: f64) -> f64 {
         let steps = self
             .history
             .end_entry(STEPS)

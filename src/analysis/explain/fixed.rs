@@ -69,7 +69,8 @@ pub(super) fn start(evidence: &Evidence) -> Fact {
 /// The inclination in the first and the last nutation.
 pub(super) fn mean_theta(evidence: &Evidence) -> Option<Fact> {
     let [first, last] = evidence.mean_theta()?;
-    let is_constant = (last - first).abs() <= evidence.floor(first.abs().max(last.abs()));
+    let is_constant =
+        (last - first).abs() <= evidence.integration_error(first.abs().max(last.abs()));
     Some(if is_constant {
         Fact::ThetaConstant { theta: last }
     } else {

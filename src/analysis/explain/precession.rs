@@ -191,11 +191,11 @@ pub(super) fn friction(evidence: &Evidence) -> Option<Fact> {
         .fold(change.abs(), |largest, term| largest.max(term.abs()));
     let missed = (gyroscopic + coriolis + friction - change).abs();
     // Near the vertical the terms diverge.
-    let adds_up = missed <= 5e-4 * size + evidence.floor(size);
+    let adds_up = missed <= 5e-4 * size + evidence.integration_error(size);
     if !adds_up || !is_inclined(first.theta) || !is_inclined(last.theta) {
         return None;
     }
-    Some(if friction.abs() <= evidence.floor(size) {
+    Some(if friction.abs() <= evidence.integration_error(size) {
         Fact::NoFrictionOnPrecession
     } else {
         Fact::FrictionOnPrecession { friction, change }
@@ -225,7 +225,8 @@ pub(super) fn cancelling(evidence: &Evidence) -> Option<Fact> {
     let (demanded, mean) = (demanded_angle / time, angle / time);
     let friction = weighted_sum(cycles, mean_friction_term);
     let change = (last.means[2] - first.means[2]).abs();
-    let is_steady = change < STEADY * friction.abs() && friction.abs() > evidence.floor(change);
+    let is_steady =
+        change < STEADY * friction.abs() && friction.abs() > evidence.integration_error(change);
     // In large nutations the terms of the mean motion are not the mean of the terms.
     let do_cancel = (demanded - mean).abs() < STEADY * mean.abs();
     (is_steady && do_cancel).then_some(Fact::TermsCancel { demanded, mean })

@@ -288,7 +288,8 @@ fn slip_ends(evidence: &Evidence, rises: bool, is_inversion_claimed: bool) -> Op
         return None;
     }
     let rolls = evidence.scenario.model.support.is_free();
-    let is_fixed_inclination = theta_range[1] - theta_range[0] <= evidence.floor(theta_range[1]);
+    let is_fixed_inclination =
+        theta_range[1] - theta_range[0] <= evidence.integration_error(theta_range[1]);
     if !rolls && !is_fixed_inclination {
         return None;
     }

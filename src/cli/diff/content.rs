@@ -2,7 +2,8 @@
 
 use crate::analysis::diff::{
     Averaged, ChannelDifference, ComparedRun, Deviation, Discrepancy, FieldDifference, Finding,
-    FirstDifference, Floor, IntegratorError, KeyDifference, Report, Residual, TopicBytes, Verdict,
+    FirstDifference, IntegrationErrors, IntegratorError, KeyDifference, Report, Residual,
+    TopicBytes, Verdict,
 };
 use crate::analysis::phrase::significant;
 use crate::cli::numbers::{count, counted};
@@ -26,7 +27,7 @@ pub(in crate::cli) fn page(report: &Report, all: bool, is_cut: bool) -> Vec<Sect
         sections.extend(report.channels.iter().map(fields));
         sections.extend(report.averaged.iter().map(averages));
         sections.extend(report.discrepancy.iter().map(models));
-        sections.extend(report.floor.iter().map(integrators));
+        sections.extend(report.integration_errors.iter().map(integrators));
     }
     sections.push(notes(report, all));
     sections.retain(|section| !section.parts.is_empty());
@@ -158,7 +159,7 @@ fn findings(report: &Report, all: bool) -> Section {
     let mut section = Section::default();
     let shown = report.findings.iter().filter(|f| all || f.differs());
     let shown: Vec<_> = shown.take(max_rows(all)).map(Finding::cells).collect();
-    if shown.is_empty() && report.floor.is_some() && report.is_of_other_scenarios() {
+    if shown.is_empty() && report.integration_errors.is_some() && report.is_of_other_scenarios() {
         section.line(no_difference(report));
     }
     let columns: [Column<[String; 4]>; 4] = [
@@ -257,7 +258,11 @@ fn fields(channel: &ChannelDifference) -> Section {
     let columns: [Column<&FieldDifference>; 5] = [
         ("field", |field| with_unit(&field.field, &field.unit)),
         ("largest B − A", |field| {
-            let mark = if field.is_below_floor { "≈ " } else { "" };
+            let mark = if field.is_within_integration_error {
+                "≈ "
+            } else {
+                ""
+            };
             format!("{mark}{}", significant(field.largest, 3))
         }),
         ("at", |field| format!("{} s", field.at)),
@@ -303,7 +308,7 @@ fn models(discrepancy: &Discrepancy) -> Section {
     )
 }
 
-fn integrators(floor: &Floor) -> Section {
+fn integrators(errors: &IntegrationErrors) -> Section {
     let columns: [Column<(&str, &IntegratorError)>; 4] = [
         ("", |(letter, _)| (*letter).to_owned()),
         ("tolerance", |(_, run)| {
@@ -312,7 +317,7 @@ fn integrators(floor: &Floor) -> Section {
         ("mean θ [rad]", |(_, run)| significant(run.theta_mean, 2)),
         ("events [s]", |(_, run)| significant(run.event_time, 2)),
     ];
-    let runs = [("A", &floor.a), ("B", &floor.b)];
+    let runs = [("A", &errors.a), ("B", &errors.b)];
     Section::from(Table::new(runs, 2, &columns)).titled(
         "Integrator errors",
         "estimated with tighter tolerances; ≈ marks differences below the integration error",

@@ -151,10 +151,10 @@ fn estimates_the_error_of_any_tolerance() {
     };
     for tolerance in ["1e-14", "1.5e-14", "3e-13", "7e-12", "1e-2"] {
         let report = compare(&run(tolerance), &run("1e-12"), &Options::default()).unwrap();
-        let floor = report
-            .floor
+        let errors = report
+            .integration_errors
             .unwrap_or_else(|| panic!("{tolerance}: no error"));
-        let found = &floor
+        let found = &errors
             .a
             .fields
             .iter()

@@ -31,7 +31,7 @@ fn val_pair(pair: &str, run_b: &str, b: &Scenario) {
     val_averaged(&report, expected);
     val_signals(&report, &expected["signals"]);
     val_discrepancy(&report, &expected["discrepancy"]);
-    val_floor(&report);
+    val_integration_errors(&report);
 }
 
 fn val_findings(report: &Report, runs: [&Value; 2], expected: &Value) {
@@ -171,9 +171,9 @@ fn val_discrepancy(report: &Report, truth: &Value) {
 }
 
 /// The estimated errors are no larger than what the tolerances above allow.
-fn val_floor(report: &Report) {
-    let floor = report.floor.as_ref().unwrap();
-    for error in [&floor.a, &floor.b] {
+fn val_integration_errors(report: &Report) {
+    let errors = report.integration_errors.as_ref().unwrap();
+    for error in [&errors.a, &errors.b] {
         let of = |name: &str| {
             let mut fields = error.fields.iter();
             fields.find(|(field, _)| field == name).unwrap().1
