@@ -103,6 +103,7 @@ fn log_magnitude(number: f64) -> Option<f64> {
 
 impl Content for Comparison {
     fn finish(&mut self, end_ns: u64, output: &mut Output) {
+        // All charts share one time axis, and the differences end with the shorter run.
         self.difference.extend_to(end_ns, output);
         self.magnitude.extend_to(end_ns, output);
         for run in &mut self.runs {

@@ -57,6 +57,7 @@ impl Stream<Entities> {
     /// Sets the reason for the motion, a paragraph of Markdown. It is shown first when the run has ended.
     pub fn set_story(&mut self, paragraph: &str) {
         let about = about(&self.content.identity, &Role::Alone, paragraph);
+        // Replaces the text that was sent at the start: static data have one value.
         self.output.send_static(Role::Alone.entity(ABOUT), &about);
         self.content.has_story = true;
     }

@@ -55,6 +55,7 @@ impl Events {
             self.nutation.push(output, time_ns, [text]);
             return;
         }
+        // Kinds of a later version can't be counted, so each of their events is shown.
         if kind.is_none_or(|kind| self.is_first(kind, time_ns)) {
             self.summary.push(output, time_ns, [text.clone()]);
         }
@@ -98,6 +99,7 @@ impl Events {
 fn log(entity: &str, role: &Role, output: &mut Output) -> Track<String> {
     let entity = role.entity(entity);
     if let Role::Compared(_, run) = role {
+        // The list of events has a column for the level, but none for the run.
         let mark = TextLog::update_fields()
             .with_level(run.as_str())
             .with_color(Color::from_u32(role.color(u32::MAX, 0)));

@@ -64,7 +64,7 @@ pub struct Identity {
     pub magnitudes: Magnitudes,
     /// Topics that will be written; the layout leaves out the plots of others.
     pub topics: Vec<Topic>,
-    /// Its playback in a viewer.
+    /// The playback in a viewer.
     pub playback: Playback,
 }
 
@@ -136,6 +136,7 @@ fn trail_time(top: &Top, tilt: &Tilt, phi_dot: f64) -> f64 {
         return shortest;
     }
     let spin = top.axial_moment * tilt.omega_lean.dot(&tilt.axis()).abs();
+    // The slow rate of regular precession of a fast top, M g l/L_n.
     let slow = top.gravity_moment().abs() / spin;
     let rate = slow.max(phi_dot.abs());
     // `max` and `min` also replace the NaN of a top without spin and weight.

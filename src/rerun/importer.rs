@@ -109,6 +109,7 @@ impl Request {
                 "--recording-id" => {
                     request.names.recording = attached.or_else(|| text_of(arguments.next()));
                 }
+                // The viewer's only options without a value.
                 "--static" | "--timeless" => {}
                 // The value of an unknown option is not the file.
                 _ if option.starts_with("--") => {
@@ -158,6 +159,7 @@ fn read_scenario(path: &Path) -> Result<Scenario, ImportError> {
         path: path.to_owned(),
         source,
     })?;
+    // Another importer may read a file that is not text.
     let text = String::from_utf8(bytes).map_err(|_| not_a_scenario())?;
     if !is_like_a_scenario(&text) {
         return Err(not_a_scenario());
@@ -196,6 +198,7 @@ fn show(scenario: &Scenario, identity: &Identity, output: File) -> Result<(), Im
         }
         Ok(ControlFlow::Continue(()))
     })?;
+    // The state in which an interruption or an error leaves a run is no outcome.
     if end.stop.is_complete() {
         sink.set_outcome(&Outcome::new(scenario, end, tally));
     }

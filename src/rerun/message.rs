@@ -9,7 +9,7 @@ use rerun::{AsComponents, EntityPath, SerializedComponentColumn, StoreId, TimeCo
 
 use super::error::RerunError;
 
-/// Maximum number of characters of a recording's name used in its application ID.
+/// Maximum number of characters of a recording's name used in its application ID, which may have 180.
 const MAX_LETTERS: usize = 100;
 
 /// The store of a recording. To a viewer, which keeps one layout for each application, recordings of different names are
@@ -40,6 +40,8 @@ pub(super) const QUEUE: usize = 64;
 pub(super) struct Ids(u64);
 
 impl Ids {
+    // Ranges far apart, so that the identifiers of a recording never meet.
+
     /// For chunks that are the same for all destinations.
     pub(super) const RECORDING: Self = Self(0);
     /// For the chunks of the blueprint.
@@ -58,6 +60,7 @@ impl Ids {
 
 /// The message that opens a store.
 pub(super) fn opening(store: &StoreId, ids: &mut Ids) -> LogMsg {
+    // The usual source, `RustSdk`, has the version of the compiler, which would make recordings of two builds differ.
     let source = StoreSource::Other("toprise".to_owned());
     LogMsg::SetStoreInfo(SetStoreInfo {
         row_id: ids.next(),

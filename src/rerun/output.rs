@@ -94,6 +94,7 @@ impl Output {
 
     /// Sends waiting rows to the viewer.
     pub(super) fn show(&mut self) {
+        // A copy of the list, because the rows borrow all of the output to send themselves.
         for rows in self.pending.clone() {
             rows.borrow_mut().show(self);
         }
@@ -131,6 +132,7 @@ impl Output {
         columns: Columns,
     ) {
         let ids = match to {
+            // The identifiers in a file must not depend on whether a viewer watches.
             Destination::Viewer => &mut self.live_ids,
             Destination::File | Destination::Both => &mut self.ids,
         };
@@ -190,6 +192,7 @@ impl Output {
             Some(error) => Err(error),
             None => self.file.map_or(Ok(()), RrdFile::finish),
         };
+        // The viewer gets its end even if the file has failed.
         let mut warnings = self.warnings;
         if let Some(Err(warning)) = self.live.map(LiveDestination::finish) {
             warnings.push(warning);

@@ -39,6 +39,7 @@ impl PairIdentity {
     /// The name of a run; its letter, if both have the same name.
     pub(super) fn name_of(&self, side: Side) -> &str {
         match side {
+            // Two recordings of one scenario have the same name.
             _ if self.a.name != self.b.name => &self.run(side).name,
             Side::A => "A",
             Side::B => "B",

@@ -66,6 +66,7 @@ impl Role {
             Self::Compared(Side::B, _) => palette::ORANGE,
             Self::Difference | Self::Magnitude => palette::PURPLE,
         };
+        // The colour of the run, with the opacity of the quantity in the lowest byte.
         shade(color, place) & !0xFF | own & 0xFF
     }
 

@@ -21,6 +21,7 @@ pub(super) struct RrdFile {
 impl RrdFile {
     /// Starts the thread that writes into `file`.
     pub(super) fn open(file: File) -> Result<Self, RerunError> {
+        // Bounded, so that a slow disk slows the run down instead of filling the memory.
         let (queue, messages) = sync_channel(QUEUE);
         let worker = thread::Builder::new()
             .name("rrd encoder".to_owned())

@@ -35,7 +35,7 @@ pub(super) struct Scene {
     /// The path of the symmetry axis on a sphere around the peg, of this radius, m.
     trail: Path,
     trail_radius: f64,
-    /// Its projection onto the table, if the peg is fixed; below a travelling top it would cross the path of the
+    /// The projection onto the table, if the peg is fixed; below a travelling top it would cross the path of the
     /// contact point.
     below: Option<Path>,
     /// The path of the contact point of a free peg: where it slides, where it rolls or sticks, and below the peg where it
@@ -123,9 +123,11 @@ impl Scene {
 
     fn write_pose(&mut self, message: &Message<'_>, output: &mut Output) {
         let time_ns = message.time_ns;
+        // A unit quaternion when it was recorded: normalising would only add a rounding error.
         let orientation = UnitQuaternion::new_unchecked(pose::ORIENTATION.of(message));
         self.orientation = Some(orientation);
         self.peg = pose::PEG_POSITION.of(message);
+        // Rerun draws in single precision.
         let translation = self.peg.cast::<f32>().into();
         let quaternion = orientation.coords.cast::<f32>().into();
         self.top.push(output, time_ns, [(translation, quaternion)]);

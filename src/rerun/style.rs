@@ -81,6 +81,7 @@ pub(super) fn series(numbers: &[NumberField], role: &Role) -> Box<dyn AsComponen
             .with_names(names)
             .with_colors(colors)
             .with_widths(widths)
+            // The default of Rerun 0.41 averages the values of a pixel, which hides the nutation.
             .with_aggregation_policy(AggregationPolicy::MinMax)
             .with_interpolation_mode(InterpolationMode::Linear);
         Box::new(lines)

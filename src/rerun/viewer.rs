@@ -88,6 +88,7 @@ impl LiveDestination {
                 }
                 Err(TrySendError::Full(back)) => back,
             };
+            // `SyncSender` has no way to wait for room for a limited time.
             thread::sleep(Duration::from_millis(1));
         }
     }
@@ -117,6 +118,7 @@ fn feed(uri: ProxyUri, messages: &Receiver<LogMsg>) -> Result<(), ViewerError> {
     let sink = GrpcSink::new(uri);
     for message in messages {
         sink.send(message);
+        // `send` can't fail: it drops what it can't send.
         if let GrpcSinkConnectionState::Disconnected(_) = sink.status() {
             return Err(ViewerError::Disconnected { address });
         }
@@ -170,6 +172,7 @@ fn try_connect(uri: &ProxyUri) -> io::Result<()> {
 /// Starts a viewer that listens on this machine only.
 fn spawn_viewer() -> Result<ProxyUri, ViewerError> {
     let options = rerun::SpawnOptions {
+        // A viewer listens on all network interfaces otherwise.
         extra_args: vec!["--bind=127.0.0.1".to_owned()],
         hide_welcome_screen: true,
         ..Default::default()

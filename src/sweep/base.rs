@@ -10,9 +10,9 @@ use std::path::{Path, PathBuf};
 /// A base scenario. It may be incomplete if the rows set the missing keys.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Base {
-    /// Its name in the table.
+    /// The name in the table.
     pub name: String,
-    /// Its keys and values.
+    /// The keys and values.
     pub values: Values,
     /// The keys that were set in addition to the scenario.
     pub(super) set: Vec<&'static str>,
@@ -64,7 +64,7 @@ impl Base {
         })
     }
 
-    /// Its keys and values as JSON.
+    /// The keys and values as JSON.
     pub(super) fn to_json(&self) -> Json {
         let keys = KEYS.iter().filter_map(|key| {
             let value = self.values.get(key.path)?;

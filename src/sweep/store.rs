@@ -43,7 +43,7 @@ pub(super) struct Store<'a> {
     pub(super) sweep: &'a Sweep,
     /// The spec as JSON, which identifies the sweep.
     identity: Json,
-    /// Its SHA-256.
+    /// The SHA-256.
     digest: String,
     table: &'a Path,
     parts: PathBuf,

@@ -70,6 +70,7 @@ impl ChannelInfo {
                 members.push((&leaf.path, Content::Number(index)));
                 continue;
             };
+            // The leaves of an object are neighbours in the table, so only the last member can be the one that is open.
             match members.last_mut() {
                 Some((open, Content::Object(inner))) if *open == parent => {
                     inner.push((name, index));

@@ -7,11 +7,11 @@ use thiserror::Error;
 /// A decoded message (reusable buffer).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {
-    /// Its timestamp, ns.
+    /// The timestamp, ns.
     pub time_ns: u64,
-    /// Its numbers in the order of the channel's; NaN for missing ones.
+    /// The numbers in the order of the channel's; NaN for missing ones.
     pub numbers: Vec<f64>,
-    /// Its texts in the order of the channel's; empty for missing ones.
+    /// The texts in the order of the channel's; empty for missing ones.
     pub texts: Vec<String>,
 }
 
@@ -22,10 +22,12 @@ impl Row {
         self.numbers.clear();
         self.numbers.resize(channel.numbers.len(), f64::NAN);
         self.texts.resize(channel.texts.len(), String::new());
+        // Cleared one by one: the next message reuses their memory.
         self.texts.iter_mut().for_each(String::clear);
     }
 
-    /// Adds a part of the timestamp, ns, if it is in range. A repeated part is added, which eventually fails.
+    /// Adds a part of the timestamp, ns, if it is in range. A part that is repeated makes a time that is not the log time,
+    /// which the reader rejects.
     #[inline]
     pub(super) fn add_time(&mut self, part_ns: Option<u64>) -> Result<(), TimestampOverflow> {
         self.time_ns = part_ns
@@ -181,6 +183,8 @@ impl<K> Object<K> {
     #[inline]
     pub(super) fn position(&self, next: usize, is: impl Fn(&K) -> bool) -> Option<usize> {
         let is_at = |position: &usize| self.0.get(*position).is_some_and(|(key, _)| is(key));
+        // Writers keep the order of the fields, so the member after the last one is nearly always the next. Both
+        // encodings allow any order.
         Some(next)
             .filter(is_at)
             .or_else(|| (0..self.0.len()).find(is_at))

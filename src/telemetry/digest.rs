@@ -32,6 +32,7 @@ pub fn append_content(message: &Message<'_>, bytes: &mut Vec<u8>) {
         bytes.extend_from_slice(&number.to_bits().to_le_bytes());
     }
     for text in message.texts {
+        // Without the length, the end of one text could move to the beginning of the next unnoticed.
         bytes.extend_from_slice(&(text.len() as u64).to_le_bytes());
         bytes.extend_from_slice(text.as_bytes());
     }
@@ -56,6 +57,7 @@ impl ContentDigest {
     pub fn finish(&self) -> String {
         let mut whole = Sha256::new();
         for (channel, (hash, count)) in channels().iter().zip(&self.channels) {
+            // Whether a channel without messages is declared depends on the software that wrote the file.
             if *count > 0 {
                 whole.update(channel.topic.as_bytes());
                 whole.update([0]);

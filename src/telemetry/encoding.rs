@@ -108,6 +108,7 @@ impl Decoder {
         schema_name: &str,
         schema: &[u8],
     ) -> Result<Self, DecodeError> {
+        // Before anything is parsed: the table's schemas have a few kilobytes, others come from hostile files.
         if schema.len() > MAX_SCHEMA_LENGTH {
             return Err(SchemaError::TooLong(MAX_SCHEMA_LENGTH).into());
         }

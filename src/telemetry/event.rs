@@ -8,6 +8,7 @@ use crate::run::simulation::{EventKind, EventState};
 /// A sentence about the event of a message on `/events`; its name if this version doesn't know the kind.
 pub fn event_sentence(message: &Message<'_>, top: &Top) -> String {
     let name = events::NAME.of(message);
+    // Recordings have had no sentences since version 6 of the telemetry: a later version may word them better.
     EventKind::find(name).map_or_else(
         || name.to_owned(),
         |kind| kind.sentence(top, event_state(message)),

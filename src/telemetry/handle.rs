@@ -15,22 +15,22 @@ pub struct NumberField {
 }
 
 impl NumberField {
-    /// The number with this index in the messages of a channel, shown in this plot.
+    /// The handle of the number with this index in the messages of a channel, shown in this plot.
     pub(super) const fn new(topic: Topic, index: usize, plot: &'static str) -> Self {
         Self { topic, index, plot }
     }
 
-    /// Its channel.
+    /// The topic of the channel.
     pub const fn topic(self) -> Topic {
         self.topic
     }
 
-    /// Its index in [`Message::numbers`].
+    /// The index in [`Message::numbers`].
     pub const fn index(self) -> usize {
         self.index
     }
 
-    /// Its plot.
+    /// The plot that shows it.
     pub const fn plot(self) -> Plot {
         Plot {
             topic: self.topic,
@@ -38,22 +38,22 @@ impl NumberField {
         }
     }
 
-    /// Its row of the table.
+    /// The row of the table.
     pub fn leaf(self) -> &'static Leaf {
         &self.topic.info().numbers[self.index]
     }
 
-    /// Its path in a message, e.g. `theta` or `omega_body.x`.
+    /// The path in a message, e.g. `theta` or `omega_body.x`.
     pub fn path(self) -> &'static str {
         &self.leaf().path
     }
 
-    /// Its unit; empty for pure numbers.
+    /// The unit; empty for pure numbers.
     pub fn unit(self) -> &'static str {
         self.leaf().unit
     }
 
-    /// Its value in a message; NaN if it is missing.
+    /// The value in a message; NaN if it is missing.
     #[inline]
     pub fn of(self, rows: &impl Numbers) -> f64 {
         let row = rows.numbers(self.topic);
@@ -82,42 +82,42 @@ impl Topic {
 pub struct VectorField(NumberField);
 
 impl VectorField {
-    /// The vector whose first number has this index.
+    /// The handle of the vector whose first number has this index.
     pub(super) const fn new(topic: Topic, index: usize, plot: &'static str) -> Self {
         Self(NumberField::new(topic, index, plot))
     }
 
-    /// Its x component.
+    /// The x component.
     pub const fn x(self) -> NumberField {
         part(self.0, 0)
     }
 
-    /// Its y component.
+    /// The y component.
     pub const fn y(self) -> NumberField {
         part(self.0, 1)
     }
 
-    /// Its z component.
+    /// The z component.
     pub const fn z(self) -> NumberField {
         part(self.0, 2)
     }
 
-    /// Its components x, y, z.
+    /// The components x, y, z.
     pub const fn components(self) -> [NumberField; 3] {
         [self.x(), self.y(), self.z()]
     }
 
-    /// Its channel.
+    /// The topic of the channel.
     pub const fn topic(self) -> Topic {
         self.0.topic
     }
 
-    /// Its plot.
+    /// The plot that shows it.
     pub const fn plot(self) -> Plot {
         self.0.plot()
     }
 
-    /// Its value in a message; NaN if it is missing.
+    /// The value in a message; NaN if it is missing.
     #[inline]
     pub fn of(self, rows: &impl Numbers) -> Vector3<f64> {
         Vector3::from(self.components().map(|component| component.of(rows)))
@@ -129,18 +129,18 @@ impl VectorField {
 pub struct RotationField(NumberField);
 
 impl RotationField {
-    /// The orientation whose first number has this index.
+    /// The handle of the orientation whose first number has this index.
     pub(super) const fn new(topic: Topic, index: usize, plot: &'static str) -> Self {
         Self(NumberField::new(topic, index, plot))
     }
 
-    /// Its components x, y, z, w.
+    /// The components x, y, z, w.
     pub const fn components(self) -> [NumberField; 4] {
         let first = self.0;
         [first, part(first, 1), part(first, 2), part(first, 3)]
     }
 
-    /// Its value in a message, as recorded; NaN if it is missing.
+    /// The value in a message, as recorded; NaN if it is missing.
     #[inline]
     pub fn of(self, rows: &impl Numbers) -> Quaternion<f64> {
         let [x, y, z, w] = self.components().map(|component| component.of(rows));
@@ -156,12 +156,13 @@ pub struct TextField {
 }
 
 impl TextField {
-    /// The text with this index in the messages of a channel.
+    /// The handle of the text with this index in the messages of a channel.
+    // Texts have no plot. The argument is there because the macro `channels!` makes all kinds of handles alike.
     pub(super) const fn new(topic: Topic, index: usize, _: &'static str) -> Self {
         Self { topic, index }
     }
 
-    /// Its value in a message; empty if it is missing.
+    /// The value in a message; empty if it is missing.
     #[inline]
     pub fn of<'a>(self, message: &Message<'a>) -> &'a str {
         match message.texts.get(self.index) {
@@ -195,18 +196,18 @@ impl Plot {
         self.numbers().next().map_or("", NumberField::unit)
     }
 
-    /// Its numbers, in table order.
+    /// The numbers that it shows, in table order.
     pub fn numbers(self) -> impl Iterator<Item = NumberField> {
         let numbers = self.topic.numbers();
         numbers.filter(move |number| number.plot == self.name)
     }
 
-    /// Its channel.
+    /// The topic of the channel.
     pub const fn topic(self) -> Topic {
         self.topic
     }
 
-    /// Its name within the channel.
+    /// The name within the channel.
     pub const fn name(self) -> &'static str {
         self.name
     }

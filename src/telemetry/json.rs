@@ -28,6 +28,7 @@ pub(super) fn encode(template: &Template, message: &Message<'_>, out: &mut Vec<u
         let _ = if *is_text {
             serde_json::to_writer(&mut *out, texts.next().map_or("", String::as_str))
         } else {
+            // The shortest text that parses to the same double.
             serde_json::to_writer(&mut *out, numbers.next().unwrap_or(&0.0))
         };
     }
@@ -112,6 +113,8 @@ impl JsonDecoder {
         let Tally { found, unknown } = self
             .fill(data, row)
             .map_err(|error| DecodeError::Json(error.to_string()))?;
+        // A file of another version lacks some fields of the table and has others, but each of its messages must have
+        // exactly the fields of its schema.
         if found == self.expected && unknown == self.unknown {
             return Ok(());
         }
@@ -132,6 +135,7 @@ impl JsonDecoder {
             tally: &mut tally,
         }
         .deserialize(&mut deserializer)?;
+        // Rejects text after the object.
         deserializer.end()?;
         Ok(tally)
     }
@@ -146,6 +150,7 @@ fn unfold(schema: &Value, prefix: &str, paths: &mut Paths) -> Result<(), SchemaE
         }
         let path = format!("{prefix}{name}");
         paths.count(&path)?;
+        // Types are not compared here: a member of another type fails when a message is read.
         if inner.get("properties").is_some() {
             unfold(inner, &format!("{path}."), paths)?;
         } else {
@@ -222,11 +227,13 @@ impl<'de> Visitor<'de> for RowBuilder<'_> {
             next = position + 1;
             match &object.0[position].1 {
                 Target::Number(at) => {
+                    // The row was filled with NaN, which JSON can't express: another number has been read already.
                     let number = map.next_value()?;
                     if !std::mem::replace(&mut self.row.numbers[*at], number).is_nan() {
                         return Err(de::Error::custom("a member is repeated"));
                     }
                 }
+                // A repeated text is not noticed here, but then there are more members than expected.
                 Target::Text(at) => self.row.texts[*at] = map.next_value()?,
                 Target::Seconds => {
                     let seconds: u32 = map.next_value()?;
@@ -261,7 +268,7 @@ impl<'de> Visitor<'de> for RowBuilder<'_> {
 #[derive(Clone, Copy)]
 struct Name<'a> {
     object: &'a Object<String>,
-    /// Its position, if the members are in order.
+    /// The position, if the members are in order.
     next: usize,
 }
 

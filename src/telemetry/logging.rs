@@ -77,6 +77,7 @@ impl Telemetry {
     ) -> Result<(), E> {
         match record {
             Record::Sample(sample) => {
+                // The sampled channels come first in the table, so their places are their indices.
                 for (channel, row) in SAMPLES.iter().enumerate() {
                     let at = (channel, sample.index, sample.time_ns);
                     self.message(row, at, sample.as_ref(), &mut emit)?;
@@ -114,10 +115,12 @@ impl Telemetry {
             match field.source {
                 Source::Number(get) => self.numbers.push(get(source)),
                 Source::Vector(get) => self.numbers.extend(get(source).iter()),
+                // nalgebra keeps the components in the order of the table: x, y, z, w.
                 Source::Rotation(get) => self.numbers.extend(get(source).coords.iter()),
                 Source::Text(get) => self.texts.push(get(source).to_owned()),
             }
         }
+        // JSON has neither NaN nor infinity, and `serde_json` would write `null` without an error.
         if let Some(index) = self.numbers.iter().position(|number| !number.is_finite()) {
             return Err(E::from(TelemetryError {
                 topic: row.topic,

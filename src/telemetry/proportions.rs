@@ -36,7 +36,9 @@ impl Proportions {
                 tip: peg,
             };
         }
+        // A lower disc would sink into the peg.
         let disc_height = top.center_distance.abs().max(peg);
+        // A disc of mass M and radius r has the axial moment M r²/2.
         let disc_radius = (2.0 * top.axial_moment / top.mass).sqrt();
         Self {
             is_ball: false,

@@ -10,7 +10,7 @@ use super::message::Message;
 use super::schema::with_unit_and_frame;
 use super::template::Template;
 use super::wire::{Wire, take_field};
-use crate::run::time::seconds_and_nanoseconds;
+use crate::run::time::{NANOSECONDS, seconds_and_nanoseconds};
 use prost::Message as _;
 use prost::encoding::{WireType, encode_key, encode_varint};
 use prost_types::field_descriptor_proto::{Label, Type};
@@ -25,6 +25,7 @@ const FIRST_FIELD: u32 = 2;
 /// The schema of a channel's messages: its file and the imported file, serialized.
 pub fn file_descriptor_set(channel: &ChannelInfo) -> Vec<u8> {
     let set = FileDescriptorSet {
+        // MCAP requires that the set includes the imported files.
         file: vec![timestamp_file(), file_descriptor(channel)],
     };
     set.encode_to_vec()
@@ -122,6 +123,7 @@ fn nested_types<'a>(channel: &ChannelInfo, members: &[Member<'a>]) -> Vec<(Strin
     for (name, content) in members {
         if let Content::Object(leaves) = content {
             let name = nested_name(channel, name, leaves);
+            // All vectors of a message share the type `Vector3`.
             if types.iter().all(|(known, _)| *known != name) {
                 types.push((name, leaves.iter().map(|(leaf, _)| *leaf).collect()));
             }
@@ -145,6 +147,8 @@ fn file_descriptor(channel: &ChannelInfo) -> FileDescriptorProto {
     });
     let stamp = format!(".{TIMESTAMP_TYPE}");
     let mut fields = vec![field("timestamp", 1, Type::Message, Some(stamp))];
+    // Numbers follow from the order in the table. Readers go by the names in the file's schema, so a new field may
+    // shift them.
     for ((member, content), number) in members.iter().zip(FIRST_FIELD as i32..) {
         fields.push(match content {
             Content::Text(_) => field(member, number, Type::String, None),
@@ -192,6 +196,7 @@ fn field(name: &str, number: i32, kind: Type, type_name: Option<String>) -> Fiel
     FieldDescriptorProto {
         name: Some(name.to_owned()),
         number: Some(number),
+        // Descriptors call every field of proto3 that is not repeated optional.
         label: Some(Label::Optional.into()),
         r#type: Some(kind.into()),
         type_name,
@@ -322,6 +327,7 @@ impl Builder<'_> {
     ) -> Result<Object<u32>, SchemaError> {
         let mut fields = Vec::new();
         for field in &message.field {
+            // No field on the wire has the number 0, so a negative number matches none.
             let number = u32::try_from(field.number()).unwrap_or(0);
             fields.push((number, self.target(field, prefix, depth)?));
         }
@@ -336,6 +342,7 @@ impl Builder<'_> {
     ) -> Result<Target<u32>, SchemaError> {
         let path = format!("{prefix}{}", field.name());
         self.paths.count(&path)?;
+        // The table has no lists.
         if field.label() == Label::Repeated {
             self.paths.leaves.push(path);
             return Ok(Target::Skipped);
@@ -401,9 +408,10 @@ impl Object<u32> {
                     row.texts[*index].push_str(text);
                 }
                 (Some(Target::Seconds), Wire::Varint(seconds)) => {
-                    row.add_time(seconds.checked_mul(1_000_000_000))?;
+                    row.add_time(seconds.checked_mul(NANOSECONDS))?;
                 }
                 (Some(Target::Nanoseconds), Wire::Varint(part)) => row.add_time(Some(part))?,
+                // Other readers skip unknown fields. Here a field that the file's own schema lacks shows damage.
                 (None, _) => return Err(WireError::UnknownField(number)),
                 (Some(Target::Skipped), wire) if !matches!(wire, Wire::End) => {}
                 (Some(_), _) => return Err(WireError::WireType(number)),

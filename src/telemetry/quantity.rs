@@ -46,7 +46,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Its SI unit; empty for pure numbers and texts.
+    /// The SI unit; empty for pure numbers and texts.
     pub const fn unit(self) -> &'static str {
         match self {
             Self::Force => "N",

@@ -11,6 +11,7 @@ impl NumberField {
         let Some(channel) = SAMPLES.get(self.topic().index()) else {
             return f64::NAN;
         };
+        // A handle has its place among the numbers of a message, where a vector counts as three.
         let mut index = self.index();
         for field in channel.fields {
             let width = match field.source {

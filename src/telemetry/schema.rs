@@ -5,8 +5,9 @@ use serde_json::{Map, Value, json};
 
 /// The JSON Schema of a channel's messages, as stored in recordings and in `schemas/`.
 ///
-/// Uses no `$ref`, `oneOf`, `null` or arrays, and `properties` on every object, because some viewers require this.
+/// Uses no `$ref`, `oneOf`, `null` or arrays, and has `properties` in every object.
 pub fn json_schema(channel: &ChannelInfo) -> String {
+    // Lichtblick's parser refuses anything else; Foxglove and PlotJuggler read it, too.
     let mut properties = Map::new();
     properties.insert("timestamp".to_owned(), timestamp());
     for (name, content) in channel.members() {

@@ -78,6 +78,7 @@ impl RunMessages {
         let taken = self
             .telemetry
             .messages(&record, |message| take(message).map_err(Stop::Taker));
+        // Either error ends the run: messages of this record are missing, and what follows would not show it.
         self.has_failed = taken.is_err();
         Some(match taken {
             Ok(()) => Ok(record),

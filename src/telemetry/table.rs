@@ -41,7 +41,7 @@ pub struct Channel<S: 'static> {
     pub is_free_peg_only: bool,
     /// Filter: whether a value produces a message (default: always).
     pub present: Option<fn(&S) -> bool>,
-    /// Its fields.
+    /// The fields.
     pub fields: &'static [Field<S>],
 }
 
@@ -174,6 +174,7 @@ mod handle {
 
 /// The index of a field in messages, among the numbers or the texts.
 const fn index<S>(fields: &[Field<S>], place: usize) -> usize {
+    // A loop, because iterators don't work in constants.
     let (mut numbers, mut texts, mut at) = (0, 0, 0);
     while at < place {
         match fields[at].source {
@@ -410,6 +411,7 @@ channels! {
 
 /// A vector that only a free peg has.
 fn of_free(sample: &Sample, get: fn(&FreeSample) -> Vector3<f64>) -> Vector3<f64> {
+    // Never recorded: `present_if` skips the samples of a fixed peg.
     let nothing = Vector3::repeat(f64::NAN);
     sample.free.as_ref().map_or(nothing, get)
 }
@@ -439,6 +441,7 @@ fn info<S>(channel: &Channel<S>, is_sampled: bool) -> ChannelInfo {
     let leaves = |fields: Vec<&Field<S>>| fields.into_iter().flat_map(leaves).collect();
     let mut numbers: Vec<Leaf> = leaves(numbers);
     for field in channel.fields {
+        // Names, because a row of the table can't refer to the handle of another one.
         let find = |name: &str| numbers.iter().position(|leaf| leaf.path == name);
         if let (Some(number), Some(derivative)) = (find(field.name), field.derivative) {
             numbers[number].derivative = find(derivative);
@@ -486,7 +489,7 @@ impl Topic {
         (0..channels().len()).map(Self::from_index)
     }
 
-    /// Its name, e.g. `/top/state`.
+    /// The name, e.g. `/top/state`.
     pub fn name(self) -> &'static str {
         self.info().topic
     }

@@ -46,7 +46,7 @@ pub struct ViewChannel {
     pub topic: &'static str,
     /// Name of the message type in ROS 2.
     pub schema: &'static str,
-    /// Its definition (`ros2msg`).
+    /// The definition (`ros2msg`).
     pub definition: &'static str,
     /// Description of the channel.
     pub meaning: &'static str,
@@ -173,6 +173,7 @@ impl Views {
             let has_channel = is_free || !view.is_free_peg_only;
             let mut sources = view.sources.iter().copied();
             let is_wanted = has_scale && has_channel && sources.clone().all(&is_enabled);
+            // The last source triggers the view: at one time, its message comes after those of the others.
             sources.next_back().filter(|_| is_wanted)
         };
         let period = scenario.sample_period_ns.max(1);
@@ -226,11 +227,13 @@ impl Views {
             Kind::Transforms => {
                 let [x, y, z] = pose::PEG_POSITION.of(message).into();
                 let turn = pose::ORIENTATION.of(message).coords;
+                // Two transforms, each with its parent and child frame.
                 cdr.u32(2).header(time, "world").string("top");
                 cdr.f64s(&[x, y, z]).f64s(turn.as_slice());
                 // The lowest point of the peg.
                 let contact = [x, y, z - self.top.peg_radius];
                 cdr.header(time, "world").string("contact");
+                // Not rotated: the slip velocity has world axes.
                 cdr.f64s(&contact).f64s(&[0.0, 0.0, 0.0, 1.0]);
             }
             Kind::Inclination => {
@@ -275,6 +278,7 @@ impl Views {
 
 /// A `Float64MultiArray` with these elements and no layout.
 fn plot(cdr: &mut Cdr, values: &[f64]) {
+    // No dimensions, and no offset of the data.
     cdr.u32(0).u32(0).sequence(values);
 }
 
@@ -286,5 +290,6 @@ fn plot_range(cdr: &mut Cdr, envelope: &Envelope, rate: NumberField, message: &M
 /// The rest of a `MagneticField`: the vector, and no covariance.
 fn arrow(cdr: &mut Cdr, vector: Vector3<f64>, scale: Option<f64>) {
     let vector = scale.unwrap_or(0.0) * vector;
+    // By the definition of the message, a variance of 0 is unknown.
     cdr.f64s(vector.as_slice()).f64s(&[0.0; 9]);
 }

@@ -19,7 +19,8 @@ pub(super) enum Wire<'a> {
 #[inline]
 pub(super) fn take_field<'a>(data: &mut &'a [u8]) -> Result<(u32, Wire<'a>), WireError> {
     let (number, wire) = match **data {
-        // Most field numbers are small.
+        // Most field numbers are below 16, and their keys one byte. A key below 8 has the field number 0, which
+        // `decode_key` rejects.
         [key @ 8..0x80, ..] => {
             *data = &data[1..];
             (u32::from(key >> 3), WireType::try_from(u64::from(key & 7))?)
@@ -30,6 +31,7 @@ pub(super) fn take_field<'a>(data: &mut &'a [u8]) -> Result<(u32, Wire<'a>), Wir
         WireType::Varint => Wire::Varint(decode_varint(data)?),
         WireType::SixtyFourBit => Wire::Eight(u64::from_le_bytes(take_array(data)?)),
         WireType::ThirtyTwoBit => {
+            // No field of the table has this type, so its value is not needed.
             take_array::<4>(data)?;
             Wire::Four
         }

@@ -46,7 +46,7 @@ pub struct Phase {
 pub struct Deviation {
     /// The field of `/top/nutation`.
     pub quantity: String,
-    /// Its unit.
+    /// The unit.
     pub unit: String,
     /// The difference with the largest magnitude.
     pub largest: f64,

@@ -44,7 +44,7 @@ pub struct Discrepancy {
 pub struct Residual {
     /// The quantity.
     pub quantity: String,
-    /// Its unit.
+    /// The unit.
     pub unit: String,
     /// The largest magnitude of the difference.
     pub largest: f64,
@@ -73,7 +73,7 @@ pub(super) struct Residuals {
 struct Sums {
     /// The largest magnitude of the difference.
     largest: f64,
-    /// Its time, ns.
+    /// Time of the largest, ns.
     at_ns: u64,
     /// Sum of the squares of the difference.
     difference: f64,

@@ -10,7 +10,7 @@ use serde::Serialize;
 pub struct FieldDifference {
     /// Name of the field or derived quantity.
     pub field: String,
-    /// Its unit, empty for pure numbers.
+    /// The unit, empty for pure numbers.
     pub unit: String,
     /// Whether it is derived from fields.
     pub is_derived: bool,

@@ -86,7 +86,7 @@ impl Verdict {
 pub struct ComparedRun {
     /// The name of its scenario or of its file.
     pub name: String,
-    /// Its file; absent for a scenario.
+    /// The file; absent for a scenario.
     pub file: Option<String>,
     /// The kind of file; absent for a scenario that is simulated now.
     pub state: Option<Condition>,

@@ -35,7 +35,7 @@ impl SetupDifferences {
 pub struct KeyDifference {
     /// The key.
     pub key: String,
-    /// Its unit, empty for pure numbers and words.
+    /// The unit, empty for pure numbers and words.
     pub unit: String,
     /// A's value; absent if it has none.
     pub a: Option<String>,

@@ -53,7 +53,7 @@ pub enum Fact {
     },
     /// The inclination of the averaged motion did not change by more than the integrator's error.
     ThetaConstant {
-        /// Its mean, rad.
+        /// The mean, rad.
         theta: f64,
     },
     /// The inclination at the end, where the last nutation is not at the end of the run.

@@ -41,7 +41,7 @@ const FAR_OPACITY: f64 = 0.3;
 
 /// The cap of the sphere around the vertical on which the axes of some runs move.
 ///
-/// Its lines are in view coordinates: x to the right, y upwards, z towards the viewer.
+/// The lines are in view coordinates: x to the right, y upwards, z towards the viewer.
 pub(super) struct Sphere {
     /// Circles of equal θ, the outermost last.
     circles: Vec<Vec<Direction>>,

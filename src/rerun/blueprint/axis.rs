@@ -65,6 +65,7 @@ fn with_ticks([low, high]: [f64; 2]) -> Option<[f64; 2]> {
         return None;
     }
     let step = power_of_ten(math::log10(size / MAX_TICKS).ceil());
+    // The curve should not touch the frame.
     let padding = 0.05 * size;
     let [mut first, mut last] = [(low / step).ceil(), (high / step).floor()];
     while last - first < 2.0 {

@@ -63,6 +63,7 @@ impl Layout {
 
     /// Sets components of a part of the layout.
     pub(super) fn log(&mut self, path: &str, components: &dyn AsComponents) {
+        // The timeline on which viewers keep the history of a layout.
         let time = TimePoint::default().with(Timeline::new_sequence("blueprint"), 0);
         let row = single_row(&self.store, &mut self.ids, path, time, components);
         self.messages.push(row);
@@ -72,6 +73,7 @@ impl Layout {
     fn child(&mut self, prefix: &str) -> Child {
         self.children += 1;
         let number = self.children;
+        // Viewers find a part by its UUID. A random one would make each recording a different file.
         let mut bytes = [0; 16];
         bytes[8..].copy_from_slice(&number.to_be_bytes());
         let (high, low) = (number >> 48, number & 0xFFFF_FFFF_FFFF);
@@ -137,6 +139,7 @@ impl Layout {
     pub(super) fn fill(&mut self, root: &Child) {
         let viewport = parts::ViewportBlueprint::new()
             .with_root_container(components::RootContainer(root.id))
+            // Otherwise the viewer adds views of its own.
             .with_auto_layout(false)
             .with_auto_views(false);
         self.log("viewport", &viewport);
@@ -146,6 +149,7 @@ impl Layout {
     pub(super) fn finish(mut self) -> Messages {
         let activation = BlueprintActivationCommand {
             blueprint_id: self.store,
+            // Not only the default: a viewer that has made a layout of its own before keeps that one.
             make_active: true,
             make_default: true,
         };

@@ -28,7 +28,7 @@ pub(crate) fn messages(identity: &Identity, playback: Playback) -> Messages {
 
 /// A run that has ended.
 pub(crate) struct EndedRun<'a> {
-    /// Its duration, s.
+    /// The duration, s.
     pub(crate) duration: f64,
     /// The ranges of its values.
     pub(crate) plots: &'a Plots,
@@ -80,6 +80,7 @@ fn left_side(layout: &mut Layout, identity: &Identity, has_story: bool) -> Child
         for (name, entity) in [("Each event", EACH_EVENT), ("Events", entity::EVENTS)] {
             let contents = [Role::Alone.entity(entity)];
             let log = events(layout, name, &contents, &[TextLogColumnKind::Body]);
+            // The second one takes the place of the first: `Events` comes before `Each event`.
             pages.insert(place, log);
         }
     }
@@ -199,6 +200,7 @@ fn right_side(layout: &mut Layout, identity: &Identity, plots: Option<&Plots>) -
             let name = titled(chart.name, unit);
             let link = LinkAxis::Independent;
             let view = time_series(layout, &name, &contents, chart.legend, link);
+            // The peaks of a tippe top would flatten the rest of the curve.
             let range = bounds_of_tippe_top(unit, &identity.geometry)
                 .or_else(|| axis_range(chart.plots, &[plots?], &identity.magnitudes, MIN_SPAN));
             if let Some(range) = range {

@@ -23,7 +23,7 @@ const PLAYING_TIME: f64 = 25.0;
 
 /// Content of a view of the scene.
 pub(super) struct SceneView<'a> {
-    /// Its title.
+    /// The title.
     pub(super) name: &'a str,
     /// Entities.
     pub(super) contents: &'a [String],
@@ -72,6 +72,8 @@ pub(super) fn scene(layout: &mut Layout, stage: &SceneView<'_>) -> Child {
     layout.property(&view, "LineGrid3D", &grid);
     layout.property(&view, "SpatialInformation", &surroundings);
     for (role, geometry) in stage.runs {
+        // A path is made of short pieces at their times. A view shows only the piece at the cursor unless it is told to
+        // go back.
         for (path, shown) in paths(geometry.is_free) {
             let property = format!("ViewContents/overrides{}/visualizers", role.entity(path));
             let start = match shown {

@@ -186,6 +186,7 @@ fn clip_to_view(arrow: Vector3<f64>, height: f64) -> (Vector3<f64>, bool) {
 fn send_label(entity: &str, text: String, color: Color, output: &mut Output) {
     let label = Points3D::update_fields()
         .with_colors([color])
+        // Rerun draws text in a scene only as the label of a point: this one can't be seen.
         .with_radii([Radius::new_ui_points(0.0)])
         .with_labels([text])
         .with_show_labels(true);

@@ -30,7 +30,7 @@ pub(super) struct Path {
     kind: usize,
     next_point_ns: u64,
     next_piece_ns: u64,
-    /// Its name and entity, until the name has been placed at the start of the path.
+    /// The name and entity, until the name has been placed at the start of the path.
     name: Option<(&'static str, Points3D)>,
 }
 
@@ -96,6 +96,7 @@ impl Path {
         point: Vector3<f64>,
         output: &mut Output,
     ) {
+        // A piece has one colour, so a change of colour ends it.
         let is_changed = kind != self.kind;
         if time_ns < self.next_point_ns && !is_changed {
             return;

@@ -88,6 +88,7 @@ fn arc(center: [f64; 2], radius: f64, [from, to]: [f64; 2]) -> Vec<ProfilePoint>
         .map(|piece| {
             let angle = from + (to - from) * f64::from(piece) / f64::from(PIECES);
             let (sin, cos) = math::sin_cos(angle);
+            // At the poles the cosine is not exactly 0.
             let distance = (center[0] + radius * cos).max(0.0);
             [[distance, center[1] + radius * sin], [cos, sin]]
         })

@@ -19,9 +19,9 @@ const PRESETS_FILE: &str = include_str!("presets.toml");
 /// A named scenario: the paper's with some keys changed.
 #[derive(Debug, Deserialize)]
 pub struct Preset {
-    /// Its name, which is the scenario's `name`.
+    /// The name, which is the scenario's `name`.
     pub name: String,
-    /// Its description.
+    /// The description.
     pub description: String,
     /// Keys of the paper's scenario that it does not have.
     #[serde(default)]
@@ -96,7 +96,7 @@ impl Preset {
             })
     }
 
-    /// Its keys and values.
+    /// The keys and values.
     ///
     /// # Errors
     /// Never for built-in presets; a test reads them all.

@@ -4,7 +4,7 @@
 
 use crate::run::time::seconds_and_nanoseconds;
 
-/// Four bytes that name the encoding.
+/// The representation identifier `CDR_LE`, and two bytes of options, which are not used.
 const HEADER: [u8; 4] = [0, 1, 0, 0];
 
 /// A buffer for one message at a time.

@@ -167,6 +167,7 @@ fn settings((_, title, fields): &Plot) -> Value {
                 "value": format!("{}.{}", field.topic().name(), field.path()),
                 "label": label,
                 "enabled": true,
+                // The log time: the messages have no header with another stamp.
                 "timestampMethod": "receiveTime",
             })
         })
@@ -210,6 +211,7 @@ fn stack(direction: &str, mut parts: Vec<Value>) -> Value {
     let mut count = 1;
     while let Some(part) = parts.pop() {
         count += 1;
+        // From the end: each part shares the space with all that follow.
         whole = split(direction, &part, &whole, 100 / count);
     }
     whole

@@ -18,6 +18,7 @@ impl Scales {
     pub(super) fn new(scenario: &Scenario, proportions: &Proportions) -> Self {
         let length = 1.6 * proportions.size();
         let scale = |size: f64| {
+            // Rounded, because the legend shows the scale.
             let scale = two_digits(length / size);
             Some(scale).filter(|scale| scale.is_finite() && *scale > 0.0)
         };

@@ -120,6 +120,7 @@ impl Link {
         for shell in [1.0, 0.97, 0.94] {
             self.sphere("steel", shell * p.peg, 0.0);
         }
+        // The height at which the cone, as wide as the neck, leaves the sphere.
         let seam = (p.peg * p.peg - neck * neck).sqrt();
         self.stack("wood", axis, [seam, low], LAYERS, |part| {
             neck + part * (shoulder - neck)
