@@ -42,4 +42,4 @@ pub use sample::{Method, Sample};
 pub use spec::Spec;
 pub use store::parts_directory;
 pub use table::Table;
-pub use work::{Finished, Options, Shard, left_to_do, run, threads};
+pub use work::{Finished, Options, Shard, remaining_rows, run, threads};

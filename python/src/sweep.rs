@@ -128,7 +128,7 @@ fn refuse_twofold(kept: &RecordBatch, sweep: &Sweep) -> PyResult<()> {
 fn rows_of(sweep: &Sweep, rows: u64, interrupt: &Interrupt) -> Option<RecordBatch> {
     let watch = Watch {
         carry_on: &|| !interrupt.is_asked(),
-        done: &|_| {},
+        row_done: &|_| {},
     };
     sweep.batch(0..rows, &watch).map(|(batch, _)| batch)
 }
@@ -259,7 +259,7 @@ pub fn sweep(
         fail_fast,
     };
     let runs = sweep.spec().rows();
-    let left = sweeps::left_to_do(&sweep, &out, shard).map_err(errors::sweep)?;
+    let left = sweeps::remaining_rows(&sweep, &out, shard).map_err(errors::sweep)?;
     let done = Arc::new(AtomicU64::new(0));
     let counted = done.clone();
     let tell = |_: Python<'_>| match &progress {
@@ -274,7 +274,7 @@ pub fn sweep(
         };
         let watch = Watch {
             carry_on: &|| !interrupt.is_asked(),
-            done: &count,
+            row_done: &count,
         };
         sweeps::run(&sweep, &out, &options, &watch)
     })?;

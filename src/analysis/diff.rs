@@ -62,7 +62,7 @@ pub use crate::analysis::history::{PegSummary, RunSummary};
 pub use crate::analysis::subject::Subject;
 
 use self::pairing::{Limits, Paired, common_level, read_both};
-use crate::archive::recording::{FileChannel, Recording};
+use crate::archive::recording::Recording;
 use crate::archive::verify::{Verdict as VerifyVerdict, verify};
 use crate::run::scenario::Scenario;
 use crate::run::time::seconds;
@@ -96,6 +96,7 @@ pub fn compare_observed<'a>(
     } else {
         compare_files(runs, options, observer)?
     };
+    // What was left out may differ, so a part is never called identical.
     let is_part = !options.topics.is_empty() || !options.tolerances.ignored.is_empty();
     if is_part && [Verdict::Identical, Verdict::SameValues].contains(&report.verdict) {
         report.verdict = Verdict::Equal;
@@ -112,6 +113,7 @@ fn compare_runs(
     let resampled = resample(inputs)?;
     let mut runs = inputs;
     if let Some((side, scenario)) = &resampled {
+        // The set-up is compared as it was given, and the motion as it is sampled anew.
         runs[*side] = Subject::Scenario(scenario);
     }
     let topics = runs.map(Subject::topics);
@@ -188,9 +190,9 @@ fn check_messages(paired: &Paired) -> Result<(), DiffError> {
 fn add_foreign_topics(only_in: &mut [Vec<String>; 2], runs: [Subject<'_>; 2], options: &Options) {
     let foreign = runs.map(|run| foreign_topics(run, false));
     for (side, only) in only_in.iter_mut().enumerate() {
-        let lonely = foreign[side].difference(&foreign[1 - side]);
+        let unmatched = foreign[side].difference(&foreign[1 - side]);
         only.extend(
-            lonely
+            unmatched
                 .filter(|topic| !options.tolerances.ignores(topic))
                 .cloned(),
         );
@@ -295,10 +297,12 @@ fn foreign_topics(run: Subject<'_>, with_views: bool) -> BTreeSet<String> {
     let Subject::Recording(recording) = run else {
         return BTreeSet::new();
     };
-    let is_foreign =
-        |channel: &&FileChannel| channel.table.is_none() && (with_views || !channel.is_view());
-    let channels = recording.channels().iter().filter(is_foreign);
-    channels.map(|channel| channel.topic.clone()).collect()
+    recording
+        .channels()
+        .iter()
+        .filter(|channel| channel.table.is_none() && (with_views || !channel.is_view()))
+        .map(|channel| channel.topic.clone())
+        .collect()
 }
 
 /// Compares two files byte by byte; at least one is not a toprise recording.

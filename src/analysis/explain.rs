@@ -157,6 +157,7 @@ pub fn explain_while<'a>(
         explainer.take(message);
         carry_on()
     });
+    // `read` ends without an error when it is told to.
     if !carry_on() {
         return Err(ExplainError::Interrupted);
     }

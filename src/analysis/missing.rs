@@ -57,6 +57,11 @@ fn noun(topic: Topic) -> &'static str {
     }
 }
 
+/// A number of an end record.
+fn number(end: &Entries, key: &str) -> Option<u64> {
+    end.get(key)?.parse().ok()
+}
+
 /// The messages that were read, counted in order to be compared with the end record.
 #[derive(Debug, Default)]
 pub(super) struct MessageCounts {
@@ -95,11 +100,12 @@ impl MessageCounts {
             let Some(missing) = self.missing_from(*topic, end) else {
                 continue;
             };
-            let is_same = |known: &&mut Missing| {
+            // One sentence for all topics that lack equally many samples.
+            let same = all.iter_mut().find(|known| {
                 let mut topics = known.topics.iter().chain([topic]);
                 known.count == missing.count && topics.all(|topic| is_in_every_sample(*topic))
-            };
-            match all.iter_mut().find(is_same) {
+            });
+            match same {
                 Some(known) => known.topics.push(*topic),
                 None => all.push(missing),
             }
@@ -109,12 +115,11 @@ impl MessageCounts {
 
     fn missing_from(&self, topic: Topic, end: &Entries) -> Option<Missing> {
         let recorded = self.counts.get(&topic.index()).copied().unwrap_or(0);
-        let number = |key: &str| end.get(key)?.parse::<u64>().ok();
         let expected = match topic {
             IMPACTS => return self.missing_impacts(recorded),
-            EVENTS => number(EVENT_COUNT),
-            NUTATION => number(NUTATION_COUNT),
-            _ if is_in_every_sample(topic) => number(SAMPLE_COUNT),
+            EVENTS => number(end, EVENT_COUNT),
+            NUTATION => number(end, NUTATION_COUNT),
+            _ if is_in_every_sample(topic) => number(end, SAMPLE_COUNT),
             _ => None,
         }?;
         (recorded < expected).then(|| Missing {

@@ -42,10 +42,13 @@ type Units = [(f64, &'static str); 4];
 /// A magnitude with three digits in the largest suitable unit.
 fn in_units(value: f64, units: &Units) -> String {
     let size = value.abs();
-    let rounds_to_one = |(factor, _): &&(f64, &str)| size * factor >= 0.9995;
     let (factor, unit) = match size {
         0.0 => units[0],
-        _ => *units.iter().find(rounds_to_one).unwrap_or(&units[3]),
+        // With three digits, 0.9995 is 1.00.
+        _ => *units
+            .iter()
+            .find(|(factor, _)| size * factor >= 0.9995)
+            .unwrap_or(&units[3]),
     };
     quantity(size * factor, 3, unit)
 }

@@ -49,7 +49,7 @@ impl Subject<'_> {
         }
     }
 
-    /// Whether it is a run of a top whose peg is free.
+    /// Whether the run is that of a top with a free peg.
     pub fn is_of_free_peg(self) -> bool {
         self.scenario()
             .is_some_and(|scenario| scenario.model.support.is_free())
@@ -74,7 +74,7 @@ impl Subject<'_> {
         }
     }
 
-    /// The topics of the table for which it has channels.
+    /// The topics of the table for which the run has channels.
     pub fn topics(self) -> Vec<Topic> {
         match self {
             Self::Scenario(scenario) => Topic::all_with(scenario.model.support).collect(),
@@ -82,12 +82,12 @@ impl Subject<'_> {
         }
     }
 
-    /// Whether it has the channel with this topic.
+    /// Whether the run has a channel with this topic.
     pub fn has_topic(self, topic: Topic) -> bool {
         self.topics().contains(&topic)
     }
 
-    /// Whether it is a toprise run. (Foreign files are compared by bytes.)
+    /// Whether toprise made the run. Foreign files are compared by bytes.
     pub fn is_ours(self) -> bool {
         match self {
             Self::Scenario(_) => true,
@@ -97,8 +97,8 @@ impl Subject<'_> {
 
     /// Whether parts of the run are known to be missing.
     pub(crate) fn is_cut(self) -> bool {
-        let is_cut = |kind| !matches!(kind, Condition::Whole | Condition::Foreign);
-        self.condition().is_some_and(is_cut)
+        self.condition()
+            .is_some_and(|condition| !matches!(condition, Condition::Whole | Condition::Foreign))
     }
 
     /// The kind of file; none for a scenario.
@@ -115,14 +115,13 @@ fn read(
     topics: &Topics,
     take: &mut dyn FnMut(&Message<'_>, u64) -> bool,
 ) -> ReadEnd {
-    let names = |topics: &[Topic]| topics.iter().map(ToString::to_string).collect();
     let recorded = recording.topics();
     let wanted: Vec<Topic> = match topics {
         Topics::All => recorded.clone(),
         Topics::Only(topics) => topics.clone(),
     };
     let selection = Selection {
-        topics: Topics::Only(names(&wanted)),
+        topics: Topics::Only(wanted.iter().map(ToString::to_string).collect()),
         ..Selection::default()
     };
     // The first error of a message, and the number of errors.
@@ -141,18 +140,22 @@ fn read(
                 }
             }
             Some(Err(error)) => {
+                // A damaged file may have millions: one sentence is enough.
                 undecodable.get_or_insert_with(|| (error.to_string(), 0)).1 += 1;
             }
             None => break,
         }
     }
     let mut losses = losses(recording, &reader);
-    losses.extend(undecodable.map(|(first, count)| match count {
-        1 => format!("missing {first}"),
-        _ => format!("missing {first} (the first of {count} messages that can't be decoded)"),
-    }));
+    if let Some((first, count)) = undecodable {
+        losses.push(match count {
+            1 => format!("missing {first}"),
+            _ => format!("missing {first} (the first of {count} messages that can't be decoded)"),
+        });
+    }
     let missing = match recording.end() {
         Some(end) if !is_stopped => {
+            // A channel that the recording doesn't have is not incomplete.
             let mut counted = wanted;
             counted.retain(|topic| recorded.contains(topic));
             counts.missing(&counted, end)
@@ -172,15 +175,16 @@ fn read(
 
 /// Parts that a recording lacks and a reader could not read, in sentences.
 pub(super) fn losses(recording: &Recording, reader: &Reader<'_>) -> Vec<String> {
-    let losses = reader.all_losses().sentences();
-    let left_out = reader.left_out().map(ToString::to_string);
+    let mut losses = reader.all_losses().sentences();
+    losses.extend(reader.left_out().map(ToString::to_string));
     // A run that was interrupted by its user has an end record that says so.
     let reason = recording.end().and_then(|end| end.get(STOP_REASON));
     let is_stopped = reason.is_some_and(|reason| reason == StopReason::Interrupted.name());
-    let is_interrupted = is_stopped || recording.condition() == Condition::Interrupted;
-    let lacks_end = is_interrupted.then(|| if recording.is_ours() { "run" } else { "file" });
-    let end = lacks_end.map(|what| format!("missing end of the {what} (interrupted)"));
-    losses.into_iter().chain(left_out).chain(end).collect()
+    if is_stopped || recording.condition() == Condition::Interrupted {
+        let what = if recording.is_ours() { "run" } else { "file" };
+        losses.push(format!("missing end of the {what} (interrupted)"));
+    }
+    losses
 }
 
 fn simulate(
@@ -201,6 +205,7 @@ fn simulate(
     let mut goes_on = true;
     while goes_on
         && let Some(record) = run.next(|message| {
+            // A record may have several messages, and all that is left of it are passed here.
             goes_on = goes_on && take(message, 0);
             Ok::<_, RunError>(())
         })

@@ -16,7 +16,7 @@ use crate::run::scenario::Values;
 use crate::run::simulation::StopReason;
 use crate::sweep::{
     Axis, Base, Counts, Design, Finished, Method, Options, Sample, Shard, Spec, Sweep, SweepError,
-    Table, Watch, is_catching, left_to_do, parts_directory, run, values_of_row,
+    Table, Watch, is_catching, parts_directory, remaining_rows, run, values_of_row,
 };
 use anyhow::{Context as _, Error, bail};
 use clap::builder::PossibleValue;
@@ -172,7 +172,7 @@ pub(super) fn sweep(arguments: &SweepArguments, drafts: &Drafts) -> Result<Statu
             "several scenarios have the name {name}: give them different names"
         ));
     }
-    let left = left_to_do(&sweep, &arguments.output, arguments.shard)?;
+    let left = remaining_rows(&sweep, &arguments.output, arguments.shard)?;
     interrupt::watch(drafts)?;
     let finished = if arguments.dry_run {
         Finished::default()
@@ -231,7 +231,7 @@ fn compute(arguments: &SweepArguments, sweep: &Sweep, left: u64) -> Result<Finis
     };
     let watch = Watch {
         carry_on: &|| !interrupt::is_requested(),
-        done: &done,
+        row_done: &done,
     };
     let options = Options {
         threads: arguments.jobs.map_or(0, |jobs| jobs as usize),
@@ -280,7 +280,7 @@ impl SweepArguments {
         }
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut spec = Spec::from_toml(text, folder, &self.overrides)?;
-        spec.most_steps = self.max_steps.or(spec.most_steps);
+        spec.max_steps = self.max_steps.or(spec.max_steps);
         Ok(spec)
     }
 

@@ -116,6 +116,7 @@ impl Axis {
 
 impl Points {
     fn parse(key: &Key, text: &str) -> Result<Self, AxisProblem> {
+        // A text, such as a description, may contain two dots.
         if !key.kind.is_text() && text.contains("..") {
             return parse_range(text).map(Self::Range);
         }
@@ -139,6 +140,7 @@ impl Range {
         } else if (to - from).is_finite() {
             from + fraction * (to - from)
         } else {
+            // The distance of the ends overflows, their weighted sum does not.
             (1.0 - fraction) * from + fraction * to
         }
     }

@@ -37,6 +37,7 @@ impl Base {
     /// [`SweepError::Input`] if there is none, [`SweepError::Scenario`] if a key can't be set.
     pub fn open(word: &str, folder: &Path, set: &[(String, String)]) -> Result<Self, SweepError> {
         let path = folder.join(word);
+        // A spec names files relative to its own folder. Any other word is left to `input`, which knows the presets.
         let path: PathBuf = if path.is_file() { path } else { word.into() };
         let mut values = input::values(&path)?;
         let mut keys = Vec::new();

@@ -22,7 +22,10 @@ pub(super) struct Panic(String);
 /// The result of a task, or the message of its panic.
 pub(super) fn catch<T>(task: impl FnOnce() -> T) -> Result<T, Panic> {
     let before = IS_CATCHING.replace(true);
+    // Nothing that a panic may leave half changed is used again: the callers drop the task with all that it has
+    // borrowed.
     let caught = catch_unwind(AssertUnwindSafe(task));
+    // Not to false: calls may be nested.
     IS_CATCHING.set(before);
     caught.map_err(|panic| Panic(message(panic.as_ref()).to_owned()))
 }

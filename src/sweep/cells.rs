@@ -21,6 +21,7 @@ pub fn cells(column: &dyn Array) -> Result<Cells, CellError> {
         kind if kind.is_string() => Ok(words(column)?),
         // Decimals are converted through their text to get the nearest double.
         kind if kind.is_decimal() => Ok(numbers(&cast(column, &DataType::Utf8)?)?),
+        // A dictionary is cast to its values, like any other column.
         kind if kind.is_numeric() => Ok(numbers(column)?),
         kind => Err(CellError::Type(kind.clone())),
     }

@@ -11,13 +11,17 @@ fn changed(path: &str, before: &Json, now: &Json) -> Option<String> {
     match (before, now) {
         (Json::Object(old), Json::Object(new)) => {
             let mut names: Vec<_> = new.keys().chain(old.keys()).collect();
-            // Ignored: the number of runs follows from other entries.
+            // Last, because the number of runs follows from the others.
             names.sort_by_key(|name| *name == "runs");
             let differing = names.into_iter().find_map(|name| {
                 let inner = format!("{path}.{name}");
-                let of = |map: &Map<String, Json>| map.get(name).cloned().unwrap_or_default();
-                changed(inner.trim_start_matches('.'), &of(old), &of(new))
+                changed(
+                    inner.trim_start_matches('.'),
+                    &member(old, name),
+                    &member(new, name),
+                )
             });
+            // The order counts: the last axis of a grid varies fastest.
             let is_same = old.keys().eq(new.keys());
             differing.or_else(|| (!is_same).then(|| format!("the order of {path}")))
         }
@@ -26,9 +30,9 @@ fn changed(path: &str, before: &Json, now: &Json) -> Option<String> {
             pairs.find_map(|(i, (old, new))| changed(&format!("{path}[{i}]"), old, new))
         }
         (Json::Array(old), Json::Array(new)) => {
-            let (there, here) = (old.len(), new.len());
+            let (in_file, here) = (old.len(), new.len());
             Some(format!(
-                "{path} has {there} entries in the file, {here} here"
+                "{path} has {in_file} entries in the file, {here} here"
             ))
         }
         (old, new) if old == new => None,
@@ -36,6 +40,11 @@ fn changed(path: &str, before: &Json, now: &Json) -> Option<String> {
         (old, Json::Null) => Some(format!("{path} = {old} is missing here")),
         (old, new) => Some(format!("{path} is {old} in the file, {new} here")),
     }
+}
+
+/// A member of an object; null if it has none of this name.
+fn member(object: &Map<String, Json>, name: &str) -> Json {
+    object.get(name).cloned().unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ fn read<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     deserializer: D,
     what: &str,
 ) -> Result<T, D::Error> {
+    // serde would name Rust's types.
     T::deserialize(deserializer).map_err(|_| D::Error::custom(format!("must be {what}")))
 }
 

@@ -76,6 +76,7 @@ fn grid_size(axes: &[Axis]) -> Result<u64, SweepError> {
         let count = axis
             .count()
             .ok_or_else(|| axis.invalid(AxisProblem::GridWithoutCount(axis.key.path)))?;
+        // `Spec::new` refuses what is too large.
         size = size.saturating_mul(count);
     }
     Ok(size)

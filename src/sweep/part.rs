@@ -149,13 +149,14 @@ impl Sweep {
 
     fn row(&self, index: u64, watch: &Watch<'_>) -> Option<Row> {
         let scenario = self.scenario(index);
-        let row = row(scenario, self.spec.most_steps, self.run, watch)?;
-        (watch.done)(row.result.as_ref().ok().map(|outcome| outcome.end.stop));
+        let row = row(scenario, self.spec.max_steps, self.run, watch)?;
+        (watch.row_done)(row.result.as_ref().ok().map(|outcome| outcome.end.stop));
         Some(row)
     }
 
     fn design_columns(&self, rows: Range<u64>) -> Vec<ArrayRef> {
         let mut columns: Vec<ArrayRef> = vec![
+            // Signed, because Spark has no unsigned integers.
             Arc::new(Int64Array::from_iter_values(
                 rows.clone().map(|row| row as i64),
             )),
@@ -186,12 +187,12 @@ fn scenario(spec: &Spec, row: u64) -> Result<Scenario, ScenarioError> {
 /// The estimated number of steps of the longest runs.
 fn steps_per_row(spec: &Spec) -> f64 {
     let distance = spec.rows().div_ceil(PROBES);
-    let most = spec.most_steps.map_or(f64::INFINITY, |most| most as f64);
+    let max_steps = spec.max_steps.map_or(f64::INFINITY, |max| max as f64);
     (0..PROBES)
         .map(|probe| probe * distance)
         .take_while(|row| *row < spec.rows())
         .filter_map(|row| scenario(spec, row).ok())
-        .map(|scenario| estimate_steps(&scenario).min(most))
+        .map(|scenario| estimate_steps(&scenario).min(max_steps))
         .fold(0.0, f64::max)
 }
 
@@ -272,12 +273,15 @@ fn field(name: &str, kind: DataType, unit: &str, meaning: &str) -> Field {
 
 /// Writer settings, independent of machine and time.
 pub(super) fn properties(entries: Vec<KeyValue>) -> WriterProperties {
+    // The digits of floating-point numbers are nearly random: higher levels take longer and gain little.
     let level = ZstdLevel::try_new(1).unwrap_or_default();
     WriterProperties::builder()
         .set_writer_version(WriterVersion::PARQUET_1_0)
+        // Without the version of the `parquet` crate, which would change the bytes with each update.
         .set_created_by("toprise".to_owned())
         .set_compression(Compression::ZSTD(level))
         .set_statistics_enabled(EnabledStatistics::Chunk)
+        // Row groups of parts are copied into the table as bytes; an index of pages would have to be made anew.
         .set_offset_index_disabled(true)
         .set_key_value_metadata(Some(entries))
         .build()

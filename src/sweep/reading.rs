@@ -157,6 +157,7 @@ fn read_row(row: u64, opened: Opened) -> Result<Values, TableError> {
     }
     let mut reader = opened.with_offset(row as usize).with_limit(1).build()?;
     let batch = reader.next().ok_or(TableError::MissingRow(row))??;
+    // The bases are the outermost axis, and each has the same rows.
     let rows_per_base = (rows / bases.len().max(1) as u64).max(1);
     let base = bases
         .get((row / rows_per_base) as usize)
@@ -166,6 +167,7 @@ fn read_row(row: u64, opened: Opened) -> Result<Values, TableError> {
         values.set_value(key, Value::deserialize(value)?)?;
     }
     for (field, column) in batch.schema_ref().fields().iter().zip(batch.columns()) {
+        // Columns that are no keys are outcomes.
         if let Ok(key) = find_key(field.name())
             && let Some(value) = first_cell(field.name(), column)?
         {

@@ -17,7 +17,7 @@ pub struct Watch<'a> {
     /// Cancellation check, called before each step.
     pub carry_on: &'a (dyn Fn() -> bool + Sync),
     /// Called after each row with the reason why its run stopped; `None` for a failed row.
-    pub done: &'a (dyn Fn(Option<StopReason>) + Sync),
+    pub row_done: &'a (dyn Fn(Option<StopReason>) + Sync),
 }
 
 /// Why a row has no outcome.
@@ -48,7 +48,7 @@ pub(super) struct Row {
 /// Computes a row; panics become errors. `None` if cancelled.
 pub(super) fn row(
     scenario: Result<Scenario, ScenarioError>,
-    most_steps: Option<u64>,
+    max_steps: Option<u64>,
     run: Run,
     watch: &Watch<'_>,
 ) -> Option<Row> {
@@ -67,7 +67,7 @@ pub(super) fn row(
     let caught = catch(|| {
         run(&scenario, &mut || {
             steps += 1;
-            exceeded = most_steps.filter(|most| steps > *most);
+            exceeded = max_steps.filter(|max| steps > *max);
             exceeded.is_none() && (watch.carry_on)()
         })
     });
@@ -75,6 +75,7 @@ pub(super) fn row(
         Err(panic) => Err(panic.into()),
         Ok(Err(error)) => Err(error.into()),
         Ok(Ok(outcome)) if outcome.end.stop == StopReason::Interrupted => {
+            // Unless the limit is exceeded, the caller has cancelled the whole sweep, and this row has no result.
             Err(RowFailure::TooManySteps(exceeded?))
         }
         Ok(Ok(outcome)) => Ok(outcome),

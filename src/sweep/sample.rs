@@ -84,6 +84,7 @@ impl Points {
             Some(sobol) if self.seed == 0 => sobol.at(row, 0),
             Some(sobol) => sobol.at(row, mixed(&[self.seed, dimension as u64])),
             None => {
+                // 53 bits, as many as a double holds.
                 let digits = mixed(&[self.seed, row, dimension as u64]) >> 11;
                 digits as f64 / (1_u64 << 53) as f64
             }

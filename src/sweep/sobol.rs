@@ -91,6 +91,8 @@ impl Sobol {
             let degree = initial.len();
             numbers[..degree].copy_from_slice(initial);
             for j in degree..numbers.len() {
+                // m_j = 2 a_1 m_(j−1) ⊕ 4 a_2 m_(j−2) ⊕ … ⊕ 2^d m_(j−d) ⊕ m_(j−d), with the coefficients a of the
+                // polynomial of degree d.
                 let mut next = numbers[j - degree];
                 for k in 1..=degree {
                     if polynomial >> (degree - k) & 1 == 1 {
@@ -119,6 +121,7 @@ impl Sobol {
     /// preserves the low discrepancy.
     pub(super) fn at(&self, index: u64, shift: u64) -> f64 {
         let digits = self.digits(index) ^ (shift >> (64 - BITS));
+        // Exact, because a double holds 53 bits.
         digits as f64 / (1_u64 << BITS) as f64
     }
 }

@@ -16,7 +16,7 @@ pub struct Spec {
     bases: Vec<Base>,
     design: Design,
     /// Maximum number of integrator steps per run.
-    pub most_steps: Option<u64>,
+    pub max_steps: Option<u64>,
     keys: Vec<&'static Key>,
     rows_per_base: u64,
     points: Points,
@@ -30,12 +30,12 @@ impl Spec {
     pub fn new(
         bases: Vec<Base>,
         design: Design,
-        most_steps: Option<u64>,
+        max_steps: Option<u64>,
     ) -> Result<Self, SweepError> {
         if bases.is_empty() {
             return Err(SpecError::NoBase.into());
         }
-        if most_steps == Some(0) {
+        if max_steps == Some(0) {
             return Err(SpecError::NoSteps.into());
         }
         let rows_per_base = design.rows()?;
@@ -56,7 +56,7 @@ impl Spec {
             Some(1..=MAX_ROWS) => Ok(Self {
                 bases,
                 design,
-                most_steps,
+                max_steps,
                 keys,
                 rows_per_base,
                 points,
@@ -128,6 +128,7 @@ impl Spec {
             .collect();
         let mut spec = json!({
             "format": "toprise-sweep-2",
+            // Another version may compute other bits, so its parts must not be merged with those of this one.
             "toprise": env!("CARGO_PKG_VERSION"),
             "runs": self.rows(),
             "bases": bases,
@@ -140,7 +141,7 @@ impl Spec {
             }
             Design::Table(table) => spec["table"] = json!({"sha256": table.digest()}),
         }
-        spec["max_steps"] = json!(self.most_steps);
+        spec["max_steps"] = json!(self.max_steps);
         spec
     }
 }

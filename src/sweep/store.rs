@@ -93,6 +93,7 @@ impl<'a> Store<'a> {
     /// If the existing file is not this table.
     pub(super) fn finished(&self) -> Result<Option<Counts>, SweepError> {
         let table = self.table;
+        // Not `exists`, which follows links: a dangling one is in the way, too.
         if table.symlink_metadata().is_err() {
             return Ok(None);
         }
@@ -118,6 +119,7 @@ impl<'a> Store<'a> {
             Err(error) => return Err(error.into()),
         }
         self.check_parts()?;
+        // Dropped at once: a name that can't be written shows now, and not after hours of work.
         self.draft()?;
         Ok(())
     }
@@ -227,6 +229,7 @@ impl<'a> Store<'a> {
 
     /// Whether a file in the parts directory belongs to this sweep: a part, a hidden draft, or the spec file.
     fn is_own(&self, name: &str) -> bool {
+        // Drafts are hidden files with the name of the part in theirs.
         let digits = name.trim_start_matches('.').split('.').next();
         let number = digits.and_then(|digits| digits.parse().ok());
         let part = number.filter(|part| *part < self.sweep.parts());
@@ -257,6 +260,7 @@ impl<'a> Store<'a> {
                 counts.add(part.counts);
                 append_row_groups(&mut writer, &part.file, &part.metadata)?;
             } else {
+                // Row groups are those of the whole table, so several small parts are decoded and written as one.
                 let block = self.block(parts, &mut counts)?;
                 let metadata = ParquetMetaDataReader::new().parse_and_finish(&block)?;
                 append_row_groups(&mut writer, &block, &metadata)?;

@@ -175,6 +175,7 @@ fn from_parquet(opened: Opened) -> Result<Table, TableError> {
         .metadata()
         .row_groups()
         .iter()
+        // The numbers are those that a damaged file claims.
         .map(|group| u64::try_from(group.num_rows()).unwrap_or(u64::MAX))
         .fold(0, u64::saturating_add);
     let schema = opened.schema().clone();
@@ -229,6 +230,7 @@ fn csv_lines(text: &str) -> Result<Vec<(&str, u64)>, TableError> {
         if is_empty_row(text) {
             continue;
         }
+        // The CSV reader would take all that follows for one cell.
         if text.matches('"').count() % 2 == 1 {
             return Err(TableError::UnclosedQuote { line });
         }
@@ -239,6 +241,7 @@ fn csv_lines(text: &str) -> Result<Vec<(&str, u64)>, TableError> {
 
 /// Reads a comma-separated table.
 fn from_csv(text: &str) -> Result<Table, TableError> {
+    // Spreadsheets write a byte order mark, which would belong to the name of the first column.
     let text = text.trim_start_matches('\u{feff}').replace("\r\n", "\n");
     let lines = csv_lines(&text)?;
     let filled: Vec<&str> = lines.iter().map(|(line, _)| *line).collect();

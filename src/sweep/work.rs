@@ -40,6 +40,7 @@ pub struct Options {
 pub fn threads(wanted: usize, runs: u64) -> usize {
     let processors = thread::available_parallelism().map_or(1, usize::from);
     let requested = if wanted == 0 { processors } else { wanted };
+    // A thread without a row would only be started and ended.
     let useful = usize::try_from(runs).unwrap_or(usize::MAX).max(1);
     requested.min(processors).min(useful)
 }
@@ -75,6 +76,7 @@ pub fn run(
     if merged.is_none() {
         merged = match complete(&store, options, watch, &mut finished) {
             Ok(()) => store.finished()?,
+            // A row that fails does so for every process.
             Err(error @ SweepError::Row(_)) => return Err(error),
             // Another process may have completed the table meanwhile.
             Err(error) => Some(store.finished().ok().flatten().ok_or(error)?),
@@ -83,7 +85,7 @@ pub fn run(
     if let Some(counts) = merged {
         store.clear_rest();
         if options.fail_fast {
-            refuse(counts.first_error.as_ref())?;
+            fail_on(counts.first_error.as_ref())?;
         }
         finished.counts = counts;
         finished.is_merged = true;
@@ -91,8 +93,8 @@ pub fn run(
     Ok(finished)
 }
 
-/// Ends a sweep with the error of a row, if there is one.
-fn refuse(error: Option<&RowError>) -> Result<(), SweepError> {
+/// Fails with the error of a row, if there is one.
+fn fail_on(error: Option<&RowError>) -> Result<(), SweepError> {
     error
         .cloned()
         .map_or(Ok(()), |error| Err(SweepError::Row(error)))
@@ -107,7 +109,7 @@ fn complete(
 ) -> Result<(), SweepError> {
     store.open()?;
     let sweep = store.sweep;
-    let (to_do, failed) = survey(store, options.shard, options.fail_fast)?;
+    let (to_do, failed) = missing_parts(store, options.shard, options.fail_fast)?;
     let threads = threads(options.threads, rows_in(sweep, &to_do));
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -126,7 +128,7 @@ fn complete(
                 continue;
             };
             if options.fail_fast {
-                refuse(counts.first_error.as_ref())?;
+                fail_on(counts.first_error.as_ref())?;
             }
             store.write(*part, &batch, &counts)?;
             finished.computed += batch.num_rows() as u64;
@@ -136,7 +138,7 @@ fn complete(
             return Ok(());
         }
     }
-    refuse(failed.as_ref())?;
+    fail_on(failed.as_ref())?;
     if options.shard.is_none() {
         store.merge()?;
     }
@@ -154,13 +156,17 @@ fn parts_at_once(threads: usize, part_rows: u64) -> usize {
 ///
 /// # Errors
 /// As [`run`].
-pub fn left_to_do(sweep: &Sweep, table: &Path, shard: Option<Shard>) -> Result<u64, SweepError> {
+pub fn remaining_rows(
+    sweep: &Sweep,
+    table: &Path,
+    shard: Option<Shard>,
+) -> Result<u64, SweepError> {
     let store = Store::new(sweep, table)?;
     if store.finished()?.is_some() {
         return Ok(0);
     }
     store.check_parts()?;
-    Ok(rows_in(sweep, &survey(&store, shard, false)?.0))
+    Ok(rows_in(sweep, &missing_parts(&store, shard, false)?.0))
 }
 
 /// The number of rows of some parts.
@@ -177,7 +183,7 @@ fn rows_in(sweep: &Sweep, parts: &[u64]) -> u64 {
 ///
 /// # Errors
 /// [`SweepError::File`] for a part of another sweep.
-fn survey(
+fn missing_parts(
     store: &Store<'_>,
     shard: Option<Shard>,
     fail_fast: bool,

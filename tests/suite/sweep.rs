@@ -26,7 +26,7 @@ use toprise::run::outcome::Cell;
 use toprise::run::scenario::{Scenario, Value};
 use toprise::sweep::{
     Axis, Base, Columns, Design, Finished, Method, Options, RowError, RunResult, Sample, Shard,
-    Spec, Sweep, SweepError, Table, Watch, left_to_do, parts_directory, run,
+    Spec, Sweep, SweepError, Table, Watch, parts_directory, remaining_rows, run,
     threads as threads_for, values_of_row,
 };
 
@@ -49,7 +49,7 @@ const AXES: &[(&str, &str)] = &[
 fn everything<T>(task: impl FnOnce(&Watch<'_>) -> T) -> T {
     task(&Watch {
         carry_on: &|| true,
-        done: &|_| {},
+        row_done: &|_| {},
     })
 }
 
@@ -149,7 +149,7 @@ fn resumes_after_interruption() {
         let done = AtomicU64::new(0);
         let watch = Watch {
             carry_on: &|| done.load(Ordering::Relaxed) < most,
-            done: &|_| {
+            row_done: &|_| {
                 done.fetch_add(1, Ordering::Relaxed);
             },
         };
@@ -190,7 +190,7 @@ fn interruption_keeps_finished_parts() {
     let done = AtomicU64::new(0);
     let watch = Watch {
         carry_on: &|| done.load(Ordering::Relaxed) < 500,
-        done: &|_| {
+        row_done: &|_| {
             done.fetch_add(1, Ordering::Relaxed);
         },
     };
@@ -201,7 +201,7 @@ fn interruption_keeps_finished_parts() {
     let finished = run(&sweep, &table, &options, &watch).unwrap();
     // All but the part that was being computed.
     assert_eq!((finished.is_interrupted, finished.computed), (true, 500));
-    assert_eq!(left_to_do(&sweep, &table, None).unwrap(), 1900);
+    assert_eq!(remaining_rows(&sweep, &table, None).unwrap(), 1900);
 }
 
 #[test]
@@ -325,7 +325,7 @@ fn failed_rows_have_an_error() {
         ("initial.psi_dot", "100..150/6"),
     ];
     let mut spec = spec(&axes);
-    spec.most_steps = Some(500);
+    spec.max_steps = Some(500);
     let sweep = Sweep::new(spec).with_run(panicking);
     let finished = complete(&sweep, &table).unwrap();
     let table = read(&table);
@@ -415,7 +415,7 @@ fn regress_fail_fast_reports_the_lowest_row() {
     let folder = Folder::new();
     let table = folder.at("a.parquet");
     let mut spec = spec(&[("stop.duration", "0.002,10,-1")]);
-    spec.most_steps = Some(500);
+    spec.max_steps = Some(500);
     let options = Options {
         fail_fast: true,
         ..Options::default()
@@ -853,7 +853,7 @@ fn regress_limits_threads_to_processors_and_runs() {
     let most = AtomicU64::new(0);
     let watch = Watch {
         carry_on: &|| true,
-        done: &|_| {
+        row_done: &|_| {
             most.fetch_max(threads(), Ordering::Relaxed);
         },
     };
@@ -882,7 +882,7 @@ fn clears_late_parts() {
     let has_begun = AtomicBool::new(false);
     let watch = Watch {
         carry_on: &|| true,
-        done: &|_| {
+        row_done: &|_| {
             if !has_begun.swap(true, Ordering::Relaxed) {
                 complete(&sweep, &table).unwrap();
             }
@@ -1085,7 +1085,7 @@ fn rejects_too_long_names_early() {
     let done = AtomicU64::new(0);
     let watch = Watch {
         carry_on: &|| true,
-        done: &|_| {
+        row_done: &|_| {
             done.fetch_add(1, Ordering::Relaxed);
         },
     };

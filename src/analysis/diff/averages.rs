@@ -79,6 +79,7 @@ pub(super) fn compare(a: &RunHistory, b: &RunHistory, until: f64) -> Option<Aver
         to,
         deviations: NUTATION
             .numbers()
+            // The number and the start of a cycle are not averages.
             .filter(|field| ![nutation::CYCLE, nutation::START].contains(field))
             .filter_map(|field| deviation(field, &times, &[a, b].map(|run| curve(run, field))))
             .collect(),
@@ -127,6 +128,7 @@ fn is_away_from_vertical(cycle: &Cycle) -> bool {
 /// Lead of B over A, where both have counted their nutations without interruption.
 fn phase(a: &RunHistory, b: &RunHistory) -> Option<Phase> {
     let at = last_start(a)?.min(last_start(b)?);
+    // The starts of cycles are exact events; in between the phase is interpolated.
     let ahead = b.phase().at(at)? - a.phase().at(at)?;
     let are_counted = [a, b]
         .into_iter()

@@ -38,6 +38,7 @@ impl MeanCrossing {
     /// The farthest level that both averaged motions cross in the same direction with a known slope, if there is such a
     /// level. `integrators` are the errors of A's and B's averaged θ, rad.
     pub(super) fn find(a: &RunHistory, b: &RunHistory, integrators: [f64; 2]) -> Option<Self> {
+        // Equal motions must cross at equal times, even if one run goes on for longer.
         let histories = common([a, b]);
         (1..LEVELS).find_map(|part| {
             let part = f64::from(part) / f64::from(LEVELS);
@@ -165,6 +166,7 @@ pub(super) fn ripple(history: &RunHistory, time: f64) -> Option<[f64; 2]> {
     let ripple = Ripple::new(history);
     let (first, last) = ripple.rate_amplitude.domain()?;
     let crossing = time.clamp(first, last);
+    // Only nutations from here on can dip to the level.
     let since = crossing - ripple.earliest(crossing)?;
     let mut range = [0.0_f64, f64::NEG_INFINITY];
     let middles = history.successive_cycles().iter().map(Cycle::middle);

@@ -53,6 +53,7 @@ fn turn(field: NumberField, a: &Message<'_>, b: &Message<'_>) -> f64 {
 }
 
 fn between_orientations(a: Quaternion<f64>, b: Quaternion<f64>) -> f64 {
+    // A quaternion and its negative are one orientation. The arc cosine would lose small angles.
     let turn = a.conjugate() * b;
     2.0 * atan2(turn.imag().norm(), turn.scalar().abs())
 }
@@ -100,6 +101,7 @@ impl Derived {
 
     /// Adds a pair of messages.
     pub(super) fn add(&mut self, a: &Message<'_>, b: &Message<'_>) {
+        // Recorded quaternions are of unit length only within rounding, so that equal ones would have a tiny angle.
         let is_same = a.numbers == b.numbers;
         let angle = if is_same { 0.0 } else { (self.angle)(a, b) };
         let is_beyond = !is_same

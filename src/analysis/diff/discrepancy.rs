@@ -129,13 +129,16 @@ fn motion(message: &Message<'_>, radius: f64) -> Option<Motion> {
 
 /// The quantities of a model's output, or of the difference of two: the magnitude of the torque comes first.
 fn quantities(action: [f64; QUANTITIES.len() - 1]) -> [f64; QUANTITIES.len()] {
-    let magnitude = Vector3::new(action[0], action[1], action[2]).norm();
-    std::array::from_fn(|i| i.checked_sub(1).map_or(magnitude, |i| action[i]))
+    let mut quantities = [0.0; QUANTITIES.len()];
+    quantities[0] = Vector3::new(action[0], action[1], action[2]).norm();
+    quantities[1..].copy_from_slice(&action);
+    quantities
 }
 
 impl Residuals {
     /// `None` if B's model does not apply to A's states (B fixed, A free).
     pub(super) fn new(a: Model, b: Model) -> Option<Self> {
+        // A model with a fixed peg has no forces for a peg that moves.
         let is_defined = b.support.is_free() || !a.support.is_free();
         is_defined.then(|| Self {
             models: [a, b],
@@ -161,6 +164,7 @@ impl Residuals {
                 let regime = Regime::from_code(contact::REGIME.of(message));
                 self.slides = regime == Some(Regime::Slipping);
             }
+            // In each sample, `/top/contact` comes before `/top/free_peg`.
             FREE_PEG if self.slides => {
                 if let Some((time_ns, mut motion)) = self.motion
                     && time_ns == message.time_ns

@@ -98,12 +98,14 @@ impl Evidence<'_> {
         let end = self.common_end()?;
         let margin = self.margin(RunHistory::stop_time)?;
         let finding = self.compare(quantity(end), |run| Some(count(run, end)? as f64))?;
+        // The end is known within the margin: an event in it may count or not.
         let [before, after] =
             [end - margin, end + margin].map(|end| self.histories().map(|run| count(run, end)));
         let is_certain =
             before == after && finding.integration_error.is_none_or(|error| error < 1.0);
         let is_positive = finding.a > Some(0.0) || finding.b > Some(0.0);
         (is_certain && is_positive).then_some(Finding {
+            // A count is right or wrong.
             uncertainty: None,
             integration_error: finding.integration_error.map(|_| 0.0),
             ..finding

@@ -91,6 +91,7 @@ impl FieldTally {
         if !(a.is_finite() && b.is_finite()) {
             return;
         }
+        // The difference of two finite numbers may overflow, and JSON has no infinity.
         let difference = (b - a).clamp(f64::MIN, f64::MAX);
         found.scale = found.scale.max(b.abs());
         self.squares += difference * difference;

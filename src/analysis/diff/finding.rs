@@ -316,6 +316,7 @@ impl Finding {
             IntegrationError::Within(error) => Some(error),
             IntegrationError::Undetermined => return None,
         };
+        // Without a difference, the error would be that of nothing.
         let known = estimate.filter(|_| self.difference.is_some());
         Some(Self {
             uncertainty: known,

@@ -211,6 +211,7 @@ fn energy_lost(evidence: &Evidence<'_>) -> Option<Finding> {
         [&errors.a, &errors.b].map(|error| error.field(&field).unwrap_or_default())
     });
     let lost = [0, 1].map(|side| {
+        // At equal times: `common` has only samples with a partner.
         let energies = energies[side];
         let lost = energies.first - energies.last;
         let own = errors.map_or(0.0, |errors| {

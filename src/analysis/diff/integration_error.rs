@@ -154,6 +154,7 @@ pub(super) fn compute(
 ) -> Option<Integrations> {
     let (a, b) = (as_far_as_run(a)?, as_far_as_run(b)?);
     if a.digest() == b.digest() {
+        // Integrating one scenario twice would show nothing new.
         let repeated = repeat(&a, limits, carry_on)?;
         return Some(Integrations::new([repeated.clone(), repeated]));
     }
@@ -202,6 +203,7 @@ fn repeat(
     let relative = other_tolerance(own.relative);
     let absolute = (own.absolute * (relative / own.relative)).max(TIGHTEST_ABSOLUTE);
     let first = with_tolerances(scenario, relative, absolute)?;
+    // Halfway between the two, in logarithms.
     let between = with_tolerances(
         scenario,
         (own.relative * relative).sqrt(),
@@ -222,6 +224,7 @@ fn repeat(
     // In Euler angles a run ends where they are singular: then the formulations can't be compared.
     match in_other_formulation(&between).filter(|_| !ends_singular(&repeated.own)) {
         Some(second) => {
+            // Kept, because only the finished run shows that it ends where Euler angles are singular.
             let known = repeated.clone();
             repeated.add(scenario, &second, limits, &mut fields, carry_on)?;
             if repeated.others.last().is_some_and(ends_singular) {
@@ -258,6 +261,7 @@ impl Repeated {
         fields: &mut BTreeMap<String, f64>,
         carry_on: &dyn Fn() -> bool,
     ) -> Option<()> {
+        // Runs are compared while they are read, so the first one is integrated again with each variant.
         let runs = [scenario, variant].map(Subject::Scenario);
         let topics: Vec<String> = Topic::all_with(scenario.model.support)
             .map(|topic| topic.to_string())
@@ -326,6 +330,8 @@ fn in_other_formulation(scenario: &Scenario) -> Option<Scenario> {
         FormulationKind::Euler => "body",
         FormulationKind::Body => "euler",
     };
+    // `Scenario::new` refuses what can't be integrated in it: free pegs, a vertical start, terms of the Euler
+    // equations.
     scenario.with([("formulation", other.into())]).ok()
 }
 

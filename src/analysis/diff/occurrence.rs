@@ -47,6 +47,7 @@ pub(super) fn match_occurrences(
         found: Vec::new(),
         unmatched: Default::default(),
     };
+    // With cycles by number and others by topic, partners would be in different groups.
     let has_cycles = topic == NUTATION && a.iter().chain(b).all(has_cycle_number);
     let mut groups: BTreeMap<Group, [Vec<usize>; 2]> = BTreeMap::new();
     for (side, messages) in [a, b].into_iter().enumerate() {
@@ -114,6 +115,7 @@ impl Matching<'_> {
         while let (Some(&of_a), Some(&of_b)) = (a.get(next_a), b.get(next_b)) {
             let order = if !self.is_whole {
                 self.a[of_a].sequence.cmp(&self.b[of_b].sequence)
+            // The same events happen in both runs, at other times.
             } else if a.len() == b.len() {
                 Ordering::Equal
             } else {

@@ -159,6 +159,7 @@ pub(super) fn compare(
             progress(of_b.data.len() as u64);
             present.insert(of_b.topic);
             let [first, others] = &mut waiting[of_b.topic];
+            // Mostly both files have the same order, and nothing has to be searched.
             match first.pop_front_if(|of_a| of_a.data == of_b.data) {
                 Some(of_a) => found[of_b.topic].add(time_ns, &of_a, &of_b),
                 None => others.push_back(of_b),
@@ -169,6 +170,7 @@ pub(super) fn compare(
             found[topic].add_simultaneous(time_ns, waiting);
         }
     }
+    // They add what can't be read to the losses.
     drop((a, b));
     (found, losses)
 }

@@ -179,6 +179,7 @@ impl<'o> Pairing<'o> {
         let periods = scenarios
             .each_ref()
             .map(|scenario| scenario.as_ref().map(|s| s.sample_period_ns));
+        // The sequence number of a sample is its index, which depends on the sampling period.
         let has_sequences = periods[0] == periods[1];
         let mut tallies = Vec::new();
         for topic in Topic::all() {
@@ -247,6 +248,7 @@ impl<'o> Pairing<'o> {
         match [a.is_ended, b.is_ended] {
             [true, true] => None,
             [false, true] => Some(Side::A),
+            // `None`, before the first message, is less than any time.
             [false, false] if a.history.last_ns <= b.history.last_ns => Some(Side::A),
             [_, false] => Some(Side::B),
         }
@@ -257,6 +259,7 @@ impl<'o> Pairing<'o> {
         run.is_ended = true;
         run.losses = ended.losses;
         run.history.finish(ended.end, ended.missing);
+        // The end record has the time of the rise even if the events are missing.
         let is_rise = run.history.stop_reason() == Some(StopReason::Risen);
         let time = run.history.stop_time().filter(|_| is_rise);
         if let (Some(rise), Some(time)) = (&mut run.history.rise, time)

@@ -141,6 +141,7 @@ impl Report {
             let fields = paired.compared().flat_map(|topic| topic.only_in(side));
             fields.cloned().collect()
         });
+        // A file may be cut off without a loss in what was read of it.
         let is_cut = [(0, &a), (1, &b)].map(|(i, run)| runs[i].is_cut() || !run.losses.is_empty());
         let mut notes = Vec::new();
         for (run, name) in [(runs[0], "A"), (runs[1], "B")] {

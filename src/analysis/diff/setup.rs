@@ -119,6 +119,7 @@ fn flatten(prefix: &str, table: &toml::Table, flat: &mut Flat) {
                 continue;
             }
             toml::Value::String(text) => text.clone(),
+            // As people write it, and equal for `1` and `1.0`.
             toml::Value::Float(number) => Value::Number(*number).to_set_notation(),
             value => value.to_string(),
         };
@@ -162,6 +163,7 @@ fn facts(recording: &Recording, has_schemas: bool) -> Flat {
     let channels = recording.channels().iter();
     for channel in channels.filter(|_| has_schemas) {
         let schema = channel.schema.as_deref();
+        // Enough to see that two schemas differ, and short enough to read.
         let sum = schema.map_or(0, |schema| crc32fast::hash(&schema.data));
         let text = format!(
             "{}, schema {} (crc32 {sum:08x}), metadata {:?}",

@@ -179,6 +179,7 @@ fn matches(pattern: &str, name: &str) -> bool {
         let last = pattern.rsplit('*').next().unwrap_or_default();
         return name.ends_with(last);
     }
+    // `/top/state` matches its fields, but not `/top/state_estimate`.
     rest.is_empty() || rest.starts_with('.')
 }
 

@@ -87,7 +87,8 @@ impl TopicTally {
                     fields.push((number, FieldTally::new(tolerance)));
                 }
                 [true, true] => {}
-                [is_in_b_only, _] => fields_only_in[usize::from(is_in_b_only)].push(name),
+                [false, true] => fields_only_in[Side::A.index()].push(name),
+                [true, false] => fields_only_in[Side::B.index()].push(name),
             }
         }
         let mut derived = Derived::for_topic(topic, tolerances);
@@ -161,6 +162,7 @@ impl TopicTally {
                 self.found.first = Some(FirstDifference {
                     time: seconds(a.time_ns),
                     field: number.path().to_owned(),
+                    // The shortest text that parses to the same number.
                     a: format!("{x:?}"),
                     b: format!("{y:?}"),
                 });

@@ -49,6 +49,7 @@ impl Evidence {
             .history
             .end_entry(STEPS)
             .and_then(|steps| steps.parse().ok());
+        // The end record is missing if the run or its recording was cut off.
         let nutations = self.history.cycles.len() as f64;
         let steps: f64 = steps.unwrap_or(STEPS_PER_NUTATION * (nutations + 1.0));
         let tolerances = &self.scenario.tolerances;

@@ -223,6 +223,7 @@ impl PendingSample {
         let (phi, theta, axis) = (self.phi?, self.theta?, self.axis?);
         let torque_about_peg = world_from_node(self.torque_node?, phi, axis);
         let (momentum, torque) = if is_free {
+            // The recorded torque is about the centre of the peg.
             let lever = self.peg_position? - self.center?;
             (
                 self.central_momentum?,

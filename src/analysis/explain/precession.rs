@@ -171,6 +171,7 @@ fn is_weak_at_start(evidence: &Evidence) -> bool {
     let top = evidence.scenario.model.nutating_top();
     let start = Tilt::from_rates(evidence.scenario.angles.theta, evidence.scenario.rates);
     let spin = top.axial_moment * start.rates.psi;
+    // (I_x − I_z) cos θ φ̇² − I_z ψ̇ φ̇ + M g l = 0 has no real root if its discriminant is negative.
     let quadratic = (top.transverse_moment - top.axial_moment) * start.cos;
     spin * spin < 4.0 * quadratic * top.gravity_moment()
 }
@@ -216,6 +217,7 @@ pub(super) fn cancelling(evidence: &Evidence) -> Option<Fact> {
         let Some(tilt) = mean_motion(cycle) else {
             continue;
         };
+        // Equation (7) of the paper: φ̈ = θ̇ ((I_z/I_x)(ψ̇ + φ̇ cos θ) − 2 φ̇ cos θ)/sin θ + friction.
         let gyroscopic = top.axial_moment / top.transverse_moment * tilt.axial_rate();
         let acceleration_per_rate = (gyroscopic - 2.0 * tilt.rates.phi * tilt.cos) / tilt.sin;
         time += cycle.period;

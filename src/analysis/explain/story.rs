@@ -236,6 +236,7 @@ fn can_reach(evidence: &Evidence, theta: f64, gravity_moment: f64) -> bool {
     let kinetic = 0.5 * nodding_moment * rates.theta * rates.theta
         + 0.5 * top.transverse_moment * precession_rate * precession_rate;
     let horizontal = (vertical - axial * cos) / sin;
+    // The energy of the precession at θ, (L_z′ − L_n cos θ)²/(2 I_x sin² θ); the rest of the energy is left to θ̇.
     let needed = 0.5 * horizontal * horizontal / top.transverse_moment;
     kinetic + gravity_moment * (start_cos - cos) > needed
 }

@@ -2,6 +2,7 @@
 
 use super::event::{Constancy, Event};
 use crate::physics::dynamics::Model;
+use crate::physics::math::hypot;
 use crate::run::simulation::{EventKind, Regime};
 use crate::telemetry::Message;
 use crate::telemetry::fields::{
@@ -131,7 +132,7 @@ impl PegHistory {
         self.flies_at_first |= self.travelled.is_none() && regime == Some(Regime::Flying);
         let point = contact::CONTACT_POINT.of(message);
         let (first, farthest) = self.travelled.get_or_insert(([point.x, point.y], 0.0));
-        let away = crate::physics::math::hypot(point.x - first[0], point.y - first[1]);
+        let away = hypot(point.x - first[0], point.y - first[1]);
         *farthest = farthest.max(away);
     }
 
@@ -227,11 +228,12 @@ pub(crate) fn in_phase(intervals: &[Interval], phase: PegPhase) -> Vec<Interval>
 
 /// Total duration, s.
 fn total_duration(intervals: &[Interval]) -> f64 {
-    // `sum` of nothing is −0.
-    intervals
-        .iter()
-        .map(Interval::duration)
-        .fold(0.0, |sum, duration| sum + duration)
+    let mut total = 0.0;
+    // Not `sum`, which is −0 of nothing.
+    for interval in intervals {
+        total += interval.duration();
+    }
+    total
 }
 
 /// A summary of the motion of a free peg. Values derived from events are absent in recordings without events.
