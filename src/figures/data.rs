@@ -101,6 +101,7 @@ impl RunData {
             }
             true
         });
+        // A figure shows its gaps, so what is missing is no reason to draw nothing.
         self.losses = ended.losses;
         for channel in &mut self.channels {
             channel.finish();

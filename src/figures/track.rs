@@ -101,6 +101,7 @@ pub(super) fn track(runs: &[&RunData], width: f64) -> Drawing {
         if parts.is_empty() {
             drawing.group(&meaning, frame.path(&points, stroke));
         }
+        // One group for each kind of contact, because a track may change it a thousand times.
         for contact in Contact::ALL {
             let stroke = style::line(contact.colour(), MEDIUM);
             let shapes = parts

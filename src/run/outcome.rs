@@ -93,6 +93,7 @@ impl Serialize for Outcome {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
         for column in COLUMNS {
+            // Absent rather than null, as in all reports.
             if let Some(cell) = column.value_of(self) {
                 map.serialize_entry(column.name, &cell)?;
             }

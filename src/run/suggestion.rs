@@ -32,6 +32,7 @@ pub(crate) fn similarity(wrong: &str, name: &str) -> f64 {
     // For example `fig2` for `figure-2`.
     let is_half = 2 * wrong.len() >= name.len() && name.starts_with(|l| wrong.starts_with(l));
     let is_short = is_half && wrong.chars().all(|letter| letters.any(|l| l == letter));
+    // Above what Jaro–Winkler gives to names that are only alike.
     let least: f64 = if is_short { 0.9 } else { 0.0 };
     least.max(strsim::jaro_winkler(wrong, name))
 }

@@ -79,7 +79,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_read_from_every_type_of_them() {
+    fn reads_numbers_of_every_type() {
         let two = [number(2.0), None];
         let columns: [ArrayRef; 10] = [
             Arc::new(Float64Array::from(vec![Some(2.0), None])),
@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn decimals_are_the_doubles_next_to_them() {
+    fn decimals_become_nearest_doubles() {
         // For some of these, a quotient of rounded numbers would be e.g. 0.30000000000000004.
         let digits = vec![Some(3), None, Some(-1), Some(12345678901234567890123)];
         let column = Decimal128Array::from(digits);
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn words_are_read_from_every_type_of_them() {
+    fn reads_words_of_every_type() {
         let words = [Some("a"), None, Some("b"), Some("a")];
         let columns: [ArrayRef; 4] = [
             Arc::new(StringArray::from(words.to_vec())),

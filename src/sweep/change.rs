@@ -68,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn what_changed_is_named() {
+    fn names_the_first_difference() {
         let before = grid(&[("friction.k", "0.1,0.2")]).to_json();
         let message = |axes: &[(&str, &str)]| change(&before, &grid(axes).to_json());
         assert_eq!(message(&[("friction.k", "0.1,0.2")]), None);

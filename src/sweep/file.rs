@@ -126,7 +126,7 @@ mod tests {
     use crate::sweep::change::change;
 
     #[test]
-    fn a_file_says_what_the_command_line_does() {
+    fn file_and_command_line_define_equal_specs() {
         let text = r#"
             bases = ["paper"]
             max_steps = 1000
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_in_a_file_is_told_in_plain_words() {
+    fn errors_of_files_are_plain() {
         for (text, part) in [
             ("max_steps = 0", "must be a whole number of at least 1"),
             ("max_steps = 1e3", "must be a whole number of at least 1"),

@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn a_seed_shifts_the_sequence() {
+    fn seed_shifts_the_sequence() {
         let plain = points_of(Method::Sobol, 0, 2);
         let shifted = points_of(Method::Sobol, 7, 2);
         assert_eq!(plain.at(0, 1), 0.0);

@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn the_last_axis_varies_fastest_and_bases_slowest() {
+    fn last_axis_varies_fastest_and_bases_slowest() {
         let mut bases = paper();
         bases.push(Base::open("viscous", Path::new("."), &[]).unwrap());
         let axes = [("friction.k", "0.1,0.2"), ("initial.psi_dot", "1,2,3")];
@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_together_is_refused() {
+    fn rejects_contradictory_specs() {
         let axis = |key: &str, text: &str| Axis::parse(key, text).unwrap();
         let sample = |axes| Design::Sample(SAMPLE, axes);
         for (design, part) in [
@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn a_key_that_varies_is_not_set_too() {
+    fn rejects_keys_both_set_and_varied() {
         let set = [("friction_k".to_owned(), "0.2".to_owned())];
         let bases = || {
             let plain = paper().into_iter();

@@ -392,7 +392,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_the_system_refuses_is_told_with_the_name_of_the_table() {
+    fn io_errors_name_the_table() {
         let full = io::Error::from(io::ErrorKind::StorageFull);
         let full = SweepError::Parquet(full.into());
         let message = cannot_write(Path::new("a.parquet"), full).to_string();

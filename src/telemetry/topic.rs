@@ -78,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn unknown_topics_are_refused() {
+    fn rejects_unknown_topics() {
         let error = Topics::named(&["/top/stat"]).unwrap_err();
         assert!(error.to_string().contains("/top/state"), "{error}");
     }

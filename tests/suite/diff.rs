@@ -259,7 +259,7 @@ fn flipped_bit_loses_one_chunk() {
 // Runs that differ.
 
 #[test]
-fn one_ulp_in_one_number_is_named() {
+fn names_the_field_that_differs_by_one_ulp() {
     let folder = Folder::new();
     let scenario = short(&[]);
     let a = recorded(&folder, "a.mcap", &scenario, Encoding::Json);
@@ -305,7 +305,7 @@ fn one_ulp_in_one_number_is_named() {
 }
 
 #[test]
-fn a_changed_event_is_different_whatever_the_tolerance() {
+fn changed_event_differs_at_any_tolerance() {
     let folder = Folder::new();
     let scenario = short(&[]);
     let mut names = Vec::new();
@@ -323,7 +323,7 @@ fn a_changed_event_is_different_whatever_the_tolerance() {
 
 /// Another value of a key is shown as set-up; the numbers decide.
 #[test]
-fn tolerances_decide_about_other_parameters() {
+fn tolerances_decide_about_small_parameter_changes() {
     let b = short(&[("friction.k", "0.030001")]);
     let mut options = quick();
     options.tolerances.general.abs = 1e-2;
@@ -376,7 +376,7 @@ fn rejects_patterns_without_match() {
 }
 
 #[test]
-fn keys_that_differ_are_listed() {
+fn lists_differing_keys() {
     let b = short(&[("friction.k", "0.04"), ("friction.dissipation", "full")]);
     let report = compare(&short(&[]), &b, &quick()).unwrap();
     let rows = report.setup.scenario.iter();

@@ -266,7 +266,7 @@ fn reports_conserved_quantities() {
     assert_eq!(constants("tippe-top"), [true]);
 }
 
-/// What friction changes by more than rounding is not told as constant: with loose tolerances, in a small top, behind
+/// What friction changes by more than rounding is not reported constant: with loose tolerances, in a small top, behind
 /// an interruption of the nutation.
 #[test]
 fn changing_quantities_are_not_reported_constant() {
@@ -305,8 +305,8 @@ fn changing_quantities_are_not_reported_constant() {
         }
         let cycles = run.cycles.len() as u64;
         assert_eq!(explanation.summary.nutations, Some(cycles), "{name}");
-        let told: u64 = explanation.stages.iter().map(|stage| stage.nutations).sum();
-        assert_eq!(told, cycles, "{name}");
+        let counted: u64 = explanation.stages.iter().map(|stage| stage.nutations).sum();
+        assert_eq!(counted, cycles, "{name}");
     }
 }
 
@@ -420,7 +420,7 @@ fn all_option_adds_the_averaged_motion() {
     assert_contains(&all, "slow rate");
 }
 
-/// A rolling peg precesses at another rate than one that slides; in a stage with both, or in the air, none is told.
+/// A rolling peg precesses at another rate than one that slides; in a stage with both, or in the air, none is reported.
 #[test]
 fn val_slow_rate_depends_on_the_phase_of_the_peg() {
     let scenario = scenario("drop", &[]);

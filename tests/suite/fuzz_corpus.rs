@@ -31,13 +31,13 @@ fn each(target: &str, step: impl Fn(&[u8])) {
 }
 
 #[test]
-fn recordings_of_the_corpus_do_no_harm() {
+fn corpus_recordings_do_not_panic() {
     let scratch = tempfile::tempdir().unwrap();
     each("recording", |data| steps::recording(data, scratch.path()));
     assert_eq!(fs::read_dir(scratch.path()).unwrap().count(), 1);
 }
 
 #[test]
-fn scenarios_of_the_corpus_do_no_harm() {
+fn corpus_scenarios_do_not_panic() {
     each("scenario", steps::scenario);
 }

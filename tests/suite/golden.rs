@@ -84,7 +84,7 @@ fn regress_content_digests() {
 }
 
 #[test]
-fn regress_the_reference_recordings_are_verified() {
+fn regress_verifies_reference_recordings() {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("recordings/reference");
     let readme = fs::read_to_string(directory.join("../README.md")).unwrap();
     for name in RECORDED {

@@ -43,8 +43,8 @@ fn outcomes_of_presets_match_whole_runs_bit_for_bit() {
             scenario.stop.duration = duration;
         }
         let alone = outcome(&scenario, || true).unwrap();
-        let told = outcome_of_simulation(&scenario);
-        assert_eq!(bits(&alone), bits(&told), "{}", preset.name);
+        let simulated = outcome_of_simulation(&scenario);
+        assert_eq!(bits(&alone), bits(&simulated), "{}", preset.name);
     }
 }
 
@@ -138,7 +138,7 @@ fn falls_between_rises_are_real() {
 }
 
 #[test]
-fn interrupted_outcome_says_so() {
+fn outcome_reports_interruption() {
     let scenario = scenario("paper", &[]);
     let mut steps = 0;
     let broken = outcome(&scenario, || {

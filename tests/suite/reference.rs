@@ -73,7 +73,7 @@ fn event<'a>(truth: &'a Value, name: &str, kind: &str) -> &'a Value {
 }
 
 #[test]
-fn val_paper_rises_as_computed_by_others() {
+fn val_paper_rise_matches_other_programs() {
     let run = validate("paper_k0.03", "paper", &[], &EULER);
     let truth = reference();
     let rise = event(&truth, "paper_k0.03", "RISE");
@@ -329,7 +329,7 @@ fn val_closed_form_by_elliptic_functions() {
 }
 
 #[test]
-fn val_laws_of_friction_move_as_computed_by_others() {
+fn val_friction_laws_match_other_programs() {
     let truth = reference();
     let sqrt: &[(&str, &str)] = &[
         ("friction.law", "coulomb-sqrt"),
@@ -375,7 +375,7 @@ fn val_laws_of_friction_move_as_computed_by_others() {
 }
 
 #[test]
-fn val_a_start_without_nutation_rises_as_computed_by_others() {
+fn val_rise_without_nutation_matches_other_programs() {
     let run = Run::with("nutation-free", &[]);
     let truth = &reference()["slow_manifold_ic"];
     let rise = truth["t_rise"].as_f64().unwrap();

@@ -171,7 +171,7 @@ fn importer_streams_the_run() {
 }
 
 #[test]
-fn importer_refuses_what_is_not_a_scenario() {
+fn importer_refuses_other_files() {
     let folder = Folder::new();
     let scenario = folder.toprise("presets paper", 0).stdout;
     let misspelt = scenario.replace("mass", "maas");

@@ -323,7 +323,7 @@ fn errors_truncate_long_values() {
 
 #[test]
 fn errors_print_numbers_in_short_form() {
-    for (key, value, told) in [
+    for (key, value, message) in [
         (
             "top.axial_moment",
             "1e300",
@@ -364,7 +364,7 @@ fn errors_print_numbers_in_short_form() {
         let mut values = Preset::find("paper").unwrap().values().unwrap();
         let error = values.set(key, value).err();
         let error = error.unwrap_or_else(|| Scenario::new(values).unwrap_err());
-        assert!(error.to_string().starts_with(told), "{error}");
+        assert!(error.to_string().starts_with(message), "{error}");
     }
 }
 

@@ -224,7 +224,7 @@ fn part_size_follows_from_the_work_of_a_row() {
 }
 
 #[test]
-fn a_row_is_the_outcome_of_its_scenario() {
+fn row_is_the_outcome_of_its_scenario() {
     let folder = Folder::new();
     let table = folder.at("a.parquet");
     let bases = ["full-coulomb", "viscous", "free-paper"];
@@ -303,14 +303,14 @@ fn accepts_numbers_without_leading_digit() {
 fn rejects_keys_both_set_and_varied() {
     let folder = Folder::new();
     let path = folder.at("design.csv");
-    let told = |rows: &str| {
+    let base = base("paper", &[("friction.k", "0.2")]);
+    let [with_gap, full] = ["0.1,0.5\n,0.4\n", "0.1,0.5\n0.2,0.4\n"].map(|rows| {
         fs::write(&path, format!("friction.k,initial.theta\n{rows}")).unwrap();
         let table = Design::Table(Table::read(&path).unwrap());
-        let spec = Spec::new(vec![base("paper", &[("friction.k", "0.2")])], table, None);
-        spec.map(|_| ()).map_err(|error| error.to_string())
-    };
-    assert_eq!(told("0.1,0.5\n,0.4\n"), Ok(()));
-    let error = told("0.1,0.5\n0.2,0.4\n").unwrap_err();
+        Spec::new(vec![base.clone()], table, None)
+    });
+    assert!(with_gap.is_ok());
+    let error = full.unwrap_err().to_string();
     assert_contains(&error, "friction.k is both set and varied");
 }
 
@@ -330,9 +330,9 @@ fn failed_rows_have_an_error() {
     let finished = complete(&sweep, &table).unwrap();
     let table = read(&table);
     assert_eq!(table.num_rows(), 36);
-    let told = errors(&table);
+    let failed = errors(&table);
     let rows_with = |part: &str| {
-        let rows = told.iter().filter(|(_, error)| error.contains(part));
+        let rows = failed.iter().filter(|(_, error)| error.contains(part));
         rows.map(|(row, _)| *row).collect::<Vec<_>>()
     };
     let invalid = rows_with("initial.theta");
@@ -346,13 +346,13 @@ fn failed_rows_have_an_error() {
         rows_with("not finished within 500 steps"),
         [24, 26, 27, 28, 29]
     );
-    assert_eq!(told.len(), 31);
+    assert_eq!(failed.len(), 31);
     assert_eq!(finished.counts.errors, 31);
     assert_eq!(finished.counts.first_error.unwrap().run, 0);
     // No outcome, and no scenario where it is invalid.
     let theta = numbers(&table, "theta");
     let digests = column(&table, "scenario_digest");
-    for (row, error) in &told {
+    for (row, error) in &failed {
         assert!(theta.is_null(*row), "row {row}: {error}");
         assert_eq!(digests.is_null(*row), invalid.contains(row), "row {row}");
     }
@@ -389,24 +389,28 @@ fn regress_fail_fast_sees_errors_of_existing_parts() {
         };
         compute(&sweep, &table, &options)
     };
-    let told = |result: Result<Finished, SweepError>| match result {
-        Err(SweepError::Row(row)) => Some(row.run),
-        Ok(_) => None,
-        Err(other) => panic!("{other}"),
-    };
-    assert_eq!(told(go(shard(3), false)), None);
-    assert_eq!(told(go(shard(3), true)), Some(3000));
-    assert_eq!(told(go(shard(0), true)), None);
+    assert_eq!(failed_row(go(shard(3), false)), None);
+    assert_eq!(failed_row(go(shard(3), true)), Some(3000));
+    assert_eq!(failed_row(go(shard(0), true)), None);
     // The part that is missing comes before the one that is there.
     let first = sweep.rows_of(2).find(|row| sweep.scenario(*row).is_err());
     assert!(first.is_some_and(|row| row > 2000), "{first:?}");
-    assert_eq!(told(go(None, true)), first);
-    assert_eq!(told(go(shard(2), false)), None);
-    assert_eq!(told(go(None, true)), first);
+    assert_eq!(failed_row(go(None, true)), first);
+    assert_eq!(failed_row(go(shard(2), false)), None);
+    assert_eq!(failed_row(go(None, true)), first);
     assert!(!table.exists());
-    assert_eq!(told(go(None, false)), None);
+    assert_eq!(failed_row(go(None, false)), None);
     assert!(table.exists());
-    assert_eq!(told(go(None, true)), first);
+    assert_eq!(failed_row(go(None, true)), first);
+}
+
+/// The row whose error ended a sweep.
+fn failed_row(result: Result<Finished, SweepError>) -> Option<u64> {
+    match result {
+        Err(SweepError::Row(row)) => Some(row.run),
+        Ok(_) => None,
+        Err(other) => panic!("{other}"),
+    }
 }
 
 /// A row whose run fails comes before one whose values make no scenario.
@@ -434,8 +438,8 @@ fn never_overwrites_other_files() {
     let sweep = |text| Sweep::new(spec(&[("friction.k", text)]));
     let go = |text| complete(&sweep(text), &table);
     fs::write(&table, "precious").unwrap();
-    let told = go("0.1").unwrap_err().to_string();
-    assert_contains(&told, "is not a sweep table");
+    let message = go("0.1").unwrap_err().to_string();
+    assert_contains(&message, "is not a sweep table");
     assert_eq!(fs::read(&table).unwrap(), b"precious");
     fs::remove_file(&table).unwrap();
     go("0.1").unwrap();
@@ -450,8 +454,8 @@ fn never_overwrites_other_files() {
     let table = folder.at("b.parquet");
     compute(&sweep("0.1"), &table, &shard(0, 1)).unwrap();
     let refused = compute(&sweep("0.3"), &table, &shard(0, 1));
-    let told = refused.unwrap_err().to_string();
-    assert_contains(&told, "belongs to another sweep");
+    let message = refused.unwrap_err().to_string();
+    assert_contains(&message, "belongs to another sweep");
     complete(&sweep("0.1"), &table).unwrap();
     assert_eq!(folder.read("a.parquet"), fs::read(&table).unwrap());
 }
@@ -565,8 +569,8 @@ fn command_resumes_and_reports() {
     assert_eq!(report["first_error"]["run"], 1);
     let answer = folder.toprise(line, 3).stdout;
     assert_contains(&answer, "0 runs (all were already computed)");
-    let told = "bases[0].scenario.stop.duration is 0.01 in the file, 0.02 here";
-    folder.refuses(&line.replace("0.01", "0.02"), told);
+    let message = "bases[0].scenario.stop.duration is 0.01 in the file, 0.02 here";
+    folder.refuses(&line.replace("0.01", "0.02"), message);
     folder.refuses(
         "sweep paper --over friction.k=0.1..1 -o b.parquet",
         "a grid needs a number of values",
@@ -810,11 +814,11 @@ fn regress_checks_columns_before_reading_cells() {
             "the values are numbers; expected",
         ),
     ] {
-        let told = written(name, column);
-        assert_contains(&told, part);
+        let message = written(name, column);
+        assert_contains(&message, part);
     }
-    let told = written("friction_k", numbers());
-    assert!(!told.contains("rows"), "{told}");
+    let message = written("friction_k", numbers());
+    assert!(!message.contains("rows"), "{message}");
     // The same thousand rows, ten thousand times and once more.
     write_columns(&path, [("friction_k", numbers())]);
     let thousand = File::open(&path).unwrap();
@@ -840,8 +844,8 @@ fn regress_checks_columns_before_reading_cells() {
         copy.close().unwrap();
     }
     writer.close().unwrap();
-    let told = Table::read(&many).unwrap_err().to_string();
-    assert_contains(&told, "more than 10000000 rows");
+    let message = Table::read(&many).unwrap_err().to_string();
+    assert_contains(&message, "more than 10000000 rows");
 }
 
 /// Threads that have nothing to do cost as much as others to start.
@@ -1055,8 +1059,8 @@ fn draws_tables_of_other_software() {
         ("scenario=papr", "values: paper, viscous"),
     ] {
         let line = format!("figures --sweep a.parquet --x friction_k --where {condition}");
-        let told = format!("no run has {}; {part}", condition.replace('=', " = "));
-        folder.refuses(&line, &told);
+        let message = format!("no run has {}; {part}", condition.replace('=', " = "));
+        folder.refuses(&line, &message);
     }
 }
 
@@ -1292,11 +1296,11 @@ fn rejects_extreme_numbers_in_figures() {
 fn warns_of_shared_names() {
     let folder = Folder::new();
     let line = "sweep paper viscous --set stop.duration=0.001";
-    let told = folder.toprise(&format!("{line} -o a.parquet"), 0).stderr;
-    assert!(!told.contains("warning"), "{told}");
+    let stderr = folder.toprise(&format!("{line} -o a.parquet"), 0).stderr;
+    assert!(!stderr.contains("warning"), "{stderr}");
     let line = format!("{line} --set name=one -o b.parquet");
-    let told = folder.toprise(&line, 0).stderr;
-    assert_contains(&told, "several scenarios have the name one");
+    let stderr = folder.toprise(&line, 0).stderr;
+    assert_contains(&stderr, "several scenarios have the name one");
 }
 
 #[test]

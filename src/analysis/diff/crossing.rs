@@ -248,7 +248,7 @@ mod tests {
 
     /// Against a search over all phases.
     #[test]
-    fn val_first_touches_lie_between_the_earliest_and_the_latest() {
+    fn val_first_crossings_are_within_the_ripple() {
         for ratio in [0.2, 0.99, 1.01, 1.5, 3.4, 20.0] {
             let theta = |x: f64| ratio * cos(x) - x;
             let (mut lowest, mut earliest, mut last) = (f64::INFINITY, 0.0_f64, -1.0_f64);

@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn directions_and_orientations_don_t_count_turns() {
+    fn angles_ignore_whole_turns() {
         let of_phi = |phi: f64| {
             let mut numbers = vec![0.0; STATE.numbers().count()];
             numbers[state::PHI.index()] = phi;

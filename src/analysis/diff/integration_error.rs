@@ -34,7 +34,7 @@ const CHANGED: f64 = 0.5;
 /// Where truncation dominates, both other runs are much more accurate than the first, and 1.2 would suffice. Where
 /// rounding dominates, all runs are equally far from the truth, and the distances can be small by chance. If the errors
 /// are independent and normal, the difference of A and B exceeds the sum of both estimates (each the larger of two
-/// distances) five times in about 5 of 100,000 cases; `val_the_safety_factor_covers_rounding` repeats the count.
+/// distances) five times in about 5 of 100,000 cases; `val_safety_factor_covers_rounding` repeats the count.
 pub(super) const SAFETY: f64 = 5.0;
 /// Allowance for the rounding of a number, ulp.
 const ROUNDINGS: f64 = 8.0;
@@ -350,7 +350,7 @@ mod tests {
     }
 
     #[test]
-    fn val_the_safety_factor_covers_rounding() {
+    fn val_safety_factor_covers_rounding() {
         const CASES: u32 = 100_000;
         let mut bits = 1;
         let mut beyond = 0;

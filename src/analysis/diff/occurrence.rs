@@ -253,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn runs_with_losses_match_other_times_only_by_number() {
+    fn lossy_runs_match_by_sequence_number() {
         use Occurrence::{Both, OnlyA, OnlyB};
         // A lost its third impact, and B its fourth.
         let mut a = impacts(&[10, 20, 40, 50], 0);

@@ -108,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn spelling_is_no_difference_of_values() {
+    fn compares_json_by_value() {
         for (a, b, expected) in [
             (
                 r#"{"a":1,"b":[2.5]}"#,

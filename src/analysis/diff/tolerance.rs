@@ -210,7 +210,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn patterns_name_fields_objects_topics_and_anything() {
+    fn patterns_match_fields_objects_and_topics() {
         let field = "/top/torque.friction_body.x";
         for pattern in [
             field,
@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn the_last_pattern_counts() {
+    fn last_matching_pattern_applies() {
         let mut tolerances = Tolerances::default();
         tolerances.add("*=1").unwrap();
         tolerances.add("/a.x=rel:0.5").unwrap();
@@ -247,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn malformed_tolerances_are_refused_by_name() {
+    fn rejects_malformed_tolerances() {
         for text in [
             "theta",
             "=1",

@@ -141,7 +141,7 @@ mod tests {
     use crate::physics::math::{cos, sin};
 
     #[test]
-    fn val_cubics_are_met_exactly() {
+    fn val_interpolates_cubics_exactly() {
         let f = |x: f64| 1.0 + x * (2.0 - x * (0.5 - 0.25 * x));
         let curve = Curve::new([0.0, 0.7, 1.5, 2.0, 3.5, 4.0].map(|x| (x, f(x))));
         for x in [0.0, 0.1, 0.7, 1.0, 1.9, 2.5, 3.9, 4.0] {
@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn val_fifth_degree_is_met_exactly() {
+    fn val_interpolates_quintics_exactly() {
         let f = |x: f64| [x * x * x * x * x, 5.0 * x * x * x * x, 20.0 * x * x * x];
         for s in [0.2, 0.5, 0.9] {
             let found = hermite5(f(1.0), f(3.0), 2.0, s);
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn val_the_extreme_of_a_sine() {
+    fn val_finds_the_extreme_of_a_sine() {
         let h = 0.1;
         let points: Vec<f64> = (0..=100).map(|i| f64::from(i) * h).collect();
         let found = points

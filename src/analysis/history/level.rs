@@ -125,7 +125,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn val_dips_between_samples_are_found() {
+    fn val_finds_dips_between_samples() {
         // (t − 0.4)² − 0.01 between 0 and 1: above 0 at both, 0 at 0.3.
         let of = |t: f64| [(t - 0.4) * (t - 0.4) - 0.01, 2.0 * (t - 0.4), 2.0];
         let found = first_zero(of(0.0), of(1.0), 1.0).unwrap();

@@ -168,6 +168,7 @@ impl<'a> Outcome<'a> {
     /// The outcome in words, where a run has no value in a column.
     pub(super) fn words(self, column: &str) -> String {
         match self {
+            // A longer run would have a value.
             Self::Stopped(StopReason::Duration) if AWAITED.contains(&column) => {
                 "not reached".to_owned()
             }

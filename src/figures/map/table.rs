@@ -37,6 +37,7 @@ impl Map {
                 color: colors[row],
                 stop: stops.get(row).cloned().flatten(),
                 loops: match loops.get(row) {
+                    // An empty cell is NaN: the run has no outcome, or the table lacks the column.
                     Some(loops) if !loops.is_nan() => Some(*loops > 0.0),
                     Some(_) | None => None,
                 },

@@ -67,6 +67,7 @@ impl Bounds {
             (dy, self.bottom - a.1),
         ];
         for (slope, room) in edges {
+            // Parallel to this edge, and outside.
             if slope == 0.0 && room < 0.0 {
                 return None;
             }

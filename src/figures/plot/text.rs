@@ -151,6 +151,7 @@ impl Text {
     pub(crate) fn name(source: &str) -> Self {
         let mut text = Self::plain(source);
         let mut rest = source.chars();
+        // Letter by letter: letters have different widths.
         while text.width > MAX_NAME_WIDTH && rest.next().is_some() {
             text = Self::plain(&format!("…{}", rest.as_str()));
         }

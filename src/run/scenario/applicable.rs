@@ -196,6 +196,7 @@ impl Values {
         }
         let mut values = self.clone();
         values.remove(key.path);
+        // They would be refused without it.
         values.remove_dependents(key);
         !self::is_valid(&values)
     }
@@ -244,10 +245,12 @@ impl Values {
         if !self.has_place_for(key) {
             return None;
         }
+        // The search needs a valid number to begin with.
         let current = self.optional_number(key.path).filter(|_| is_valid);
         let start = current.or_else(|| {
             candidates(key, limits)
                 .into_iter()
+                // Usual values first: they are nearly always valid.
                 .find(|number| self::is_valid(&self.completed_with(key, Value::Number(*number))))
         });
         let Some(start) = start else {

@@ -47,6 +47,7 @@ impl Check<'_> {
         if !self.model.support.is_free() {
             return self.ensure(distance > 0.0, key, Problem::NotAboveFixedPeg);
         }
+        // With its centre of mass in the centre, a ball has no axis that could rise.
         let is_inside = distance != 0.0 && distance > -self.model.top.peg_radius;
         self.ensure(is_inside, key, Problem::OutsideSphere)?;
         let requirements = self.requirements_of_free_peg();
@@ -128,6 +129,7 @@ impl Check<'_> {
             ..
         } = self.stop;
         let friction = &self.model.friction;
+        // As the axis comes upright, terms without their counterparts grow beyond all bounds.
         let divides = friction.dissipation.drops_euler_terms() && !friction.is_none();
         self.ensure(
             !divides || risen.is_some(),
@@ -159,6 +161,7 @@ impl Check<'_> {
         };
         let samples = duration * 1e9 / self.sample_period_ns as f64;
         self.ensure(
+            // Sequence numbers of messages have 32 bits.
             samples < f64::from(u32::MAX),
             "sampling.period",
             Problem::TooManySamples { duration },

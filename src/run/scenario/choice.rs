@@ -45,6 +45,7 @@ const MEANINGS: [(&str, Dissipation); 6] = [
 
 /// The values of `friction.dissipation`, for the table of keys.
 pub(super) const DISSIPATIONS: &[&str] = &{
+    // A loop, because iterators don't work in constants.
     let mut words = [""; MEANINGS.len()];
     let mut i = 0;
     while i < words.len() {

@@ -42,6 +42,7 @@ impl Scenario {
     /// # Errors
     /// The first key that is missing, does not apply, or contradicts another.
     pub fn new(mut values: Values) -> Result<Self, ScenarioError> {
+        // A file may leave the format out; a recording names it.
         values.set_value("format", FORMAT)?;
         values.check_presence()?;
         // Equal runs must have equal digests.
@@ -67,6 +68,7 @@ impl Scenario {
             tolerances: Tolerances {
                 relative: values
                     .number("integrator.relative_tolerance")?
+                    // With coarser steps, the end of the slip of a free peg is missed.
                     .min(max_tolerance),
                 absolute: values
                     .number("integrator.absolute_tolerance")?
@@ -135,6 +137,7 @@ impl Scenario {
         let mut text = String::new();
         let mut section = "";
         for key in KEYS {
+            // In the order of the table, whatever the order of the file was.
             let Some(value) = self.values.get(key.path) else {
                 continue;
             };
@@ -178,6 +181,7 @@ impl Scenario {
     pub fn digest(&self) -> String {
         let mut hash = Sha256::new();
         for (key, value) in self.entries() {
+            // They don't change the run.
             if !matches!(key.path, "name" | "description") {
                 hash.update(format!("{} = {value}\n", key.path));
             }

@@ -169,6 +169,7 @@ impl ScenarioError {
     /// Problem of a key, whatever its value.
     pub(super) fn with_key(key: &str, problem: Problem) -> Self {
         Self {
+            // A key may come from a file of any content.
             key: Some(excerpt(key)),
             ..Self::without_key(problem)
         }

@@ -18,6 +18,7 @@ impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Text(text) => write!(f, "{}", toml::Value::from(text.as_str())),
+            // `Debug` writes a point or an exponent in every number, so TOML reads a float again.
             Self::Number(number) => write!(f, "{number:?}"),
         }
     }

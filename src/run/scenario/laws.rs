@@ -116,6 +116,7 @@ pub(super) const FRICTIONAL_LAWS: &[&str] = SLIDING_LAWS.split_at(1).1;
 
 const fn count_of_sliding_laws() -> usize {
     let mut count = 0;
+    // The sliding laws come first. A loop, because iterators don't work in constants.
     while LAWS[count].make.is_some() {
         count += 1;
     }

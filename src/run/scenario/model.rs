@@ -49,6 +49,7 @@ fn friction(values: &Values) -> Result<Friction, ScenarioError> {
         law,
         // Without sliding friction the key doesn't apply, and there is nothing to leave out.
         dissipation: dissipation.unwrap_or(Dissipation::Full),
+        // Without losses, the equations leave out their terms instead of adding zeros.
         losses: (!losses.is_none()).then_some(losses),
         branch: Branch::default(),
     })

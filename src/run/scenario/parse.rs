@@ -7,6 +7,7 @@ use crate::run::suggestion::similar_names;
 /// Parses a TOML value whose quotes may be omitted. What isn't valid is returned as text, for the error message.
 pub(super) fn parse_value(key: &Key, text: &str) -> toml::Value {
     let parsed = match format!("value = {text}").parse::<toml::Table>() {
+        // A text with line breaks could hold more keys.
         Ok(mut table) if table.len() == 1 => table.remove("value"),
         Ok(_) | Err(_) => None,
     };
@@ -43,6 +44,7 @@ fn typed_value(key: &Key, value: &toml::Value) -> Option<Value> {
     if key.kind.is_text() {
         return Some(Value::Text(value.as_str()?.to_owned()));
     }
+    // People write `1` for `1.0`, which TOML tells apart.
     let whole = value.as_integer().map(|number| number as f64);
     value.as_float().or(whole).map(Value::Number)
 }

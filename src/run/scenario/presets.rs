@@ -46,6 +46,7 @@ impl Scenario {
         from: &'a Values,
     ) -> impl Iterator<Item = (&'static Key, Option<&'a Value>)> {
         KEYS.iter()
+            // They say nothing about the motion.
             .filter(|key| !matches!(key.path, "format" | "name" | "description"))
             .map(|key| (key, self.value(key.path)))
             .filter(|(key, value)| *value != from.get(key.path))
@@ -105,6 +106,7 @@ impl Preset {
         values.set_value("name", self.name.as_str())?;
         values.set_value("description", self.description.as_str())?;
         for key in &self.without {
+            // An empty text removes a key.
             values.set(key, "")?;
         }
         values.merge(self.changes.clone())?;

@@ -32,6 +32,7 @@ fn object() -> Value {
 }
 
 fn key_schema(key: &Key) -> Value {
+    // The names that `is_name` in `parse.rs` accepts.
     let pattern = "^[A-Za-z0-9_-][A-Za-z0-9._-]{0,99}$";
     let mut schema = match key.kind {
         Kind::Text => json!({ "type": "string" }),

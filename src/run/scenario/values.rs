@@ -31,6 +31,7 @@ impl Values {
     pub(super) fn merge(&mut self, table: toml::Table) -> Result<(), ScenarioError> {
         for (name, value) in table {
             if let toml::Value::Table(section) = value {
+                // Keys have one section; a table in it is refused as a value.
                 for (inner, value) in section {
                     self.set_value(&format!("{name}.{inner}"), value)?;
                 }
@@ -266,6 +267,7 @@ fn unknown_key(path: &str) -> ScenarioError {
 fn similar_keys(wrong: &str) -> Vec<&'static str> {
     let has_section = wrong.contains('.');
     most_similar(KEYS.iter().map(|key| {
+        // With a section, only the whole path counts: `top.k` is no misspelling of `friction.k`.
         let whole = similarity(wrong, key.path);
         let score = if has_section {
             whole

@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn a_range_lasts_until_the_next_nutation_or_two_periods() {
+    fn range_lasts_until_next_nutation_or_two_periods() {
         let mut envelope = Envelope::new();
         let around = |envelope: &Envelope| envelope.around(state::PHI_DOT, 0.5);
         state(&mut envelope, 0);

@@ -5,7 +5,7 @@ use toprise::analysis::explain::explain;
 
 /// The events after an extra one keep their partners, and the extra one has none.
 #[test]
-fn an_extra_event_leaves_the_others_matched() {
+fn extra_event_keeps_other_matches() {
     let folder = Folder::new();
     let run = scenario("drop", &[("stop.duration", "1")]);
     let whole = recorded(&folder, "a.mcap", &run, Encoding::Json);

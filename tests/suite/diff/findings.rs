@@ -101,7 +101,7 @@ fn event_of_one_run_is_absent_in_the_other() {
 
 /// A regularised law: the top sleeps rather than rolls, and the friction changes without bound near rest.
 #[test]
-fn a_regularised_law_is_compared_after_the_rise() {
+fn compares_a_regularised_law_after_the_rise() {
     let smooth = [
         ("friction.law", "coulomb-sqrt"),
         ("friction.smoothing_speed", "0.001"),
@@ -221,7 +221,7 @@ fn val_energies_are_compared_at_samples() {
 
 /// The same motion, cut short: no finding but the end differs.
 #[test]
-fn a_shorter_run_of_the_same_motion_has_the_same_findings() {
+fn shorter_run_of_the_same_motion_has_the_same_findings() {
     for end in ["0.06", "0.12", "1.0"] {
         let short = scenario("paper", &[("stop.duration", end)]);
         let report = compare(&scenario("paper", &[]), &short, &quick()).unwrap();

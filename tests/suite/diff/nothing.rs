@@ -76,14 +76,14 @@ fn assert_nothing(scenarios: impl Iterator<Item = Scenario>, seed: u64, count: u
 }
 
 #[test]
-fn the_same_physics_has_no_findings() {
+fn equal_physics_has_no_findings() {
     assert_nothing(ordinary_held_tops(Random(31)), 1, 12);
     assert_nothing(free_tops(Random(32)), 2, 8);
 }
 
 #[test]
 #[ignore = "takes minutes"]
-fn the_same_physics_of_many_tops_has_no_findings() {
+fn many_tops_of_equal_physics_have_no_findings() {
     let count = count().unwrap_or(200);
     assert_nothing(ordinary_held_tops(Random(33)), 3, count);
     assert_nothing(free_tops(Random(34)), 4, count);
@@ -91,7 +91,7 @@ fn the_same_physics_of_many_tops_has_no_findings() {
 
 /// Events, ends and inversions have errors like everything else.
 #[test]
-fn events_of_the_same_physics_have_no_findings() {
+fn events_of_equal_physics_have_no_findings() {
     for (name, changes) in [
         (
             "full-coulomb",
@@ -168,7 +168,7 @@ fn estimates_the_error_of_any_tolerance() {
 /// Presets with events: ends, inversions, loops, sticking, rolling.
 #[test]
 #[ignore = "takes minutes"]
-fn the_same_physics_of_presets_has_no_findings() {
+fn presets_of_equal_physics_have_no_findings() {
     let mut random = Random(5);
     let mut all = Vec::new();
     for name in [

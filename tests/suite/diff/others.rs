@@ -215,7 +215,7 @@ fn published(folder: &Folder, name: &str, messages: &[Published]) -> Recording {
 }
 
 #[test]
-fn names_what_differs_besides_the_values() {
+fn names_differences_besides_values() {
     let folder = Folder::new();
     let original = [0, 1, 2].map(|sequence| Published {
         publisher: 0,
@@ -265,7 +265,7 @@ fn names_what_differs_besides_the_values() {
 }
 
 #[test]
-fn two_equal_channels_of_a_topic_are_one_topic() {
+fn merges_equal_channels_of_a_topic() {
     let folder = Folder::new();
     let foreign = foreign(&folder, "one.mcap", "{}", &[("/x", 0, "1")]);
     let message = Published {
@@ -328,7 +328,7 @@ fn with_topic(folder: &Folder, name: &str, topic: &str) -> Recording {
 }
 
 #[test]
-fn an_extra_topic_is_a_difference() {
+fn extra_topic_is_a_difference() {
     let folder = Folder::new();
     let extended = with_topic(&folder, "extended.mcap", "/camera");
     let original = Recording::open(&folder.at("original-extended.mcap")).unwrap();
@@ -347,7 +347,7 @@ fn an_extra_topic_is_a_difference() {
 }
 
 #[test]
-fn names_what_differs_between_recordings_besides_the_values() {
+fn names_differences_of_recordings_besides_values() {
     let folder = Folder::new();
     let scenario = short(&[("stop.duration", "0.1")]);
     let ours = recorded(&folder, "a.mcap", &scenario, Encoding::Json);

@@ -196,13 +196,13 @@ fn rolls_to_the_end_only_if_there_is_an_end() {
     archive(&path, &scenario, &[], Form::default()).unwrap();
     let bytes = fs::read(&path).unwrap();
     fs::write(folder.at("cut.mcap"), &bytes[..bytes.len() * 9 / 10]).unwrap();
-    for (name, is_told) in [("run.mcap", true), ("cut.mcap", false)] {
+    for (name, is_known) in [("run.mcap", true), ("cut.mcap", false)] {
         let explanation = explain(&Recording::open(&folder.at(name)).unwrap()).unwrap();
         let found = facts(&explanation).any(|fact| matches!(fact, Fact::Rolls { .. }));
-        assert_eq!(found, is_told, "{name}: {:#?}", sentences(&explanation));
+        assert_eq!(found, is_known, "{name}: {:#?}", sentences(&explanation));
         let peg = explanation.summary.peg.unwrap();
         assert!(peg.first_roll.is_some(), "{name}");
-        assert_eq!(peg.rolls_to_end_from.is_some(), is_told, "{name}");
+        assert_eq!(peg.rolls_to_end_from.is_some(), is_known, "{name}");
     }
 }
 

@@ -25,13 +25,13 @@ use toprise::telemetry::{Message, Telemetry, Topic};
 const MAX_STEPS: u32 = 3000;
 
 /// The messages of a run, and its explanation from the same pass.
-struct Told {
+struct ExplainedRun {
     scenario: Scenario,
     messages: MemorySink,
     explanation: Explanation,
 }
 
-impl Told {
+impl ExplainedRun {
     /// `None` if the motion can't be computed, or has fewer than two samples.
     fn run(scenario: &Scenario, max_steps: u32) -> Option<Self> {
         let mut steps = 0;
@@ -163,9 +163,9 @@ fn assert_same(name: &str, claimed: [f64; 2], recorded: [f64; 2]) {
 }
 
 /// Checks a claim by the messages.
-fn check(told: &Told, claim: &Claim) {
+fn check(explained: &ExplainedRun, claim: &Claim) {
     match claim {
-        Claim::Conserves { mean_theta, .. } => check_conserves(told, *mean_theta),
+        Claim::Conserves { mean_theta, .. } => check_conserves(explained, *mean_theta),
         Claim::FrictionRaises {
             horizontal: part,
             vertical,
@@ -175,33 +175,33 @@ fn check(told: &Told, claim: &Claim) {
             until,
             ..
         } => {
-            check_momentum(told, *part, *vertical, *until);
-            check_friction(told, *part, *by_friction, *until);
-            let at = told.times().iter().position(|time| time == until).unwrap();
-            let thetas = told.numbers(state::THETA);
+            check_momentum(explained, *part, *vertical, *until);
+            check_friction(explained, *part, *by_friction, *until);
+            let at = explained.times().iter().position(|time| time == until).unwrap();
+            let thetas = explained.numbers(state::THETA);
             assert_same("θ", *theta, [thetas[0], thetas[at]]);
             assert!(thetas[at] < thetas[0], "{claim:?}");
             if *is_vertical_constant {
-                for momentum in told.angular_momenta() {
+                for momentum in explained.angular_momenta() {
                     assert!((momentum.z / vertical[0] - 1.0).abs() < 1e-6, "{claim:?}");
                 }
             }
         }
         Claim::FrictionSpeedsPrecession {
             friction, within, ..
-        } => check_precession(told, *friction, *within),
+        } => check_precession(explained, *friction, *within),
         Claim::LossesAlign {
             energy: energies, ..
         } => {
-            assert_same("energy", *energies, told.ends(energy::TOTAL));
+            assert_same("energy", *energies, explained.ends(energy::TOTAL));
             assert!(energies[1] < energies[0]);
-            let top = told.scenario.model.nutating_top();
+            let top = explained.scenario.model.nutating_top();
             assert!(top.axial_moment > top.transverse_moment);
-            let [first, last] = told.ends(state::THETA);
+            let [first, last] = explained.ends(state::THETA);
             assert!(last < first, "{claim:?}");
         }
-        Claim::WeakTopFalls { axial, time, .. } => check_weak(told, *axial, *time),
-        Claim::Inverts { vertical, .. } => check_inversion(told, *vertical),
+        Claim::WeakTopFalls { axial, time, .. } => check_weak(explained, *axial, *time),
+        Claim::Inverts { vertical, .. } => check_inversion(explained, *vertical),
         Claim::SlipEnds {
             from,
             theta_range,
@@ -210,10 +210,10 @@ fn check(told: &Told, claim: &Claim) {
             inversion,
             ..
         } => {
-            check_grip(told, *from, *theta_range, *stops);
-            let paths = told.numbers(contact::SLIP_PATH);
+            check_grip(explained, *from, *theta_range, *stops);
+            let paths = explained.numbers(contact::SLIP_PATH);
             assert_eq!(*has_slipped, paths.iter().any(|path| *path > 0.0));
-            let inversions = told.times_of(EventKind::Inverts);
+            let inversions = explained.times_of(EventKind::Inverts);
             match inversion {
                 Some(Inversion::Absent) => assert!(inversions.is_empty(), "{claim:?}"),
                 Some(Inversion::Complete) => assert!(inversions[0] <= *from, "{claim:?}"),
@@ -229,50 +229,50 @@ fn check(told: &Told, claim: &Claim) {
             bounces_to_end,
         } => {
             assert!(!bounces_to_end || (*count >= 2 && lands.is_none()));
-            let lift_offs = told.times_of(EventKind::LiftOff);
+            let lift_offs = explained.times_of(EventKind::LiftOff);
             let in_air = u64::from(*starts_in_air);
             assert!(*hops <= lift_offs.len() as u64 + in_air, "{claim:?}");
-            assert_eq!(*count, told.of_topic(IMPACTS).count() as u64);
+            assert_eq!(*count, explained.of_topic(IMPACTS).count() as u64);
             let mut sum = 0.0;
-            for impact in told.of_topic(IMPACTS) {
+            for impact in explained.of_topic(IMPACTS) {
                 sum += impacts::LOST_RESTITUTION.of(&impact) + impacts::LOST_FRICTION.of(&impact);
             }
             assert_same("impacts", [*lost; 2], [sum; 2]);
             // After the last landing, no sample is in the air; without one, the last event is a lift-off.
-            for (time, regime) in told.times().into_iter().zip(told.numbers(contact::REGIME)) {
+            for (time, regime) in explained.times().into_iter().zip(explained.numbers(contact::REGIME)) {
                 let is_down = lands.is_some_and(|lands| time > lands);
                 assert!(!(is_down && regime == 2.0), "{claim:?} at {time}");
             }
             if *starts_in_air {
-                assert_eq!(told.numbers(contact::REGIME)[0], 2.0);
+                assert_eq!(explained.numbers(contact::REGIME)[0], 2.0);
             }
         }
         Claim::RestsFromStart { .. } => {
-            assert_eq!(told.times_of(EventKind::Rest), [0.0]);
-            assert_eq!(told.ends(energy::KINETIC), [0.0; 2]);
+            assert_eq!(explained.times_of(EventKind::Rest), [0.0]);
+            assert_eq!(explained.ends(energy::KINETIC), [0.0; 2]);
         }
         Claim::ComesToRest { from, kinetic, .. } => {
             assert!(*from > 0.0);
-            assert!(told.times_of(EventKind::Rest).contains(from));
-            assert_same("kinetic", *kinetic, told.ends(energy::KINETIC));
-            let rest = told.of_topic(EVENTS).next_back().unwrap();
+            assert!(explained.times_of(EventKind::Rest).contains(from));
+            assert_same("kinetic", *kinetic, explained.ends(energy::KINETIC));
+            let rest = explained.of_topic(EVENTS).next_back().unwrap();
             assert_eq!(events::NAME.of(&rest), EventKind::Rest.name());
             assert_eq!(events::THETA_DOT.of(&rest), 0.0);
         }
     }
 }
 
-fn check_conserves(told: &Told, mean_theta: Option<[f64; 2]>) {
-    let energies = told.numbers(energy::TOTAL);
-    let momenta = told.angular_momenta();
-    let axial = told.numbers(momentum::AXIAL);
+fn check_conserves(explained: &ExplainedRun, mean_theta: Option<[f64; 2]>) {
+    let energies = explained.numbers(energy::TOTAL);
+    let momenta = explained.angular_momenta();
+    let axial = explained.numbers(momentum::AXIAL);
     for ((energy, momentum), axial_part) in energies.iter().zip(&momenta).zip(&axial) {
         let size = momenta[0].norm().max(momentum.norm());
         assert!((energy - energies[0]).abs() <= 1e-6 * energies[0].abs());
         assert!((momentum.z - momenta[0].z).abs() <= 2e-6 * size);
         assert!((axial_part - axial[0]).abs() <= 2e-6 * size);
     }
-    let means = told.numbers(nutation::THETA_MEAN);
+    let means = explained.numbers(nutation::THETA_MEAN);
     if mean_theta.is_some() {
         for mean in &means {
             assert!((mean - means[0]).abs() <= 1e-5 * means[0], "{means:?}");
@@ -280,9 +280,9 @@ fn check_conserves(told: &Told, mean_theta: Option<[f64; 2]>) {
     }
 }
 
-fn check_momentum(told: &Told, part: [f64; 2], vertical: [f64; 2], until: f64) {
-    let momenta = told.angular_momenta();
-    let at = told.times().iter().position(|time| *time == until).unwrap();
+fn check_momentum(explained: &ExplainedRun, part: [f64; 2], vertical: [f64; 2], until: f64) {
+    let momenta = explained.angular_momenta();
+    let at = explained.times().iter().position(|time| *time == until).unwrap();
     let recorded = [momenta[0], momenta[at]];
     assert_same("horizontal", part, recorded.map(|l| horizontal(&l).norm()));
     assert_same("vertical", vertical, recorded.map(|l| l.z));
@@ -291,19 +291,19 @@ fn check_momentum(told: &Told, part: [f64; 2], vertical: [f64; 2], until: f64) {
     let inclinations = recorded.map(|l| atan2(l.z.abs(), horizontal(&l).norm()));
     let mut largest = 0.0_f64;
     let sense = vertical[0].signum();
-    for (momentum, axis) in momenta[..=at].iter().zip(told.axes()) {
+    for (momentum, axis) in momenta[..=at].iter().zip(explained.axes()) {
         largest = largest.max((sense * momentum).angle(&axis));
     }
     assert!(inclinations[1] - inclinations[0] > 2.0 * largest - 1e-9);
 }
 
-fn check_friction(told: &Told, part: [f64; 2], by_friction: f64, until: f64) {
+fn check_friction(explained: &ExplainedRun, part: [f64; 2], by_friction: f64, until: f64) {
     // Couples of losses are not among these torques.
-    if told.scenario.model.support.is_free() && told.scenario.model.friction.has_losses() {
+    if explained.scenario.model.support.is_free() && explained.scenario.model.friction.has_losses() {
         return;
     }
-    let (times, momenta) = (told.times(), told.angular_momenta());
-    let torques = told.friction_torques();
+    let (times, momenta) = (explained.times(), explained.angular_momenta());
+    let torques = explained.friction_torques();
     let mut sum = 0.0;
     for (at, window) in times.windows(2).enumerate() {
         if window[1] <= until {
@@ -320,14 +320,14 @@ fn check_friction(told: &Told, part: [f64; 2], by_friction: f64, until: f64) {
 }
 
 /// The paper's argument, from its equation of θ̈ with a fixed ψ̇.
-fn check_precession(told: &Told, friction: f64, within: f64) {
-    let last = told.of_topic(ACCELERATION).next_back().unwrap();
+fn check_precession(explained: &ExplainedRun, friction: f64, within: f64) {
+    let last = explained.of_topic(ACCELERATION).next_back().unwrap();
     assert_eq!(friction, acceleration::PHI_DOT_FRICTIONAL.of(&last));
-    let top = &told.scenario.model.top;
+    let top = &explained.scenario.model.top;
     let (transverse, axial) = (top.transverse_moment, top.axial_moment);
     let gravity = top.mass * top.gravity * top.center_distance;
     let mut thetas = Vec::new();
-    for cycle in told.of_topic(NUTATION) {
+    for cycle in explained.of_topic(NUTATION) {
         let theta = nutation::THETA_MEAN.of(&cycle);
         let (phi_dot, psi_dot) = (
             nutation::PHI_DOT_MEAN.of(&cycle),
@@ -348,9 +348,9 @@ fn check_precession(told: &Told, friction: f64, within: f64) {
 }
 
 /// The criterion of Klein and Sommerfeld, as the paper has it, at the fall.
-fn check_weak(told: &Told, axial: [f64; 2], time: f64) {
-    let top = told.scenario.model.nutating_top();
-    let fallen = told
+fn check_weak(explained: &ExplainedRun, axial: [f64; 2], time: f64) {
+    let top = explained.scenario.model.nutating_top();
+    let fallen = explained
         .of_topic(EVENTS)
         .find(|event| events::NAME.of(event) == EventKind::Fallen.name())
         .unwrap();
@@ -361,35 +361,35 @@ fn check_weak(told: &Told, axial: [f64; 2], time: f64) {
     let a = top.axial_moment * spin / top.transverse_moment;
     let gravity = top.mass * top.gravity * top.center_distance;
     assert!(a * a < 4.0 * gravity / top.transverse_moment);
-    let [first, _] = told.ends(momentum::AXIAL);
+    let [first, _] = explained.ends(momentum::AXIAL);
     assert_same("axial", axial, [first, top.axial_moment * spin]);
-    assert!(theta > told.numbers(state::THETA)[0]);
+    assert!(theta > explained.numbers(state::THETA)[0]);
 }
 
-fn check_inversion(told: &Told, vertical: [f64; 2]) {
-    let [first, last] = told.ends(state::THETA);
+fn check_inversion(explained: &ExplainedRun, vertical: [f64; 2]) {
+    let [first, last] = explained.ends(state::THETA);
     assert!(first < FRAC_PI_2 && last > FRAC_PI_2);
-    let momenta = told.angular_momenta();
+    let momenta = explained.angular_momenta();
     assert_same(
         "vertical",
         vertical,
         [momenta[0].z, momenta[momenta.len() - 1].z],
     );
     assert!(vertical[0] * vertical[1] > 0.0);
-    let [first, last] = told.ends(momentum::AXIAL);
+    let [first, last] = explained.ends(momentum::AXIAL);
     assert!(first * last < 0.0);
-    let [first, last] = told.ends(center_of_mass::POSITION.z());
+    let [first, last] = explained.ends(center_of_mass::POSITION.z());
     assert!(last > first);
-    let [first, last] = told.ends(energy::KINETIC);
+    let [first, last] = explained.ends(energy::KINETIC);
     assert!(last < first);
-    let [first, last] = told.ends(free_peg::LOST_SLIDING);
+    let [first, last] = explained.ends(free_peg::LOST_SLIDING);
     assert!(last > first);
-    let top = &told.scenario.model.top;
-    let jellett = told.numbers(free_peg::JELLETT);
+    let top = &explained.scenario.model.top;
+    let jellett = explained.numbers(free_peg::JELLETT);
     for ((constant, momentum), axial) in jellett
         .iter()
         .zip(&momenta)
-        .zip(told.numbers(momentum::AXIAL))
+        .zip(explained.numbers(momentum::AXIAL))
     {
         let sum = top.center_distance * axial + top.peg_radius * momentum.z;
         let size = (top.center_distance * axial).abs() + (top.peg_radius * momentum.z).abs();
@@ -397,12 +397,12 @@ fn check_inversion(told: &Told, vertical: [f64; 2]) {
     }
 }
 
-fn check_grip(told: &Told, from: f64, theta_range: [f64; 2], stops: Stopped) {
-    let regimes = told.numbers(contact::REGIME);
-    let thetas = told.numbers(state::THETA);
-    let work = told.numbers(contact::SLIP_WORK);
+fn check_grip(explained: &ExplainedRun, from: f64, theta_range: [f64; 2], stops: Stopped) {
+    let regimes = explained.numbers(contact::REGIME);
+    let thetas = explained.numbers(state::THETA);
+    let work = explained.numbers(contact::SLIP_WORK);
     let mut works = Vec::new();
-    for (at, time) in told.times().into_iter().enumerate() {
+    for (at, time) in explained.times().into_iter().enumerate() {
         if time > from {
             assert_eq!(regimes[at], 0.0, "at {time}");
             assert!((theta_range[0]..=theta_range[1]).contains(&thetas[at]));
@@ -461,11 +461,11 @@ fn val_presets_have_their_causes() {
         ("tippe-top", &["inverts"]),
         ("tippe-top-hangs", &["slip ends"]),
     ] {
-        let told = Told::run(&scenario(preset, &[]), u32::MAX).unwrap();
-        let claims = &told.explanation.story.claims;
+        let explained = ExplainedRun::run(&scenario(preset, &[]), u32::MAX).unwrap();
+        let claims = &explained.explanation.story.claims;
         assert_eq!(kinds(claims), expected, "{preset}");
         for claim in claims {
-            check(&told, claim);
+            check(&explained, claim);
         }
     }
     assert_eq!(PRESETS.iter().count(), 19, "a preset without its causes");
@@ -479,11 +479,11 @@ fn random_tops_have_true_causes() {
     let free = free_tops(Random(38)).take(count);
     let mut claims = 0;
     for scenario in held.chain(free) {
-        let Some(told) = Told::run(&scenario, MAX_STEPS) else {
+        let Some(explained) = ExplainedRun::run(&scenario, MAX_STEPS) else {
             continue;
         };
-        for claim in &told.explanation.story.claims {
-            check(&told, claim);
+        for claim in &explained.explanation.story.claims {
+            check(&explained, claim);
             claims += 1;
         }
     }
@@ -510,33 +510,33 @@ fn rest_from_the_start_is_explained() {
         ("friction.k", "20"),
         ("formulation", "body"),
     ];
-    let told = Told::run(&scenario("full-coulomb", &keys), u32::MAX).unwrap();
-    let claims = &told.explanation.story.claims;
+    let explained = ExplainedRun::run(&scenario("full-coulomb", &keys), u32::MAX).unwrap();
+    let claims = &explained.explanation.story.claims;
     assert_eq!(kinds(claims), ["rests from start"]);
-    check(&told, &claims[0]);
-    let text = told.explanation.story.text().unwrap();
+    check(&explained, &claims[0]);
+    let text = explained.explanation.story.text().unwrap();
     assert!(text.starts_with("The top starts at rest"), "{text}");
 }
 
 #[test]
 fn names_a_top_that_is_weak_from_the_start() {
     let keys = [("initial.psi_dot", "5"), ("initial.phi_dot", "0")];
-    let told = Told::run(&scenario("full-coulomb", &keys), u32::MAX).unwrap();
-    let claims = &told.explanation.story.claims;
+    let explained = ExplainedRun::run(&scenario("full-coulomb", &keys), u32::MAX).unwrap();
+    let claims = &explained.explanation.story.claims;
     assert_eq!(kinds(claims), ["weak top falls"]);
-    check(&told, &claims[0]);
-    let text = told.explanation.story.text().unwrap();
+    check(&explained, &claims[0]);
+    let text = explained.explanation.story.text().unwrap();
     assert!(text.contains("weak from the start"), "{text}");
 }
 
 /// The words of the causes of a run, which are checked by its numbers.
-fn checked(preset: &str, keys: &[(&str, &str)]) -> (Told, String) {
-    let told = Told::run(&scenario(preset, keys), u32::MAX).unwrap();
-    for claim in &told.explanation.story.claims {
-        check(&told, claim);
+fn checked(preset: &str, keys: &[(&str, &str)]) -> (ExplainedRun, String) {
+    let explained = ExplainedRun::run(&scenario(preset, keys), u32::MAX).unwrap();
+    for claim in &explained.explanation.story.claims {
+        check(&explained, claim);
     }
-    let text = told.explanation.story.text().unwrap_or_default();
-    (told, text)
+    let text = explained.explanation.story.text().unwrap_or_default();
+    (explained, text)
 }
 
 /// A top that starts with no speed, moves and comes to rest did not start at rest.
@@ -571,8 +571,8 @@ fn comes_to_rest_after_moving() {
         ("free-paper", falls, Hold::RollingResistance),
         ("drop", drops, Hold::Balance),
     ] {
-        let (told, text) = checked(preset, keys);
-        let claims = &told.explanation.story.claims;
+        let (explained, text) = checked(preset, keys);
+        let claims = &explained.explanation.story.claims;
         let is_rest =
             |claim: &Claim| matches!(claim, Claim::ComesToRest { held_by, .. } if *held_by == hold);
         assert!(claims.iter().any(is_rest), "{preset}: {claims:?}");
@@ -597,9 +597,9 @@ fn mirror_images_have_the_same_causes() {
         .map(|(key, rate)| (key, (-rate).to_string()))
         .into();
         let keys: Vec<(&str, &str)> = mirrored.iter().map(|(k, v)| (*k, v.as_str())).collect();
-        let (told, text) = checked(&preset.name, &keys);
+        let (explained, text) = checked(&preset.name, &keys);
         let story = explain(&run).unwrap().story;
-        let claims = &told.explanation.story.claims;
+        let claims = &explained.explanation.story.claims;
         assert_eq!(kinds(claims), kinds(&story.claims), "{}", preset.name);
         let is_about_momentum = text.contains("upright.");
         assert_eq!(
@@ -631,9 +631,9 @@ fn thrown_tops_do_not_fall_by_weakness() {
         for gravity in ["9.81", "1e-9"] {
             let mut keys = keys.to_vec();
             keys.push(("gravity", gravity));
-            let (told, _) = checked("paper", &keys);
-            assert!(!told.times_of(EventKind::Fallen).is_empty(), "{name}");
-            let claims = &told.explanation.story.claims;
+            let (explained, _) = checked("paper", &keys);
+            assert!(!explained.times_of(EventKind::Fallen).is_empty(), "{name}");
+            let claims = &explained.explanation.story.claims;
             assert!(
                 !kinds(claims).contains(&"weak top falls"),
                 "{name}: {claims:?}"
@@ -653,9 +653,9 @@ fn strong_top_that_falls_without_friction_is_not_slowed() {
     for k in ["0", "0.03", "0.3"] {
         let mut keys = keys.to_vec();
         keys.push(("friction.k", k));
-        let (told, _) = checked("full-coulomb", &keys);
-        assert!(!told.times_of(EventKind::Fallen).is_empty());
-        let claims = &told.explanation.story.claims;
+        let (explained, _) = checked("full-coulomb", &keys);
+        assert!(!explained.times_of(EventKind::Fallen).is_empty());
+        let claims = &explained.explanation.story.claims;
         assert!(!kinds(claims).contains(&"weak top falls"), "{claims:?}");
     }
 }
@@ -684,8 +684,8 @@ fn rolling_after_inversion_mentions_both() {
         ("top.axial_moment", "4.5e-6"),
         ("stop.duration", "3"),
     ];
-    let (told, text) = checked("tippe-top-hangs", &keys);
-    assert_eq!(told.times_of(EventKind::Inverts).len(), 1);
+    let (explained, text) = checked("tippe-top-hangs", &keys);
+    assert_eq!(explained.times_of(EventKind::Inverts).len(), 1);
     assert!(text.contains("slips at first, and then rolls"), "{text}");
     assert!(
         text.contains("The top turns over") || text.contains("passes the horizontal"),
@@ -695,8 +695,8 @@ fn rolling_after_inversion_mentions_both() {
 
 #[test]
 fn one_impact_is_no_bouncing() {
-    let (told, text) = checked("drop", &[("stop.duration", "0.0325")]);
-    assert_eq!(told.of_topic(IMPACTS).count(), 1);
+    let (explained, text) = checked("drop", &[("stop.duration", "0.0325")]);
+    assert_eq!(explained.of_topic(IMPACTS).count(), 1);
     assert!(!text.contains("bounces"), "{text}");
     assert!(text.contains("hits the table once"), "{text}");
 }
@@ -726,11 +726,11 @@ fn counts_stops_of_slip() {
         ("stop.theta_fallen", ""),
         ("stop.duration", "2"),
     ];
-    let (told, _) = checked("full-coulomb", &keys);
-    let resumes = told.times_of(EventKind::SlipResumes);
-    let stops = told.times_of(EventKind::Stick);
+    let (explained, _) = checked("full-coulomb", &keys);
+    let resumes = explained.times_of(EventKind::SlipResumes);
+    let stops = explained.times_of(EventKind::Stick);
     assert!(!resumes.is_empty());
-    let facts = told.explanation.chapters.iter().flat_map(|c| &c.facts);
+    let facts = explained.explanation.chapters.iter().flat_map(|c| &c.facts);
     let found: Vec<&Fact> = facts
         .filter(|fact| matches!(fact, Fact::Sticks { .. }))
         .collect();
