@@ -205,6 +205,7 @@ impl Explainer {
     pub fn new(scenario: &Scenario) -> Self {
         let mut history = RunHistory::new(Some(scenario), None);
         let peg_radius = scenario.model.top.peg_radius;
+        // From the scenario, because the topics that show it may not be recorded.
         history.set_flight_at_start(scenario.start().is_in_flight(peg_radius));
         Self {
             observations: Observations::new(scenario.model.support.is_free()),
@@ -255,6 +256,7 @@ fn explanation(evidence: Evidence) -> Explanation {
     let history = &evidence.history;
     let lacks_averages = history.has_gaps || history.lacks(NUTATION);
     let lacks_events = history.has_gaps || history.lacks(EVENTS);
+    // A cause must hold for all of the run.
     let story = if evidence.losses.is_empty() && !lacks_averages && !lacks_events {
         story::story(&evidence)
     } else {

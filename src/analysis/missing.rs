@@ -116,6 +116,7 @@ impl MessageCounts {
     fn missing_from(&self, topic: Topic, end: &Entries) -> Option<Missing> {
         let recorded = self.counts.get(&topic.index()).copied().unwrap_or(0);
         let expected = match topic {
+            // The end record has no number of them.
             IMPACTS => return self.missing_impacts(recorded),
             EVENTS => number(end, EVENT_COUNT),
             NUTATION => number(end, NUTATION_COUNT),

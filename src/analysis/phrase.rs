@@ -14,6 +14,7 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
         .rsplit_once('e')
         .and_then(|(_, e)| e.parse().ok())
         .unwrap_or(0);
+    // Negative for large numbers, which have no decimals.
     let decimals = digits as i32 - 1 - exponent;
     let text = if (-3..6).contains(&exponent) {
         format!("{value:.*}", usize::try_from(decimals).unwrap_or(0))

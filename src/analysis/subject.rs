@@ -77,6 +77,7 @@ impl Subject<'_> {
     /// The topics of the table for which the run has channels.
     pub fn topics(self) -> Vec<Topic> {
         match self {
+            // A fixed peg has no channels for its motion.
             Self::Scenario(scenario) => Topic::all_with(scenario.model.support).collect(),
             Self::Recording(recording) => recording.topics(),
         }
@@ -215,6 +216,7 @@ fn simulate(
         }
     }
     ReadEnd {
+        // The same entries as in a recording, so that no reader has to tell the two apart.
         end: Some(end_entries(&run.end())),
         losses,
         missing: Vec::new(),

@@ -152,6 +152,7 @@ fn read_scenario(path: &Path) -> Result<Scenario, ImportError> {
     let not_a_scenario = || ImportError::NotAScenario {
         path: path.to_owned(),
     };
+    // Rerun asks for every file that it can't read itself.
     if !has_extension(path, "toml") {
         return Err(not_a_scenario());
     }

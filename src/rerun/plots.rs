@@ -61,6 +61,7 @@ impl Plots {
     pub(super) fn extend_to(&mut self, time_ns: u64, output: &mut Output) {
         let plots = self.0.iter_mut().flatten();
         for plot in plots.filter(|plot| plot.end_ns < time_ns) {
+            // NaN is not drawn.
             let missing = std::iter::repeat_n(f64::NAN, plot.numbers.len());
             plot.track.push(output, time_ns, missing);
         }

@@ -87,6 +87,7 @@ impl Scene {
         Self {
             top: Track::new(role.entity("scene/top"), columns, output),
             trail,
+            // Just above the tip of the stem.
             trail_radius: 1.13 * proportions.tip,
             below,
             contact_path,

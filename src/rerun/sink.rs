@@ -31,6 +31,7 @@ impl<C: Content> Stream<C> {
         content: impl FnOnce(&mut Output) -> C,
     ) -> Self {
         let mut output = Output::open(store, destinations);
+        // Viewers show it instead of the identifier.
         let name = RecordingInfo::update_fields().with_name(name);
         output.send_static(EntityPath::properties(), &name);
         Self {

@@ -235,6 +235,7 @@ macro_rules! channels {
                     $(
                         #[doc = concat!("Handle of a field of `", $topic, "`.")]
                         pub const $HANDLE: handle::$kind = {
+                            // The discriminants of the enums number channels and fields, so that handles are constants.
                             let place = Place::$HANDLE as usize;
                             let index = index(CHANNEL.fields, place);
                             handle::$kind::new($TOPIC, index, CHANNEL.fields[place].plot)

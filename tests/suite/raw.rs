@@ -1,11 +1,11 @@
-//! MCAP files byte by byte, for what writers do that the `mcap` crate's doesn't.
+//! MCAP files built byte by byte: what other writers do and the writer of the `mcap` crate doesn't.
 
 use mcap::records::op;
 
 /// Bytes that a newer version of the format could add to a record.
 pub const PADDING: [u8; 3] = [0x01, 0xff, 0xff];
 
-/// A record.
+/// A record with its opcode and length.
 pub fn record(opcode: u8, body: &[u8]) -> Vec<u8> {
     [&[opcode], &(body.len() as u64).to_le_bytes()[..], body].concat()
 }
@@ -15,30 +15,33 @@ pub fn counted(bytes: &[u8]) -> Vec<u8> {
     [&(bytes.len() as u32).to_le_bytes()[..], bytes].concat()
 }
 
+/// A text preceded by its length.
 pub fn text(text: &str) -> Vec<u8> {
     counted(text.as_bytes())
 }
 
-/// Pairs of texts.
+/// A map of texts, preceded by its length.
 pub fn map(pairs: &[(&str, &str)]) -> Vec<u8> {
-    let pairs = pairs.iter();
-    let pairs: Vec<u8> = pairs
-        .flat_map(|(key, value)| [text(key), text(value)].concat())
-        .collect();
-    counted(&pairs)
+    let mut bytes = Vec::new();
+    for (key, value) in pairs {
+        bytes.extend(text(key));
+        bytes.extend(text(value));
+    }
+    counted(&bytes)
 }
 
+/// The header of a file with an empty profile.
 pub fn header(library: &str) -> Vec<u8> {
     record(op::HEADER, &[text(""), text(library)].concat())
 }
 
-/// Body of a channel without schema.
+/// The body of a channel of JSON messages without a schema.
 pub fn channel(id: u16, topic: &str) -> Vec<u8> {
     let ids = [id.to_le_bytes(), [0; 2]].concat();
     [ids, text(topic), text("json"), map(&[])].concat()
 }
 
-/// A message in channel 1 or another.
+/// A message whose log and publish time are equal.
 pub fn message(channel: u16, sequence: u32, time_ns: u64, data: &[u8]) -> Vec<u8> {
     let times = [time_ns.to_le_bytes(), time_ns.to_le_bytes()].concat();
     let body = [
@@ -51,7 +54,7 @@ pub fn message(channel: u16, sequence: u32, time_ns: u64, data: &[u8]) -> Vec<u8
     record(op::MESSAGE, &body)
 }
 
-/// Body of a chunk with these times, compressed with zstd or not at all.
+/// The body of a chunk with these times, compressed with zstd or not at all.
 pub fn chunk((first, last): (u64, u64), compression: &str, records: &[u8]) -> Vec<u8> {
     let data = match compression {
         "zstd" => zstd::bulk::compress(records, 1).unwrap(),
@@ -69,7 +72,7 @@ pub fn chunk((first, last): (u64, u64), compression: &str, records: &[u8]) -> Ve
     .concat()
 }
 
-/// Body of an attachment with a checksum.
+/// The body of an attachment with a checksum.
 pub fn attachment(name: &str, data: &[u8]) -> Vec<u8> {
     let times = [2_u64.to_le_bytes(), 1_u64.to_le_bytes()].concat();
     let length = (data.len() as u64).to_le_bytes();

@@ -232,6 +232,7 @@ fn deviation(field: NumberField, times: &[f64], [a, b]: &[Curve; 2]) -> Option<D
             continue;
         };
         let is_larger = largest.is_none_or(|(_, [a, b])| (of_b - of_a).abs() > (b - a).abs());
+        // NaN marks cycles in which a quantity has no meaning.
         if of_a.is_finite() && of_b.is_finite() && is_larger {
             largest = Some((*time, [of_a, of_b]));
         }

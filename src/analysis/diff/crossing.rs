@@ -56,6 +56,7 @@ impl MeanCrossing {
         histories: [&RunHistory; 2],
         integrators: [f64; 2],
     ) -> Option<Self> {
+        // With the sign −1, a fall looks like a rise: both look for the least value.
         let curves = histories.map(|history| history.curve(|cycle| sign * cycle.means[0]));
         let (start_a, lowest_a) = start_and_least(histories[0], sign)?;
         let (start_b, lowest_b) = start_and_least(histories[1], sign)?;

@@ -27,6 +27,7 @@ impl Evidence<'_> {
     pub(super) fn has_events(&self) -> bool {
         self.histories()
             .into_iter()
+            // Each run has it, so a recording without it has no events.
             .all(|run| run.first(EventKind::Start).is_some())
     }
 

@@ -334,6 +334,7 @@ impl Finding {
     pub fn differs(&self) -> bool {
         let error = self.integration_error.unwrap_or(0.0);
         match self.difference {
+            // Without a known error, any difference counts.
             Some(difference) => difference.abs() > error,
             None => self.a != self.b,
         }

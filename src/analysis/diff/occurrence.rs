@@ -113,6 +113,7 @@ impl Matching<'_> {
     fn match_between(&mut self, a: &[usize], b: &[usize]) {
         let (mut next_a, mut next_b) = (0, 0);
         while let (Some(&of_a), Some(&of_b)) = (a.get(next_a), b.get(next_b)) {
+            // With losses, the nearest message may be that of another occurrence.
             let order = if !self.is_whole {
                 self.a[of_a].sequence.cmp(&self.b[of_b].sequence)
             // The same events happen in both runs, at other times.

@@ -210,6 +210,7 @@ fn descriptions(recording: &Recording) -> BTreeMap<&str, BTreeSet<Description<'_
     let mut all: BTreeMap<_, BTreeSet<_>> = BTreeMap::new();
     for channel in recording.channels() {
         let schema = channel.schema.as_deref();
+        // Not by identifiers, which other software may give anew.
         let name = schema.map(|schema| (&*schema.encoding, &*schema.name));
         let text = schema.map_or(&[][..], |schema| &schema.data);
         let description = (&*channel.encoding, name, text);

@@ -268,6 +268,7 @@ fn verdict(
     if has_more || !agrees || !others.iter().all(TopicBytes::is_equal) {
         return Verdict::Different;
     }
+    // Samples between those of the other run have nothing to be compared with.
     let is_thinned = paired.compared().any(TopicTally::is_thinned);
     let is_whole = paired.compared().all(TopicTally::has_all_partners);
     if is_cut != [false; 2] || is_thinned || !is_whole {
@@ -287,6 +288,7 @@ impl Report {
     /// Records that a run (0 for A, 1 for B) was simulated with the sampling period of the other. The verdict cannot be
     /// `Identical`.
     pub(super) fn note_resampling(&mut self, side: usize) {
+        // The samples of the recording itself were not compared.
         if self.verdict != Verdict::Different {
             self.verdict = Verdict::Agreeing;
         }

@@ -67,6 +67,7 @@ pub(super) fn compare(
         setup.equal_keys = (all.len() - setup.scenario.len()) as u64;
     }
     if let (Subject::Recording(a), Subject::Recording(b)) = (a, b) {
+        // Each encoding has its own schemas, which say nothing about the runs.
         let has_schemas = a.encoding() == b.encoding();
         setup.files = differences(&facts(a, has_schemas), &facts(b, has_schemas));
     }

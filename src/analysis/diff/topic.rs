@@ -136,6 +136,7 @@ impl TopicTally {
             (false, false) => &mut found.unmatched,
         };
         counts[side.index()] += 1;
+        // Samples between those of the other run are expected.
         if !is_between {
             found.first_unmatched.get_or_insert(seconds(time_ns));
         }

@@ -84,6 +84,7 @@ pub(super) fn end(evidence: &Evidence) -> Option<Fact> {
     const NUTATIONS: f64 = 2.0;
     let history = &evidence.history;
     let [_, last] = history.states?;
+    // Their facts have the inclination already.
     let is_at_limit = [EventKind::Risen, EventKind::Fallen]
         .into_iter()
         .filter_map(|kind| history.first(kind))

@@ -207,6 +207,7 @@ impl MomentumHistory {
         };
         self.shortening = shortening;
         self.whole = Some(span);
+        // A top may sink again after its rise, which the whole run would hide.
         let is_lowest = self
             .lowest
             .is_none_or(|lowest| state.inclination() < lowest.to.inclination());

@@ -18,6 +18,7 @@ pub(super) struct Ends {
 impl Ends {
     fn take(ends: &mut Option<Self>, value: f64) {
         if value.is_finite() {
+            // The recording may lack the first sample, then the first that it has.
             let first = ends.map_or(value, |known| known.first);
             *ends = Some(Self { first, last: value });
         }

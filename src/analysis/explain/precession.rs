@@ -52,6 +52,7 @@ pub(super) fn stages(evidence: &Evidence) -> Vec<Stage> {
 fn stage(evidence: &Evidence, part: &[Cycle]) -> Stage {
     let duration: f64 = part.iter().map(|cycle| cycle.period).sum();
     let [theta, theta_dot, phi_dot, psi_dot] =
+        // Means over time: cycles differ in length.
         [0, 1, 2, 3].map(|at| weighted_sum(part, |cycle| cycle.means[at]) / duration);
     // The slow rate of a stage is known if that of each of its cycles is.
     let slow_sum: Option<f64> = part
@@ -97,6 +98,7 @@ fn phase(evidence: &Evidence, cycle: &Cycle) -> Option<Phase> {
     let intervals = &evidence.peg_intervals;
     let later = intervals.partition_point(|interval| interval.from <= cycle.start);
     let interval = &intervals[later.checked_sub(1)?];
+    // In two phases, a cycle has no single rate of regular precession.
     if cycle.end() > interval.to {
         return None;
     }

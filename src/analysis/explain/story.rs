@@ -257,6 +257,7 @@ fn inverts(evidence: &Evidence) -> Option<Claim> {
     let reverses = vertical[0] * vertical[1] > 0.0 && axial[0] * axial[1] < 0.0;
     let rises = center.last > center.first && kinetic.last < kinetic.first;
     let lost_sliding = evidence.summary.peg.as_ref()?.lost?[0];
+    // Other torques change Jellett's integral, and could turn the top over by themselves.
     let by_contact_force =
         jellett_deviation <= ROUNDED && !evidence.scenario.model.friction.has_losses();
     (turns_over && reverses && rises && by_contact_force && lost_sliding > 0.0).then_some(

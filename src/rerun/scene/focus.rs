@@ -59,6 +59,7 @@ impl Focus {
             return;
         }
         self.next_ns = time_ns.saturating_add(STEP_NS);
+        // On the table, so that the camera doesn't hop with the peg.
         let place = [place.x as f32, place.y as f32, 0.0];
         self.track.push(output, time_ns, [place]);
     }

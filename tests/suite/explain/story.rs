@@ -177,7 +177,11 @@ fn check(explained: &ExplainedRun, claim: &Claim) {
         } => {
             check_momentum(explained, *part, *vertical, *until);
             check_friction(explained, *part, *by_friction, *until);
-            let at = explained.times().iter().position(|time| time == until).unwrap();
+            let at = explained
+                .times()
+                .iter()
+                .position(|time| time == until)
+                .unwrap();
             let thetas = explained.numbers(state::THETA);
             assert_same("θ", *theta, [thetas[0], thetas[at]]);
             assert!(thetas[at] < thetas[0], "{claim:?}");
@@ -239,7 +243,11 @@ fn check(explained: &ExplainedRun, claim: &Claim) {
             }
             assert_same("impacts", [*lost; 2], [sum; 2]);
             // After the last landing, no sample is in the air; without one, the last event is a lift-off.
-            for (time, regime) in explained.times().into_iter().zip(explained.numbers(contact::REGIME)) {
+            for (time, regime) in explained
+                .times()
+                .into_iter()
+                .zip(explained.numbers(contact::REGIME))
+            {
                 let is_down = lands.is_some_and(|lands| time > lands);
                 assert!(!(is_down && regime == 2.0), "{claim:?} at {time}");
             }
@@ -282,7 +290,11 @@ fn check_conserves(explained: &ExplainedRun, mean_theta: Option<[f64; 2]>) {
 
 fn check_momentum(explained: &ExplainedRun, part: [f64; 2], vertical: [f64; 2], until: f64) {
     let momenta = explained.angular_momenta();
-    let at = explained.times().iter().position(|time| *time == until).unwrap();
+    let at = explained
+        .times()
+        .iter()
+        .position(|time| *time == until)
+        .unwrap();
     let recorded = [momenta[0], momenta[at]];
     assert_same("horizontal", part, recorded.map(|l| horizontal(&l).norm()));
     assert_same("vertical", vertical, recorded.map(|l| l.z));
@@ -299,7 +311,8 @@ fn check_momentum(explained: &ExplainedRun, part: [f64; 2], vertical: [f64; 2], 
 
 fn check_friction(explained: &ExplainedRun, part: [f64; 2], by_friction: f64, until: f64) {
     // Couples of losses are not among these torques.
-    if explained.scenario.model.support.is_free() && explained.scenario.model.friction.has_losses() {
+    if explained.scenario.model.support.is_free() && explained.scenario.model.friction.has_losses()
+    {
         return;
     }
     let (times, momenta) = (explained.times(), explained.angular_momenta());
