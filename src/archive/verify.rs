@@ -3,7 +3,7 @@
 //! Identical bytes verify everything. Otherwise [`verify`] compares messages and reports the first difference. A
 //! repacked file (other chunks, compression or order) has the same messages, records and channels, also for readers
 //! that use its index. A file of another version is verified by its values: its words may differ from those of this
-//! version.
+//! version, and are compared with those of its release.
 
 mod bytes;
 mod container;
@@ -13,6 +13,7 @@ mod fingerprint;
 mod index;
 mod messages;
 mod readings;
+mod releases;
 mod rerun;
 
 use crate::archive::format::{FORMER_WORDS, TELEMETRY, VERSION};
@@ -23,6 +24,7 @@ use crate::telemetry::{RunMessages, Topic, Topics, table};
 pub use difference::Difference;
 pub use error::VerifyError;
 use messages::Comparison;
+use releases::{RELEASES, Release};
 use rerun::Rerun;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -47,9 +49,19 @@ pub enum Equality {
     ByteIdentical,
     /// All content is equal; chunks, compression or order differ.
     PackedOtherwise,
-    /// Another version made the recording: all its values are equal. Its words, such as descriptions of fields, and its
-    /// channels for viewers are not compared.
+    /// Another version made the recording: all its values are equal. Channels for viewers are not compared.
     SameValues,
+}
+
+/// How the schemas of a recording of another version are checked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SchemaCheck {
+    /// They are compared with those of the release that made the recording.
+    Released,
+    /// This version doesn't know the schemas of the one that made the recording: names and encodings are compared, units
+    /// and descriptions are not.
+    Unknown,
 }
 
 /// The result of comparing a recording with its scenario, run again.
@@ -83,6 +95,9 @@ pub struct Report {
     /// The version of toprise that recorded it, if different from this one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recorded_by: Option<String>,
+    /// How its schemas are checked; absent if this version recorded it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub schemas: Option<SchemaCheck>,
 }
 
 /// Runs the scenario of a recording again and compares. `progress` is called with the number of further bytes compared
@@ -91,6 +106,15 @@ pub struct Report {
 /// # Errors
 /// [`VerifyError`] if there is nothing to compare, or the comparison takes too much memory.
 pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Result<Report, VerifyError> {
+    verify_with(recording, RELEASES, progress)
+}
+
+/// Verifies with a table of released schemas.
+fn verify_with(
+    recording: &Recording,
+    releases: &str,
+    progress: &dyn Fn(u64),
+) -> Result<Report, VerifyError> {
     let mut report = Report {
         verdict: Verdict::Different,
         equality: None,
@@ -103,6 +127,7 @@ pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Result<Report, V
         without: Vec::new(),
         unknown: Vec::new(),
         recorded_by: other_version(recording),
+        schemas: None,
     };
     let (scenario, form, topics) = match what_to_run(recording) {
         Ok(found) => found,
@@ -143,7 +168,7 @@ pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Result<Report, V
         return Ok(report);
     }
     let rerun = Rerun::new(second, &header);
-    compare(recording, rerun, &mut report, progress)?;
+    compare(recording, rerun, releases, &mut report, progress)?;
     Ok(report)
 }
 
@@ -151,6 +176,7 @@ pub fn verify(recording: &Recording, progress: &dyn Fn(u64)) -> Result<Report, V
 fn compare(
     recording: &Recording,
     rerun: Rerun<'_>,
+    releases: &str,
     report: &mut Report,
     progress: &dyn Fn(u64),
 ) -> Result<(), VerifyError> {
@@ -169,6 +195,11 @@ fn compare(
         .difference
         .or_else(|| container::difference(recording, header, &end, is_part, is_by_value))
         .or(compared.out_of_order.filter(|_| is_exact));
+    if is_by_value {
+        let (check, difference) = check_schemas(recording, releases);
+        report.schemas = Some(check);
+        report.difference = report.difference.take().or(difference);
+    }
     // All ways of reading must agree, unless the file is damaged.
     let is_readable = report.losses.is_empty() && recording.layout.is_ended;
     if report.difference.is_none() && is_readable {
@@ -190,6 +221,14 @@ fn compare(
     report.equal = Some(compared.equal);
     report.missing = compared.missing;
     Ok(())
+}
+
+/// Compares the words of a recording of another version with those of its release.
+fn check_schemas(recording: &Recording, releases: &str) -> (SchemaCheck, Option<Difference>) {
+    match recording.run().and_then(|run| Release::find(releases, run)) {
+        Some(release) => (SchemaCheck::Released, release.difference(recording)),
+        None => (SchemaCheck::Unknown, None),
+    }
 }
 
 /// The fields and topics of a recording that this version doesn't know, except words that earlier versions recorded.

@@ -8,7 +8,7 @@ use super::status::Status;
 use super::table::Table;
 use super::{output, report};
 use crate::archive::recording::{Condition, Recording};
-use crate::archive::verify::{Equality, Report, Verdict, verify as check};
+use crate::archive::verify::{Equality, Report, SchemaCheck, Verdict, verify as check};
 use crate::telemetry::table;
 use anyhow::Error;
 use clap::Args;
@@ -124,6 +124,16 @@ fn verified(equality: Option<Equality>) -> &'static str {
     }
 }
 
+/// The parts of a recording of another version that are not compared.
+fn not_compared(check: SchemaCheck) -> &'static str {
+    match check {
+        SchemaCheck::Released => "channels for viewers",
+        SchemaCheck::Unknown => {
+            "channels for viewers; units and descriptions, because this version doesn't know those of the other"
+        }
+    }
+}
+
 fn section(file: &str, report: &Report) -> Section {
     let (tone, conclusion) = match report.verdict {
         Verdict::Verified => (Tone::Good, verified(report.equality)),
@@ -161,9 +171,8 @@ fn section(file: &str, report: &Report) -> Section {
     if !report.unknown.is_empty() {
         facts.push(("not compared", report.unknown.join(", ")));
     }
-    if report.equality == Some(Equality::SameValues) {
-        let words = "descriptions of fields, channels for viewers";
-        facts.push(("not compared", words.to_owned()));
+    if let Some(check) = report.schemas {
+        facts.push(("not compared", not_compared(check).to_owned()));
     }
     if !report.without.is_empty() {
         facts.push(("not recorded", report.without.join(", ")));

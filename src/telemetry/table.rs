@@ -13,7 +13,7 @@ use crate::run::simulation::{Event, FreeSample, ImpactRecord, NutationCycle, Sam
 use nalgebra::{UnitQuaternion, Vector3};
 use std::sync::OnceLock;
 
-/// Version of the telemetry. It is increased if channels, fields, their values or descriptions change.
+/// Version of the telemetry. It is increased if channels, fields or their values change.
 ///
 /// 1. Not stored in recordings.
 /// 2. Nutation cycles must have about the nutation period, and include ranges of the rates. New: integrals of the terms
