@@ -347,7 +347,10 @@ pub fn schemas() -> Vec<(String, String)> {
 }
 
 fn schema<R: JsonSchema>(name: &str) -> (String, String) {
-    let schema = schema_for!(R);
+    let mut schema = schema_for!(R);
+    let version = env!("CARGO_PKG_VERSION");
+    let id = format!("urn:toprise:{version}:{name}");
+    schema.insert("$id".to_owned(), id.into());
     (
         format!("toprise.{name}.json"),
         format!("{:#}\n", schema.as_value()),

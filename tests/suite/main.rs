@@ -13,6 +13,7 @@ mod answers;
 mod architecture;
 mod archive;
 mod command_line;
+mod compatible;
 mod conformance;
 #[cfg(unix)]
 mod crash;
