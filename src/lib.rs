@@ -28,6 +28,8 @@
 //! On WebAssembly there is no file access: [`archive::writer`] writes to memory.
 
 #![forbid(unsafe_code)]
+// docs.rs names the feature that each module needs.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 #[cfg(all(target_arch = "x86", not(target_feature = "sse2")))]
 compile_error!(
