@@ -804,3 +804,41 @@ fn val_a_peg_jams_where_no_normal_force_holds_it() {
     // The run ends where a millionth is left.
     assert!(left.abs() < 2e-6, "{left}");
 }
+
+/// Inside the range of Painlevé's paradox, a start ends as a motion does that enters it.
+#[test]
+fn starts_inside_the_painleve_range_jam_or_lift_off() {
+    let start = [
+        ("friction.k", "2.25"),
+        ("initial.theta", "1"),
+        ("initial.phi_dot", "0"),
+        ("initial.psi_dot", "0"),
+        ("initial.peg_y_dot", "1"),
+        ("stop.theta_fallen", ""),
+        ("stop.duration", "0.01"),
+    ];
+    let jams = &["start", "jam"][..];
+    for (name, keys, expected) in [
+        ("sliding", &[][..], jams),
+        ("not rocking", &[("rolling.arm", "1e-4")], jams),
+        (
+            "not turning",
+            &[("drilling.k", "0.1"), ("drilling.patch_radius", "1e-3")],
+            jams,
+        ),
+        ("rocking", &[("initial.theta_dot", "1")], jams),
+        // The axis swings up so fast that it pulls the peg off the table.
+        ("lifting off", &[("initial.theta_dot", "-40")], &["start"]),
+        // Friction pushes a peg that slips the other way off the table, not into it.
+        ("the other way", &[("initial.peg_y_dot", "-1")], &["start"]),
+    ] {
+        let keys = [&start[..], keys].concat();
+        let run = Run::with("free-paper", &keys);
+        let events = run
+            .events
+            .iter()
+            .filter(|event| !event.kind.is_of_nutation());
+        let names: Vec<_> = events.map(|event| event.kind.name()).collect();
+        assert_eq!(names, expected, "{name}");
+    }
+}

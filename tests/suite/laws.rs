@@ -690,7 +690,7 @@ fn a_nutation_that_ends_after_the_run_is_not_counted() {
 }
 
 #[test]
-fn val_drilling_takes_the_spin_in_its_time_and_then_holds_it() {
+fn val_drilling_stops_the_spin_of_an_upright_free_top() {
     let changes = [
         ("friction.law", "none"),
         ("friction.k", ""),
@@ -708,7 +708,10 @@ fn val_drilling_takes_the_spin_in_its_time_and_then_holds_it() {
     let top = scenario.model.top;
     let slowing = 3.0 * PI / 16.0 * top.weight() * 1e-3 / top.axial_moment;
     let run = Run::of(&scenario);
-    assert_eq!(run.end.time, 1.0);
+    // An upright top that doesn't turn needs no friction to stay so.
+    assert_eq!(run.end.stop, StopReason::Rest);
+    assert_near("end", run.end.time, 2.0 / slowing, 1e-10);
+    assert_eq!(run.end.motion.tilt.omega_lean, Vector3::zeros());
     for sample in &run.samples {
         let left = (2.0 - slowing * (sample.time_ns as f64 / 1e9)).max(0.0);
         assert_near("spin", sample.pose.omega_world.z, left, 1e-10);

@@ -472,6 +472,47 @@ fn stopping_precession_does_not_reverse() {
     }
 }
 
+/// An upright top that doesn't move needs no friction to stay so.
+#[test]
+fn motionless_upright_free_tops_rest() {
+    let upright = [("initial.theta", "0")];
+    for (name, keys) in [
+        ("coulomb", &[("friction.k", "0.3")][..]),
+        (
+            "contensou",
+            &[
+                ("friction.law", "contensou"),
+                ("friction.patch_radius", "1e-3"),
+            ],
+        ),
+        (
+            "viscous",
+            &[
+                ("friction.law", "viscous"),
+                ("friction.viscous_speed", "0.1"),
+            ],
+        ),
+        (
+            "none",
+            &[
+                ("friction.law", "none"),
+                ("friction.k", ""),
+                ("friction.dissipation", ""),
+            ],
+        ),
+    ] {
+        let events = events_near_rest(&[&upright, keys].concat());
+        assert_eq!(events, ["start", "rest"], "{name}");
+        let dropped = [("initial.height", "1e-3"), ("support.restitution", "0")];
+        let events = events_near_rest(&[&upright, keys, &dropped].concat());
+        assert_eq!(events, ["start", "landing", "rest"], "{name}");
+        // Any tilt or rotation moves on.
+        let turning = [("initial.psi_dot", "1")];
+        let events = events_near_rest(&[&upright, keys, &turning].concat());
+        assert_ne!(events.last(), Some(&"rest"), "{name}");
+    }
+}
+
 #[test]
 fn events_name_what_is_held() {
     let frictionless = [

@@ -4,16 +4,15 @@ mod state;
 mod transitions;
 
 pub use self::state::FreeRotation;
-use self::state::{
-    CENTER, CONTROLLED, HELD_AGAIN, SCALED_MOMENTUM, VELOCITY, put, quaternion_rate, vector,
-};
+use self::state::{CENTER, CONTROLLED, SCALED_MOMENTUM, VELOCITY, put, quaternion_rate, vector};
+use self::transitions::JAMMED;
 
 use super::formulation::{Entered, Entry, Formulation, Guard, Started, Transition};
 use super::holding::Resting;
 use super::integrals::{integrals, with_integrals};
 use super::lean::quaternion;
 use super::model::Model;
-use super::motion::{Dissipated, Motion, NO_SLIP, Peg, Start};
+use super::motion::{Dissipated, HELD_AGAIN, Motion, NO_SLIP, Peg, Start};
 use super::reaction::{Inertia, Reaction};
 use super::support::Phase;
 use crate::physics::friction::{GIVING_WAY, NO_ROLLING, Rocking};
@@ -23,10 +22,6 @@ use crate::physics::kinematics::{
 };
 use crate::physics::math::hypot;
 use nalgebra::{Unit, UnitQuaternion, Vector3};
-
-/// A peg jams when its mobility (see [`Guard::Mobility`]) falls to this value; the normal force is then a million times
-/// the frictionless one.
-const JAMMED: f64 = 1e-6;
 
 /// Fraction of the tolerances used per step, because the nutation of a free top is unstable and amplifies errors.
 const ERROR_SHARE: f64 = 0.02;
@@ -119,10 +114,13 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         let at_rest = hypot(slip.x, slip.y) <= NO_SLIP;
         let formulation = flying.on_table(&state, at_rest);
         // A top that pivots rolls, but says more.
-        let transition = if formulation.held().rocking {
-            Some(formulation.pivoting(&state))
+        let rolls = formulation.phase == Phase::Sticking;
+        let transition = if formulation.is_jammed(&state) {
+            Some(Transition::Jams)
         } else {
-            (formulation.phase == Phase::Sticking).then_some(Transition::Rolls)
+            formulation
+                .stopping(&state)
+                .or(rolls.then_some(Transition::Rolls))
         };
         (formulation, state, transition)
     }
@@ -274,8 +272,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
                 };
                 let next = self.settled(&state, resting);
                 let transition = match next.phase {
-                    Phase::Sticking if next.held().rocking => next.pivoting(&state),
-                    Phase::Sticking => Transition::Rolls,
+                    Phase::Sticking => next.stopping(&state).unwrap_or(Transition::Rolls),
                     Phase::Sliding => Transition::SlipStops,
                     Phase::Flying => Transition::LiftsOff,
                 };
@@ -334,6 +331,11 @@ impl<const N: usize> Formulation<N> for FreeRotation {
             }
             Guard::TurningGrip => (self.turning_again(&state), Transition::TurningResumes),
             Guard::Regular => (*self, Transition::BecomesSingular),
+        };
+        let transition = if formulation.is_jammed(&state) {
+            Transition::Jams
+        } else {
+            transition
         };
         Ok(Entry {
             formulation,

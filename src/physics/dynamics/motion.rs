@@ -31,6 +31,10 @@ pub(crate) const NO_SLIP: f64 = 1e-9;
 /// too small to define a direction.
 pub(super) const DEPARTING: f64 = NO_SLIP;
 
+/// A slowly slipping contact point sticks again, instead of departing, if friction can hold it with this relative
+/// margin (well above rounding).
+pub(super) const HELD_AGAIN: f64 = 1e-6;
+
 impl Motion {
     /// Slip velocity of the contact point in the lean frame, m/s; in flight, the velocity of the lowest point.
     #[inline]

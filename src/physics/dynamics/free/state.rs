@@ -5,7 +5,9 @@ use crate::physics::dynamics::holding::Resting;
 use crate::physics::dynamics::integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, TermIntegrals};
 use crate::physics::dynamics::lean::{Lean, quaternion};
 use crate::physics::dynamics::model::Model;
-use crate::physics::dynamics::motion::{DEPARTING, Departing, Motion, NO_SLIP, is_departing};
+use crate::physics::dynamics::motion::{
+    DEPARTING, Departing, HELD_AGAIN, Motion, NO_SLIP, is_departing,
+};
 use crate::physics::dynamics::reaction::{ContactArm, FreeBody, Inertia, Reaction};
 use crate::physics::dynamics::support::Phase;
 use crate::physics::friction::{
@@ -14,10 +16,6 @@ use crate::physics::friction::{
 use crate::physics::kinematics::Tilt;
 use crate::physics::math::{atan2, hypot};
 use nalgebra::{Quaternion, Vector3};
-
-/// A slowly slipping contact point sticks again, instead of departing, if friction can hold it with this relative
-/// margin (well above rounding).
-pub(super) const HELD_AGAIN: f64 = 1e-6;
 
 /// Rates about the vertical below this count as zero where a phase begins, rad/s.
 const NO_TURNING: f64 = NO_ROLLING;

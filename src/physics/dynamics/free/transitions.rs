@@ -16,6 +16,10 @@ use nalgebra::Vector3;
 /// rounding.
 const FIRST_TURN: f64 = 0.01;
 
+/// A peg jams when its mobility (see [`Guard::Mobility`](super::Guard::Mobility)) falls to this value; the normal force is
+/// then a million times the frictionless one.
+pub(super) const JAMMED: f64 = 1e-6;
+
 /// The beginning of a phase after a flying peg has come down to the table.
 pub(super) struct Contact<const N: usize> {
     pub(super) formulation: FreeRotation,
@@ -34,11 +38,41 @@ impl FreeRotation {
             departure: Some(Departure::GivingWay),
             ..self.slipping()
         };
-        if reaction.normal > 0.0 && sliding.reaction(&sliding.parts(y)).normal > 0.0 {
-            sliding
+        if reaction.normal > 0.0 {
+            sliding.slides_or_flies(y)
         } else {
             self.with_phase(Phase::Flying)
         }
+    }
+
+    /// These equations of sliding, or those of flight if the table would have to pull the peg.
+    ///
+    /// A peg that [jams](Self::is_jammed) can do neither, and keeps the equations of sliding.
+    fn slides_or_flies<const N: usize>(self, y: &[f64; N]) -> Self {
+        let flying = self.with_phase(Phase::Flying);
+        let slides = if self.is_jamming(y) {
+            // A normal force that pulls the peg into the table is positive where the peg would rise without it. The peg
+            // then rises, because the smallest disturbance of that force grows.
+            self.body(self.parts(y).tilt).flying_acceleration().z < 0.0
+        } else {
+            self.reaction(&self.parts(y)).normal > 0.0
+        };
+        if slides { self } else { flying }
+    }
+
+    /// Whether friction that slides turns every normal force into one that pulls the peg into the table.
+    fn is_jamming<const N: usize>(&self, y: &[f64; N]) -> bool {
+        let parts = self.parts(y);
+        let velocity = parts.contact_velocity();
+        let slip = Vector3::new(velocity.x, velocity.y, 0.0);
+        let departing = self.departing(&parts.tilt, &slip);
+        let body = self.body(parts.tilt).departing(departing.as_ref());
+        body.mobility(&departing.map_or(slip, |departing| departing.slip)) <= JAMMED
+    }
+
+    /// Whether a peg that has begun to slide is jammed: it presses on the table, and no normal force can keep it out.
+    pub(super) fn is_jammed<const N: usize>(&self, y: &[f64; N]) -> bool {
+        self.phase == Phase::Sliding && self.is_jamming(y)
     }
 
     /// The phase of a peg on the table whose contact point slips or is `at_rest`.
@@ -77,7 +111,8 @@ impl FreeRotation {
         let slip = Vector3::new(velocity.x, velocity.y, 0.0);
         let release = self.body(parts.tilt).released(resting, &slip);
         if release.normal <= 0.0 {
-            return self.with_phase(Phase::Flying);
+            // Without a load, friction holds nothing.
+            return self.slides_or_flies(y);
         }
         let branch = self.model.friction.branch;
         let branch = Branch {
@@ -140,11 +175,7 @@ impl FreeRotation {
             };
             sliding.departure = Some(Departure::Toward(direction));
         }
-        if sliding.reaction(&parts).normal > 0.0 {
-            sliding
-        } else {
-            self.with_phase(Phase::Flying)
-        }
+        sliding.slides_or_flies(y)
     }
 
     /// The phase after rolling resistance has given way to the torque that held the top.
@@ -176,9 +207,22 @@ impl FreeRotation {
         }
     }
 
-    /// Whether the top no longer moves.
+    /// Whether the top no longer moves: friction holds it, or it stands upright without motion and needs no holding.
     pub(super) fn rests<const N: usize>(&self, y: &[f64; N]) -> bool {
-        self.stands(y) && self.held().rocking && self.parts(y).tilt.omega_lean.z == 0.0
+        if !self.stands(y) {
+            return false;
+        }
+        if self.held().rocking {
+            return self.parts(y).tilt.omega_lean.z == 0.0;
+        }
+        self.derivative(0.0, y)[..CONTROLLED]
+            .iter()
+            .all(|rate| *rate == 0.0)
+    }
+
+    /// The transition to a phase in which the top doesn't rock: it rests or pivots. `None` if it rocks.
+    pub(super) fn stopping<const N: usize>(&self, y: &[f64; N]) -> Option<Transition> {
+        (self.held().rocking || self.rests(y)).then(|| self.pivoting(y))
     }
 
     /// The transition to a phase in which friction holds a top that doesn't rock.
@@ -296,11 +340,7 @@ impl FreeRotation {
 
     /// The transition to a phase on the table.
     fn landing<const N: usize>(&self, y: &[f64; N]) -> Transition {
-        if self.held().rocking {
-            self.pivoting(y)
-        } else {
-            Transition::Lands
-        }
+        self.stopping(y).unwrap_or(Transition::Lands)
     }
 
     /// The state and next phase after a contact without approach velocity. If the peg stays in flight, the contact was
