@@ -366,7 +366,7 @@ impl FreeRotation {
         let beginning = match self.model.friction.branch.rocking {
             Rocking::Starting(direction) => Some(direction),
             Rocking::GivingWay => Some(body.rocking_direction(self.phase, slip)),
-            Rocking::Any | Rocking::Held => None,
+            Rocking::Any | Rocking::Along(_) | Rocking::Held => None,
         };
         if let Some(direction) = beginning {
             let reaction = reaction();

@@ -5,9 +5,10 @@
 //! the wrench `λ` of the contact. A component that moves has a friction proportional to the normal force. A component
 //! that is held has no acceleration, and its friction follows from that.
 
+use super::motion::HELD_AGAIN;
 use super::reaction::{FreeBody, Reaction};
 use super::support::Phase;
-use crate::physics::friction::{Branch, NO_ROLLING, Rocking, Turning, Wrench};
+use crate::physics::friction::{Branch, Rocking, Turning, Wrench};
 use crate::physics::math::hypot;
 use nalgebra::{Matrix6, Vector3, Vector6};
 
@@ -20,6 +21,13 @@ const TURNING: usize = 5;
 const MAX_ITERATIONS: u32 = 20_000;
 /// Relative change of the forces at which the iteration has converged.
 const CONVERGED: f64 = 1e-14;
+
+/// Rocking rate from which rolling resistance that has given way is that of the law, rad/s.
+///
+/// Below it, the law would turn the rotation into the direction of the load within a time proportional to the rate, which
+/// an explicit method has to resolve, as for [`GIVING_WAY`](crate::physics::friction::GIVING_WAY); this is the rate at
+/// which a peg of 1 cm slips at that speed.
+const GIVING_WAY_RATE: f64 = 1e-5;
 
 /// Components of the contact's motion that are zero at an instant, and have set-valued friction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -96,25 +104,39 @@ impl FreeBody<'_> {
         }
     }
 
-    /// Whether rolling resistance has given way, but the top rocks too slowly to define a direction.
+    /// Whether rolling resistance has given way, but the top rocks too slowly for the law to give its direction.
     #[inline(always)]
     pub(super) fn begins_to_rock(&self) -> bool {
         let omega = &self.tilt.omega_lean;
-        self.friction.branch.rocking == Rocking::GivingWay && hypot(omega.x, omega.y) < NO_ROLLING
+        self.friction.branch.rocking == Rocking::GivingWay
+            && hypot(omega.x, omega.y) < GIVING_WAY_RATE
     }
 
-    /// The direction in which the top begins to rock where rolling resistance gives way: against the torque that would
-    /// hold it, lean frame.
+    /// The direction of rocking that rolling resistance opposes where it gives way, lean frame: that of the rotation,
+    /// turned against the torque that would hold the top, the more the slower the rotation is.
     pub(super) fn rocking_direction(&self, phase: Phase, slip: &Vector3<f64>) -> Vector3<f64> {
-        let couple = self.rocking_as(Rocking::Held, phase, slip).friction.couple;
-        -Vector3::new(couple.x, couple.y, 0.0).normalize()
+        let held = self.rocking_as(Rocking::Held, phase, slip);
+        let couple = Vector3::new(held.friction.couple.x, held.friction.couple.y, 0.0);
+        let omega = Vector3::new(self.tilt.omega_lean.x, self.tilt.omega_lean.y, 0.0);
+        let (strength, rate) = (couple.norm(), omega.norm());
+        let bound = self.friction.rolling_arm() * held.normal;
+        if rate > 0.0 && strength < bound * (1.0 - HELD_AGAIN) {
+            // Friction in the direction of the load would push the top backward.
+            return omega / rate;
+        }
+        let load = -couple / strength;
+        if rate == 0.0 {
+            return load;
+        }
+        let share = rate / GIVING_WAY_RATE;
+        ((1.0 - share) * load + share / rate * omega).normalize()
     }
 
     /// The reaction on a top that begins to rock.
     #[cold]
     pub(super) fn rocking_reaction(&self, phase: Phase, slip: &Vector3<f64>) -> Reaction {
         let direction = self.rocking_direction(phase, slip);
-        self.rocking_as(Rocking::Starting(direction), phase, slip)
+        self.rocking_as(Rocking::Along(direction), phase, slip)
     }
 
     /// The reaction on another branch of rolling resistance.

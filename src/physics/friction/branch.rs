@@ -37,6 +37,8 @@ pub enum Rocking {
     Any,
     /// Starting from zero, about this horizontal unit vector (lean frame).
     Starting(Vector3<f64>),
+    /// Slow, resisted about this horizontal unit vector (lean frame).
+    Along(Vector3<f64>),
     /// Starting from zero where friction gives way gradually: against the torque that would still hold the top.
     GivingWay,
     /// Zero, held by friction.

@@ -98,6 +98,7 @@ impl Losses {
             Rocking::Starting(direction) if rate < NO_ROLLING => {
                 self.rolling_arm * normal_force * direction.xy()
             }
+            Rocking::Along(direction) => self.rolling_arm * normal_force * direction.xy(),
             Rocking::Any | Rocking::Starting(_) | Rocking::GivingWay if rate > 0.0 => {
                 let per_rate = self.rolling_arm * normal_force / rate;
                 Vector2::new(per_rate * omega.x, per_rate * omega.y)

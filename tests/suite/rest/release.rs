@@ -226,6 +226,33 @@ fn val_many_random_releases_agree_with_regularised_friction() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// Took 102,000 steps a second once: the load of rolling resistance exceeds its bound by little at first.
+#[test]
+fn slowly_overloaded_rolling_resistance_takes_few_steps() {
+    let mut keys = ENDLESS.to_vec();
+    keys.extend([
+        ("initial.theta", "0.07620288173424761"),
+        ("initial.phi_dot", "14.384035466779084"),
+        ("initial.psi_dot", "0"),
+        ("friction.law", "viscous"),
+        ("friction.k", "0.9203528931682238"),
+        ("friction.viscous_speed", "0.5"),
+        ("rolling.arm", "0.0014569723203383758"),
+        ("stop.duration", "0.3"),
+    ]);
+    let found = outcome(&scenario("free-paper", &keys), || true).unwrap();
+    let steps = found.end.statistics.accepted;
+    assert!(steps < 5000, "{steps} steps");
+    // With the law from 1e-9 rad/s on, in 30,778 steps, whose errors of up to 1e-12 add up to this at most.
+    let [omega_y, tolerance] = [2.7778610137509245, 30_778.0 * 1e-12];
+    assert_near(
+        "ω_y",
+        found.end.motion.tilt.omega_lean.y,
+        omega_y,
+        tolerance,
+    );
+}
+
 /// A top that is dropped upright does not move any more.
 #[test]
 fn landing_at_rest_is_no_rolling() {

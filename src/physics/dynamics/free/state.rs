@@ -143,7 +143,7 @@ impl FreeRotation {
                 let rate = momentum.z / central.vertical_moment(lean.sin, lean.cos);
                 Vector3::new(0.0, 0.0, rate)
             }
-            (Rocking::Any | Rocking::Starting(_) | Rocking::GivingWay, _) => {
+            (Rocking::Any | Rocking::Starting(_) | Rocking::Along(_) | Rocking::GivingWay, _) => {
                 central.rocking_rate(&momentum, lean.sin, lean.cos)
             }
         }
