@@ -32,7 +32,7 @@ pub enum SimulationError {
     },
     /// Very many steps hardly advance the run.
     #[error(
-        "the simulation stalled at t = {time:?} s, {contact}: {steps} steps advanced it by less than {advance} s (the friction law is too steep)"
+        "the simulation stalled at t = {time:?} s, {contact}: {steps} steps advanced it by less than {advance} s and turned the top by {turn:.1e} rad each"
     )]
     TinySteps {
         /// Time, s.
@@ -43,6 +43,9 @@ pub enum SimulationError {
         steps: u32,
         /// The time that they should have advanced the run, s.
         advance: f64,
+        /// The angle by which a step turned the top on average, rad. It is large where the motion is fast, and small where
+        /// the forces change much faster than the top moves.
+        turn: f64,
     },
     /// Very many phases hardly advance the run.
     #[error(

@@ -24,11 +24,13 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    /// Records a step to a time, s; fails if the run has stalled.
+    /// Records a step to a time, s; fails if the run has stalled. `turning_rate` computes the angular speed of the top
+    /// now, rad/s.
     pub(super) fn record_step(
         &mut self,
         time: f64,
         contact: ContactPhase,
+        turning_rate: impl FnOnce() -> f64,
     ) -> Result<(), SimulationError> {
         let (steps, since) = &mut self.steps;
         *steps += 1;
@@ -42,6 +44,7 @@ impl Progress {
                 contact,
                 steps: STALLED_STEPS,
                 advance: STALLED_TIME,
+                turn: turning_rate() * (time - *since) / f64::from(STALLED_STEPS),
             });
         }
         self.steps = (0, time);
@@ -72,5 +75,31 @@ impl Progress {
                 contacts: std::mem::take(&mut self.contacts),
             })
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::dynamics::Phase;
+
+    #[test]
+    fn stalls_state_what_was_measured() {
+        let contact = ContactPhase {
+            phase: Phase::Sliding,
+            is_free: false,
+        };
+        // Steps of 40 ns at 1e6 rad/s turn the top by 0.04 rad each.
+        let mut progress = Progress::default();
+        let stalled = (1..=STALLED_STEPS).find_map(|step| {
+            let time = 4e-8 * f64::from(step);
+            progress.record_step(time, contact, || 1e6).err()
+        });
+        let message = stalled.unwrap().to_string();
+        assert!(
+            message.ends_with("turned the top by 4.0e-2 rad each"),
+            "{message}"
+        );
+        assert!(!message.contains("friction"), "{message}");
     }
 }

@@ -159,7 +159,13 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let stepped = self.integrator.step_densely();
         let time = self.integrator.t();
         stepped.map_err(|source| integration_error(self.integrator.system(), time, source))?;
-        self.progress.record_step(time, contact)?;
+        let system = self.integrator.system();
+        let turning_rate = || {
+            let state = self.integrator.y();
+            let motion = system.motion_without_turns(state, self.reference);
+            motion.tilt.omega_lean.norm()
+        };
+        self.progress.record_step(time, contact, turning_rate)?;
         let dense = self.integrator.dense();
         let mut crossings = self.crossings(&dense);
         self.discard_unfinished_reversal(&dense, &mut crossings);
