@@ -1,6 +1,7 @@
 //! The simulation loop: take a step, locate events, yield records in time order.
 
 mod sampling;
+mod unfinished;
 
 use super::error::{ContactPhase, SimulationError};
 use super::event::{EventKind, StopReason, UPRIGHT, consequences};
@@ -168,7 +169,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         self.progress.record_step(time, contact, turning_rate)?;
         let dense = self.integrator.dense();
         let mut crossings = self.crossings(&dense);
-        self.discard_unfinished_reversal(&dense, &mut crossings);
+        self.discard_unfinished_turns(&dense, &mut crossings);
         let mut crossings = crossings.into_iter();
         for (s, kind, slope) in crossings.by_ref() {
             self.handle_zero(&dense, s, kind, slope)?;
@@ -180,60 +181,6 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         self.end_at_duration(&dense);
         self.dense = Some(dense);
         Ok(())
-    }
-
-    /// Discards a reversal of the precession just before the end of the phase, if the precession doesn't leave its noise
-    /// in the rest of the phase. Only equations that no longer apply would reverse it: it may stop for good, and if it
-    /// does reverse, the next phase finds that.
-    fn discard_unfinished_reversal(
-        &mut self,
-        dense: &Dense<N>,
-        crossings: &mut Vec<(f64, ZeroKind, Slope)>,
-    ) {
-        let Some(end) = crossings.iter().position(ends_phase) else {
-            return;
-        };
-        // Before an earlier reversal is reversed, it has left the noise.
-        let Some(last) = crossings[..end]
-            .iter()
-            .rposition(|(_, kind, _)| *kind == ZeroKind::Precession)
-        else {
-            return;
-        };
-        let Some(at) = self
-            .watches
-            .iter()
-            .position(|watch| watch.kind == ZeroKind::Precession)
-        else {
-            return;
-        };
-        let (start, kind, slope) = crossings[last];
-        let rest = crossings[end].0 - start;
-        let motions = KNOTS.map(|knot| self.motion_without_integrals(dense, start + knot * rest));
-        let tracker = self.watches[at].tracker;
-        let values = kind.values(self.integrator.system(), self.sense, &motions);
-        let leaves_noise = match slope {
-            Slope::Rising => values.iter().any(|value| *value > tracker.floor()),
-            Slope::Falling => values.iter().any(|value| *value < -tracker.floor()),
-        };
-        if !leaves_noise {
-            self.watches[at].tracker = tracker.before(slope);
-            crossings.remove(last);
-        }
-    }
-
-    /// Resets the trackers of crossings that are discarded because the step ends early.
-    fn reset_trackers(
-        &mut self,
-        crossings: impl DoubleEndedIterator<Item = (f64, ZeroKind, Slope)>,
-    ) {
-        // In reverse order, so that the sign before the first crossing remains.
-        for (_, kind, slope) in crossings.rev() {
-            let watch = self.watches.iter_mut().find(|watch| watch.kind == kind);
-            if let Some(watch) = watch {
-                watch.tracker = watch.tracker.before(slope);
-            }
-        }
     }
 
     /// All zeros of the watched functions in a step, in time order.
@@ -640,11 +587,6 @@ fn integration_error<F: Formulation<N>, const N: usize>(
         contact: contact_phase(system),
         source,
     }
-}
-
-/// Whether a crossing ends the phase.
-fn ends_phase((_, kind, slope): &(f64, ZeroKind, Slope)) -> bool {
-    matches!(kind, ZeroKind::Guard(_)) && *slope == Slope::Falling
 }
 
 /// The motion after an impact or after coming to rest; `None` if the phase begins without a change.

@@ -9,7 +9,8 @@ use std::f64::consts::FRAC_PI_2;
 /// Noise floors of θ̇ (rad/s) and θ̈ (rad/s²); smaller values are rounding errors.
 const NUTATION_FLOOR: (f64, f64) = (1e-10, 1e-8);
 
-/// A reversal of the precession counts only beyond this many standard deviations of the integration error.
+/// A reversal of the precession, or an extreme of θ at the end of a phase, counts only beyond this many standard
+/// deviations of the integration error.
 const REVERSAL_DEVIATIONS: f64 = 3.0;
 
 /// Noise floor of φ̇ sin² θ after a number of steps, rad/s: the integration error that may have accumulated by then.
@@ -27,6 +28,12 @@ pub(super) fn precession_floor(tolerances: &Tolerances, steps: u64, motions: &[M
         largest = if error > largest { error } else { largest };
     }
     REVERSAL_DEVIATIONS * (steps as f64).sqrt() * largest
+}
+
+/// Noise floor of θ after a number of steps, rad: the integration error of the direction of the axis that may have
+/// accumulated by then, as in [`precession_floor`].
+pub(super) fn inclination_floor(tolerances: &Tolerances, steps: u64) -> f64 {
+    REVERSAL_DEVIATIONS * (steps as f64).sqrt() * (tolerances.absolute + tolerances.relative)
 }
 
 /// A watched function of the motion.
