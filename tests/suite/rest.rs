@@ -6,7 +6,9 @@ mod release;
 use self::regularised::{Kinetics, Regularised};
 use crate::random_scenarios::{Random, count};
 use crate::support::{Run, assert_near, scenario};
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
+use std::fmt::{self, Display, Formatter};
 use toprise::physics::kinematics::Tilt;
 use toprise::run::outcome::outcome;
 use toprise::run::scenario::{Preset, Scenario, Values};
@@ -211,28 +213,60 @@ fn compare(scenario: &Scenario) -> Comparison {
     }
 }
 
-/// Compares random tops and returns those that are wrong. Few are slow.
-fn find_wrong(seed: u64, tops: usize) -> Vec<String> {
-    let mut random = Random(seed);
-    let mut wrong = Vec::new();
-    let (mut agree, mut slow) = (0, 0);
-    let mut undecided = std::collections::BTreeMap::new();
-    for (number, scenario) in (1..=tops).zip(scenarios_near_rest(&mut random)) {
-        match compare(&scenario) {
-            Comparison::Agrees => agree += 1,
-            Comparison::Slow => slow += 1,
-            Comparison::Undecided(why) => *undecided.entry(why).or_insert(0) += 1,
+/// Results of comparisons, counted.
+#[derive(Debug, Default)]
+struct Comparisons {
+    agree: usize,
+    slow: usize,
+    undecided: BTreeMap<&'static str, usize>,
+    wrong: Vec<String>,
+}
+
+impl Comparisons {
+    /// Compares a scenario, and counts the result.
+    fn compare(&mut self, number: usize, scenario: &Scenario) {
+        match compare(scenario) {
+            Comparison::Agrees => self.agree += 1,
+            Comparison::Slow => {
+                self.slow += 1;
+                println!("slow: {number}\n{}", scenario.to_toml());
+            }
+            Comparison::Undecided(why) => *self.undecided.entry(why).or_insert(0) += 1,
             Comparison::Wrong(why) => {
-                wrong.push(format!("{number}: {why}\n{}", scenario.to_toml()));
+                self.wrong
+                    .push(format!("{number}: {why}\n{}", scenario.to_toml()));
             }
         }
     }
-    println!(
-        "{tops} tops: {agree} agree, {slow} slow, undecided {undecided:?}, {} wrong",
-        wrong.len()
-    );
+}
+
+impl Display for Comparisons {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self {
+            agree,
+            slow,
+            undecided,
+            wrong,
+        } = self;
+        write!(
+            f,
+            "{agree} agree, {slow} slow, undecided {undecided:?}, {} wrong",
+            wrong.len()
+        )
+    }
+}
+
+/// Compares random tops and returns those that are wrong. Few are slow.
+fn find_wrong(seed: u64, tops: usize) -> Vec<String> {
+    let mut random = Random(seed);
+    let mut comparisons = Comparisons::default();
+    for (number, scenario) in (1..=tops).zip(scenarios_near_rest(&mut random)) {
+        comparisons.compare(number, &scenario);
+    }
+    println!("{tops} tops: {comparisons}");
+    let slow = comparisons.slow;
     assert!(RARE * slow <= tops, "{slow} of {tops} are slow");
-    wrong
+    comparisons.wrong
 }
 
 fn assert_none(wrong: &[String]) {
@@ -255,7 +289,7 @@ fn val_many_random_tops_agree_with_regularised_friction() {
 fn many_random_tops_near_rest_finish() {
     let mut random = Random(3);
     let tops = count().unwrap_or(10_000);
-    let (mut ends, mut failed) = (std::collections::BTreeMap::new(), Vec::new());
+    let (mut ends, mut failed) = (BTreeMap::new(), Vec::new());
     for (number, scenario) in (1..=tops).zip(scenarios_near_rest(&mut random)) {
         let limit = MAX_STEPS * scenario.stop.duration.unwrap();
         let mut steps = 0.0;
@@ -264,7 +298,16 @@ fn many_random_tops_near_rest_finish() {
             steps <= limit
         });
         match result {
-            Ok(found) => *ends.entry(found.end.stop.name()).or_insert(0) += 1,
+            Ok(found) => {
+                *ends.entry(found.end.stop.name()).or_insert(0) += 1;
+                if found.end.stop == StopReason::Interrupted {
+                    println!(
+                        "slow: {number}: at {} s\n{}",
+                        found.end.time,
+                        scenario.to_toml()
+                    );
+                }
+            }
             Err(error) => failed.push(format!("{number}: {error}\n{}", scenario.to_toml())),
         }
     }

@@ -1,8 +1,9 @@
 //! Contacts that friction holds for a while and then lets go.
 
-use super::{Comparison, MAX_STEPS, compare};
+use super::{Comparisons, MAX_STEPS};
 use crate::random_scenarios::{Random, count};
 use crate::support::{Run, assert_near, scenario};
+use std::collections::BTreeMap;
 use toprise::physics::friction::FrictionLaw;
 use toprise::run::outcome::outcome;
 use toprise::run::scenario::{Preset, Scenario, Values};
@@ -167,9 +168,8 @@ fn set_rolling(random: &mut Random, values: &mut Values) -> Vec<(&'static str, f
 /// Compares random motions with a release to the regularised model; returns those that are wrong.
 fn find_wrong_releases(seed: u64, wanted: usize) -> Vec<String> {
     let mut random = Random(seed);
-    let (mut agree, mut slow, mut wrong) = (0, 0, Vec::new());
-    let mut undecided = std::collections::BTreeMap::new();
-    let mut kinds = std::collections::BTreeMap::new();
+    let mut comparisons = Comparisons::default();
+    let mut kinds = BTreeMap::new();
     let mut number = 0;
     while number < wanted {
         let Some(scenario) = scenario_of_a_release(&mut random) else {
@@ -194,23 +194,14 @@ fn find_wrong_releases(seed: u64, wanted: usize) -> Vec<String> {
         *kinds
             .entry((scenario.model.support.is_free(), is_patch))
             .or_insert(0) += 1;
-        match compare(&scenario) {
-            Comparison::Agrees => agree += 1,
-            Comparison::Slow => slow += 1,
-            Comparison::Undecided(why) => *undecided.entry(why).or_insert(0) += 1,
-            Comparison::Wrong(why) => {
-                wrong.push(format!("{number}: {why}\n{}", scenario.to_toml()));
-            }
-        }
+        comparisons.compare(number, &scenario);
     }
-    println!(
-        "{wanted} releases, by (free, patch) {kinds:?}: {agree} agree, {slow} slow, undecided {undecided:?}, {} wrong",
-        wrong.len()
-    );
+    println!("{wanted} releases, by (free, patch) {kinds:?}: {comparisons}");
+    let Comparisons { agree, slow, .. } = comparisons;
     // Steps are short while slip is slow: in proportion to the time that a load takes to exceed its bound by some factor.
     assert!(5 * slow <= wanted, "{slow} of {wanted} are slow");
     assert!(2 * agree > wanted, "{agree} of {wanted} agree");
-    wrong
+    comparisons.wrong
 }
 
 #[test]
