@@ -51,6 +51,7 @@ mod rerun;
 mod rerun_pair;
 mod rest;
 mod scenarios;
+mod similarity;
 mod support;
 #[cfg(feature = "sweep")]
 mod sweep;
