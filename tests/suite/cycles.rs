@@ -59,7 +59,7 @@ fn val_the_period_of_nutation_of_any_amplitude() {
 }
 
 #[test]
-fn a_fall_is_no_nutation() {
+fn fall_is_not_a_nutation() {
     // Of the presets those that fall: what lasted 9 to 100 times as long as a nutation was a cycle once.
     for (preset, count) in [("lifecycle", 614), ("paper-spin-term-only", 322)] {
         let scenario = scenario(preset, &[]);
@@ -79,7 +79,7 @@ fn a_fall_is_no_nutation() {
 /// An impact shifts the phase of the nutation. What lies between it and a maximum of θ̇, or between two maxima half a
 /// nutation apart, is no nutation: its mean φ̇ was up to 15.2 rad/s, nine times that of the motion.
 #[test]
-fn parts_of_a_nutation_at_impacts_are_no_cycles() {
+fn nutations_cut_by_impacts_are_not_cycles() {
     for restitution in ["1", "0.9", "0.5"] {
         let scenario = scenario("free-paper", &[("support.restitution", restitution)]);
         let run = Run::of(&scenario);
@@ -120,7 +120,7 @@ fn parts_of_a_nutation_at_impacts_are_no_cycles() {
 }
 
 #[test]
-fn envelopes_are_those_of_a_much_finer_sampling() {
+fn envelopes_match_finer_sampling() {
     for preset in [
         "paper",
         "full-coulomb",
@@ -220,7 +220,7 @@ fn assert_ranges_are_tight(scenario: &Scenario) -> usize {
 }
 
 #[test]
-fn val_the_ranges_of_rates_are_those_of_a_much_finer_sampling() {
+fn val_rate_ranges_match_finer_sampling() {
     let drop = scenario("drop", &[("stop.duration", "0.1")]);
     let thrown = [("initial.theta_dot", "10"), ("friction.k", "0.05")];
     let thrown = scenario("free-paper", &thrown);
@@ -257,7 +257,7 @@ fn val_the_terms_add_up_to_the_change_of_the_rate() {
 }
 
 #[test]
-fn a_recording_names_its_telemetry_and_its_form() {
+fn recording_names_telemetry_version_and_form() {
     let directory = tempdir().unwrap();
     let scenario = scenario("paper", &[("stop.duration", "0.1")]);
     for (name, topics, form) in [

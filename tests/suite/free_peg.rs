@@ -86,7 +86,7 @@ fn start_of_impact(model: &Model, command: &str) -> Start {
 }
 
 #[test]
-fn val_impacts_are_those_computed_by_others() {
+fn val_impacts_match_independent_integration() {
     for truth in reference()["single_impacts"].as_array().unwrap() {
         let command = truth["input"].as_str().unwrap();
         let (model, motion, hit) = hit(command);
@@ -393,7 +393,7 @@ fn val_little_friction_ends_in_rolling() {
 }
 
 #[test]
-fn val_the_papers_top_hops_fifty_times() {
+fn val_paper_top_hops_fifty_times() {
     validate("coulomb mu=0.03 e=0");
     validate("coulomb-sqrt mu=0.03 v_eps=0.007 e=0");
 }
@@ -423,7 +423,7 @@ fn val_viscous_friction_lets_the_top_rise() {
 }
 
 #[test]
-fn val_tippe_tops_turn_over_or_hang() {
+fn val_tippe_tops_invert_or_hang() {
     validate("tippe viscous 0.3 n0=80");
     validate("tippe coulomb mu=0.3 n0=80");
 }
@@ -441,7 +441,7 @@ fn val_rolling_tops() {
 }
 
 #[test]
-fn what_a_support_does_not_allow_is_refused() {
+fn rejects_keys_of_the_other_support() {
     let refused = |changes: &[(&str, &str)]| {
         let preset = Preset::find("full-coulomb").unwrap();
         let mut values = preset.values().unwrap();
@@ -482,7 +482,7 @@ fn what_a_support_does_not_allow_is_refused() {
 }
 
 #[test]
-fn saying_that_the_peg_is_fixed_changes_nothing() {
+fn fixed_peg_is_the_default() {
     let silent = scenario("paper", &[]);
     let told = scenario("paper", &[("support.kind", "fixed")]);
     assert_eq!(told, silent);
@@ -490,7 +490,7 @@ fn saying_that_the_peg_is_fixed_changes_nothing() {
 }
 
 #[test]
-fn trains_of_bounces_end_whatever_the_restitution() {
+fn bouncing_ends_at_any_restitution() {
     for e in ["0.0", "0.3", "0.9", "0.99"] {
         let run = Run::with(
             "drop",
@@ -508,7 +508,7 @@ fn trains_of_bounces_end_whatever_the_restitution() {
 
 /// Where φ̇ and θ̇ jump at an impact, and where a step is left before its end, events still come where the motion has them.
 #[test]
-fn events_are_those_of_the_motion_where_phases_change() {
+fn events_have_the_motion_at_phase_changes() {
     let bouncing = [
         ("initial.height", "1.0"),
         ("support.restitution", "0.5"),
@@ -668,7 +668,7 @@ fn val_shallow_hops_and_slow_departures() {
 /// Slip that began where friction gave way, and that comes back to rest where friction could hold the point again, ends
 /// there: at the same time for all tolerances. It went on for ever in steps of 1e-14 s, with large tolerances of 1e-7 s.
 #[test]
-fn slip_that_comes_back_to_rest_ends() {
+fn returning_slip_ends_in_rolling() {
     let rolls = |tolerance: &str, keys: &[(&str, &str)]| {
         let common = [
             ("integrator.relative_tolerance", tolerance),
@@ -709,7 +709,7 @@ fn slip_that_comes_back_to_rest_ends() {
 
 /// A peg at rest that only rounding prevents friction from holding, until a moment later. The run used to stall.
 #[test]
-fn a_peg_that_is_almost_held_rolls() {
+fn barely_held_peg_rolls() {
     let keys = [
         ("friction.k", "0.14344591281778846"),
         ("initial.theta", "1.4183426996258919"),
@@ -750,7 +750,7 @@ fn a_peg_lifts_off_at_loose_tolerances_too() {
 
 /// Where an impact ends the run, its end is behind the impact.
 #[test]
-fn a_run_that_a_landing_ends_ends_behind_it() {
+fn run_ended_by_landing_has_motion_after_impact() {
     let run = |keys: &[(&str, &str)]| {
         let common = [("support.restitution", "0"), ("friction.k", "1.5")];
         let scenario = scenario("drop", &[&common, keys].concat());
@@ -778,7 +778,7 @@ fn a_run_that_a_landing_ends_ends_behind_it() {
 /// P. Painlevé's paradox, C. R. Acad. Sci. 121 (1895) 112: where `W_zz = k W_xz d_x` no normal force keeps the peg out of
 /// the table. `W` is the inverse inertia at the point of contact, `d` the direction of the slip, x that of the lean.
 #[test]
-fn val_a_peg_jams_where_no_normal_force_holds_it() {
+fn val_peg_jams_where_mobility_vanishes() {
     let keys = [
         ("friction.k", "3"),
         ("initial.theta", "1.3"),

@@ -164,7 +164,7 @@ fn time_dependent_equations_are_integrated() {
 /// The bits of a result: a change of a coefficient, of the order of an addition or of the step control
 /// shows here, and so does a machine that calculates differently.
 #[test]
-fn the_bits_are_the_same_everywhere() {
+fn regress_bits_are_platform_independent() {
     let mut integrator = start(oscillator(), 0.0, [1.0, 0.0], 1e-12);
     for _ in 0..100 {
         integrator.step().unwrap();
@@ -374,7 +374,7 @@ fn pleiades(y: &[f64; 28]) -> [f64; 28] {
 /// The end is the one of the Test Set for IVP Solvers (F. Mazzia, C. Magherini, problem PLEI), which
 /// agrees with the figures of the book. Close encounters magnify errors some thousand times.
 #[test]
-fn pleiades_end_where_the_literature_says() {
+fn pleiades_end_at_published_positions() {
     let mut y0 = [0.0; 28];
     y0[..14].copy_from_slice(&[
         3.0, 3.0, -1.0, -3.0, 2.0, -2.0, 2.0, 3.0, -3.0, 2.0, 0.0, 0.0, -4.0, 4.0,
@@ -437,7 +437,7 @@ impl ivp::prelude::FirstOrderSystem for TopForIvp {
 /// The crate `ivp` chooses other steps, so that the two differ by their errors. Those of the spin angle
 /// ψ (170 rad/s) and of ψ̇ are the largest: a relative error of 1e-12 per step of 2.4 ms.
 #[test]
-fn the_top_moves_as_with_crate_ivp() {
+fn top_moves_as_with_crate_ivp() {
     use ivp::prelude::{Ivp, Method};
     let times: Vec<f64> = (0..=200).map(|i| f64::from(i) * 0.01).collect();
     let solution = Ivp::first_order(&TopForIvp, 0.0, 2.0, &TOP_START)
@@ -521,7 +521,7 @@ fn quadratures_do_not_influence_the_motion() {
 }
 
 #[test]
-fn a_short_run_is_a_prefix_of_a_long_one_however_it_is_sampled() {
+fn short_run_is_prefix_of_long_run_at_any_sampling() {
     let mut sampled = start(non_autonomous(), 0.0, [1.0], 1e-10);
     let mut plain = start(non_autonomous(), 0.0, [1.0], 1e-10);
     for i in 0..100 {
@@ -653,7 +653,7 @@ fn val_dense_output_keeps_to_the_tolerances_over_the_papers_top() {
 
 /// Two oscillators in one are what the equations of a top come to.
 #[test]
-fn val_the_defect_of_the_dense_output_tells_its_error() {
+fn val_dense_output_defect_estimates_error() {
     let (top, state) = fast_precession();
     let (least, most) = dense_errors(top, state, 1e-9, 0.3, unchecked).defect_per_error;
     assert!(least > 2.3 && most < 3.8, "{least} {most}");
@@ -691,7 +691,7 @@ impl System<1> for Counting {
 }
 
 #[test]
-fn statistics_tell_the_truth_and_steps_do_not_grow_after_rejections() {
+fn statistics_count_steps_and_rejections() {
     let mut integrator = start(Counting(Cell::new(0)), 0.0, [1.0], 1e-10);
     assert_eq!(integrator.statistics().evaluations, 2);
     let (mut shortest, mut longest) = (f64::INFINITY, 0.0);
@@ -763,7 +763,7 @@ impl System<2> for DivergingQuadrature {
 }
 
 #[test]
-fn what_is_not_finite_is_an_error() {
+fn rejects_non_finite_values() {
     let mut integrator = start(DivergingQuadrature, 0.0, [1.0, 0.0], 1e-10);
     let error = first_error(&mut integrator);
     let is_behind = matches!(error, IntegrateError::NonFiniteState { t } if t >= 1.0);
@@ -854,7 +854,7 @@ fn a_single_zero_is_located_to_an_ulp_with_few_evaluations() {
 
 /// A function whose zero bisection finds in 52 evaluations and the secant in thousands.
 #[test]
-fn flat_and_steep_functions_do_not_take_long() {
+fn flat_and_steep_functions_need_few_evaluations() {
     let functions: [fn(f64) -> f64; 4] = [
         |s| {
             let x = s - 0.3;
@@ -919,7 +919,7 @@ fn two_zeros_of_a_sinusoid_are_found() {
 }
 
 #[test]
-fn many_zeros_in_one_interval_are_found() {
+fn finds_many_zeros_in_one_interval() {
     let found = zeros(|s| (s - 0.26) * (s - 0.36) * (s - 0.49));
     let expected = [
         (0.26, Slope::Rising),
@@ -930,7 +930,7 @@ fn many_zeros_in_one_interval_are_found() {
 }
 
 #[test]
-fn touching_zero_is_no_crossing() {
+fn touching_zero_is_not_a_crossing() {
     for middle in [0.0, 0.25, 0.4, 0.5, 0.9, 1.0] {
         assert_eq!(zeros(|s| (s - middle) * (s - middle)), []);
         assert_eq!(zeros(|s| -(s - middle) * (s - middle) - 1e-18), []);
@@ -977,7 +977,7 @@ fn a_sign_that_changes_in_the_rounding_between_steps_is_found() {
 }
 
 #[test]
-fn a_start_at_zero_takes_its_first_sign_silently() {
+fn first_sign_after_zero_is_not_a_crossing() {
     assert_eq!(zeros(|s| s), []);
     assert_eq!(zeros(|s| -s), []);
     let mut tracker = SignTracker::default();
@@ -1038,7 +1038,7 @@ fn nan_between(from: f64, to: f64, s: f64) -> f64 {
 }
 
 #[test]
-fn numbers_that_are_none_neither_loop_nor_panic() {
+fn nan_input_terminates() {
     type Function = fn(f64) -> f64;
     let bad: [(Function, usize); 6] = [
         (|_| f64::NAN, 0),
@@ -1057,7 +1057,7 @@ fn numbers_that_are_none_neither_loop_nor_panic() {
 
 /// A pseudo-random sign at every point: hostile, but bounded.
 #[test]
-fn no_function_takes_more_than_the_promised_evaluations() {
+fn evaluations_are_bounded() {
     for seed in 0..50_u64 {
         let g = |s: f64| {
             let mixed = (s.to_bits() ^ seed).wrapping_mul(0x9E37_79B9_7F4A_7C15);
@@ -1076,7 +1076,7 @@ proptest! {
     /// All zeros of a cubic over three steps, in product form so that its sign is exact: two may be as close
     /// as 1e-5, not all three.
     #[test]
-    fn all_zeros_of_random_cubics_are_found(
+    fn finds_all_zeros_of_random_cubics(
         first in -0.5..2.5_f64,
         narrow in 1e-5..0.3_f64,
         wide in 0.2..1.5_f64,

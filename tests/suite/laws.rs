@@ -109,7 +109,7 @@ fn changes(model: &Model, tilt: &Tilt) -> [f64; 3] {
 
 proptest! {
     #[test]
-    fn no_law_gives_energy(tilt in state(), law in law(), losses in losses()) {
+    fn friction_never_adds_energy(tilt in state(), law in law(), losses in losses()) {
         for part in [Dissipation::Full, Dissipation::WithoutNutationPart] {
             let mut friction = sliding_friction(law, part);
             let alone = model(friction);
@@ -204,7 +204,7 @@ proptest! {
     }
 
     #[test]
-    fn scales_that_vanish_leave_coulomb(tilt in state(), k in 0.0..2.0_f64, shape in smoothing()) {
+    fn vanishing_scales_leave_coulomb_friction(tilt in state(), k in 0.0..2.0_f64, shape in smoothing()) {
         let force = |law| sliding(law).contact(&tilt).force;
         let coulomb = force(FrictionLaw::Coulomb { k });
         let slip = sliding(FrictionLaw::None).contact(&tilt).slip_speed;
@@ -224,7 +224,7 @@ proptest! {
     }
 
     #[test]
-    fn parameters_of_zero_are_no_friction(tilt in state(), shape in smoothing(), speed in 1e-4..1.0_f64) {
+    fn zero_parameters_mean_no_friction(tilt in state(), shape in smoothing(), speed in 1e-4..1.0_f64) {
         for law in [
             FrictionLaw::None,
             FrictionLaw::Coulomb { k: 0.0 },
@@ -240,7 +240,7 @@ proptest! {
     }
 
     #[test]
-    fn laws_that_fade_are_continuous_at_rest(k in 0.0..2.0_f64, speed in 1e-3..1.0_f64, shape in smoothing(), omega in 1.0..300.0_f64) {
+    fn smooth_laws_are_continuous_at_rest(k in 0.0..2.0_f64, speed in 1e-3..1.0_f64, shape in smoothing(), omega in 1.0..300.0_f64) {
         for law in [
             FrictionLaw::Regularised { k, speed, shape },
             FrictionLaw::Viscous { k, speed },
@@ -266,7 +266,7 @@ proptest! {
     }
 
     #[test]
-    fn both_formulations_have_all_laws(tilt in state(), law in law(), losses in losses(), part in part()) {
+    fn formulations_agree_under_all_laws(tilt in state(), law in law(), losses in losses(), part in part()) {
         // The Euler accelerations turned into dL/dt are the torque: 𝕀 ω̇ + ω × L.
         let model = model(Friction { law, dissipation: part, losses: Some(losses), branch: Branch::default() });
         let contact = model.contact(&tilt);
@@ -285,7 +285,7 @@ proptest! {
     }
 
     #[test]
-    fn a_contact_at_rest_is_held_as_far_as_friction_goes(
+    fn contact_at_rest_is_held_within_static_bound(
         theta in 0.0..3.1_f64, omega in -200.0..200.0_f64, k in 0.0..10.0_f64, losses in losses(),
     ) {
         let model = model(Friction { law: FrictionLaw::Coulomb { k }, dissipation: Dissipation::Full, losses: Some(losses), branch: Branch::default() });
@@ -350,7 +350,7 @@ fn full_friction_sticks_just_short_of_upright() {
 }
 
 #[test]
-fn a_top_that_sticks_stops_by_default() {
+fn sticking_stops_the_run_by_default() {
     let run = Run::with("full-coulomb", &[("stop.theta_risen", "")]);
     assert_eq!(run.end.stop, StopReason::SlipStopped);
     let last = run.events.last().unwrap();
@@ -375,7 +375,7 @@ fn balanced(k: &str) -> Scenario {
 }
 
 #[test]
-fn a_contact_slips_again_when_friction_does_not_hold_it() {
+fn overloaded_contact_slips_again() {
     for formulation in ["euler", "body"] {
         let mut values = balanced("0.3").clone().to_toml();
         values = values.replace("\"euler\"", &format!("\"{formulation}\""));
@@ -399,7 +399,7 @@ fn a_contact_slips_again_when_friction_does_not_hold_it() {
 }
 
 #[test]
-fn a_contact_at_rest_that_is_not_held_begins_to_slip() {
+fn overloaded_contact_at_rest_begins_to_slip() {
     // θ̇ and ψ̇ vanish together, and friction is far too weak to hold the top.
     let runs = ["euler", "body"].map(|formulation| {
         Run::of(&sticking(&[
@@ -428,7 +428,7 @@ fn a_contact_at_rest_that_is_not_held_begins_to_slip() {
 }
 
 #[test]
-fn a_top_that_sticks_and_drills_comes_to_rest() {
+fn drilling_stops_a_sticking_top() {
     let run = Run::of(&sticking(&[
         ("initial.psi_dot", "0"),
         ("initial.phi_dot", "10"),
@@ -499,7 +499,7 @@ fn inverse_gudermann(theta: f64) -> f64 {
 }
 
 #[test]
-fn a_top_rises_by_loss_of_spin_without_faster_precession() {
+fn loss_of_spin_raises_top_without_faster_precession() {
     let run = Run::with("rise-by-loss-of-spin", &[]);
     assert_eq!(run.end.stop, StopReason::Risen);
     for pair in run.cycles.windows(2) {
@@ -612,7 +612,7 @@ fn recordings_of_all_laws_are_verified() {
 }
 
 #[test]
-fn every_word_is_a_law_with_its_parameters() {
+fn every_law_name_selects_its_law() {
     let key = KEYS.iter().find(|key| key.path == "friction.law").unwrap();
     let Kind::Choice(words) = key.kind else {
         panic!("{:?}", key.kind);
@@ -650,7 +650,7 @@ fn losses_alone_move_a_top_without_sliding_friction() {
 }
 
 #[test]
-fn the_formulations_agree_on_every_derivative_at_rest() {
+fn formulations_agree_on_derivatives_at_rest() {
     let model = balanced("0.3").model;
     let angles = Euler {
         phi: 0.3,
@@ -682,7 +682,7 @@ fn the_formulations_agree_on_every_derivative_at_rest() {
 }
 
 #[test]
-fn a_nutation_that_ends_after_the_run_is_not_counted() {
+fn unfinished_nutation_is_not_counted() {
     for (preset, duration) in [("stribeck", "2"), ("paper", "6.75")] {
         let run = Run::with(preset, &[("stop.duration", duration)]);
         assert_eq!(run.end.nutations, run.cycles.len() as u64, "{preset}");

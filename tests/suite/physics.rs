@@ -81,7 +81,7 @@ fn k_f(sample: &Sample) -> f64 {
 }
 
 #[test]
-fn val_the_ablations_change_momenta_as_their_equations_say() {
+fn val_ablations_change_momenta_by_their_equations() {
     // The rates of L_z′ and L_n that follow from dropping a term, from the logged torques.
     let (ix, iz) = (8.52e-5, 7.25e-5);
     for (preset, precession) in [
@@ -109,7 +109,7 @@ fn val_the_ablations_change_momenta_as_their_equations_say() {
 }
 
 #[test]
-fn val_the_paper_keeps_only_the_spin_part_of_friction() {
+fn val_paper_dissipation_reduces_spin_only() {
     let run = Run::with("paper", &[("stop.duration", "2")]);
     for sample in &run.samples {
         // Equation (6): no friction about the line of nodes, and the magnitude of (4) otherwise.
@@ -260,7 +260,7 @@ fn through_upright(formulation: &str) -> Scenario {
 }
 
 #[test]
-fn the_body_formulation_runs_through_upright() {
+fn body_formulation_passes_upright() {
     let run = Run::of(&through_upright("body"));
     assert_eq!(run.end.stop, StopReason::Duration);
     assert!(run.events_of(EventKind::UprightPassage).count() >= 3);
@@ -287,7 +287,7 @@ fn the_body_formulation_runs_through_upright() {
 }
 
 #[test]
-fn the_euler_formulation_stops_where_it_is_singular() {
+fn euler_formulation_stops_at_singularity() {
     let mut simulation =
         toprise::run::simulation::Simulation::new(&through_upright("euler")).unwrap();
     let failed = simulation.by_ref().any(|record| record.is_err());
@@ -300,7 +300,7 @@ fn the_euler_formulation_stops_where_it_is_singular() {
 }
 
 #[test]
-fn a_sleeping_top_sleeps() {
+fn sleeping_top_stays_upright() {
     let keys = [
         ("formulation", "body"),
         ("initial.theta", "0"),
@@ -345,7 +345,7 @@ fn the_strength_ratio_is_one_at_the_sleeping_threshold() {
 }
 
 #[test]
-fn a_shorter_run_is_a_prefix_of_a_longer_one() {
+fn shorter_run_is_prefix_of_longer_run() {
     for formulation in ["euler", "body"] {
         let run = |duration| {
             Run::with(
@@ -361,7 +361,7 @@ fn a_shorter_run_is_a_prefix_of_a_longer_one() {
 }
 
 #[test]
-fn sampling_does_not_influence_the_motion() {
+fn motion_ignores_sampling() {
     let run = |period| {
         Run::with(
             "paper",

@@ -47,7 +47,7 @@ fn assert_continuous(scenario: &Scenario, what: &str) {
 }
 
 #[test]
-fn what_starts_vertical_goes_on_from_its_first_sample() {
+fn rates_at_vertical_starts_are_continuous() {
     for preset in [
         "frictionless",
         "paper",
