@@ -24,6 +24,7 @@ mod sampled;
 pub mod schema;
 pub mod side;
 mod stream;
+pub mod supplement;
 pub mod table;
 mod template;
 mod topic;

@@ -15,6 +15,7 @@ mod messages;
 mod readings;
 mod releases;
 mod rerun;
+mod supplements;
 
 use crate::archive::format::{FORMER_WORDS, TELEMETRY, VERSION};
 use crate::archive::recording::{Condition, Loss, Recording, RecordingError};
@@ -28,6 +29,7 @@ use releases::{RELEASES, Release};
 use rerun::Rerun;
 use schemars::JsonSchema;
 use serde::Serialize;
+pub use supplements::Supplementary;
 
 /// The result of a verification.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
@@ -92,6 +94,9 @@ pub struct Report {
     /// Recorded fields and topics that this version doesn't know, so that they are not compared.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub unknown: Vec<String>,
+    /// Channels and attachments in addition to the run, e.g. the data of a fit. Their content is not verified.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub supplements: Vec<Supplementary>,
     /// The version of toprise that recorded it, if different from this one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recorded_by: Option<String>,
@@ -126,6 +131,7 @@ fn verify_with(
         more_losses: recording.layout.losses.unlisted(),
         without: Vec::new(),
         unknown: Vec::new(),
+        supplements: Vec::new(),
         recorded_by: other_version(recording),
         schemas: None,
     };
@@ -206,6 +212,7 @@ fn compare(
         report.difference = readings::difference(recording)?;
     }
     report.unknown = unknown_fields(recording);
+    report.supplements = supplements::list(recording);
     report.verdict = if report.difference.is_some() {
         Verdict::Different
     } else if is_part || !report.unknown.is_empty() {

@@ -12,6 +12,7 @@ use crate::archive::format::{
 use crate::run::scenario::Scenario;
 use crate::telemetry::digest::{ContentDigest, append_content};
 use crate::telemetry::encoding::{Encoder, Encoding};
+use crate::telemetry::supplement::{Supplement, SupplementaryAttachment};
 use crate::telemetry::views::{VIEW_CHANNELS, Views};
 use crate::telemetry::{Message, Telemetry, Topic};
 use ::mcap::records::{MessageHeader, Metadata};
@@ -85,14 +86,7 @@ impl Header {
         writer.flush()?;
         let mut ids = Vec::with_capacity(self.channels.len());
         for channel in &self.channels {
-            let (name, encoding) = (channel.schema_name, channel.schema_encoding);
-            let schema = writer.add_schema(name, encoding, &channel.schema)?;
-            ids.push(writer.add_channel(
-                schema,
-                channel.topic,
-                channel.encoding,
-                &Entries::new(),
-            )?);
+            ids.push(channel.register(writer)?);
         }
         Ok(ids)
     }
@@ -108,6 +102,23 @@ impl RegisteredChannel {
             schema_encoding: encoding.schema_encoding(),
             schema: encoding.schema(info),
         }
+    }
+
+    pub(crate) fn supplement(supplement: &Supplement) -> Self {
+        let encoding = Encoding::Json;
+        Self {
+            topic: supplement.info.topic,
+            encoding: encoding.name(),
+            schema_name: supplement.info.schema,
+            schema_encoding: encoding.schema_encoding(),
+            schema: encoding.schema(&supplement.info),
+        }
+    }
+
+    /// Declares the channel in a file and returns its id.
+    fn register<W: Write + Seek>(&self, writer: &mut Writer<W>) -> McapResult<u16> {
+        let schema = writer.add_schema(self.schema_name, self.schema_encoding, &self.schema)?;
+        writer.add_channel(schema, self.topic, self.encoding, &Entries::new())
     }
 
     fn views(views: &Views) -> impl Iterator<Item = Self> {
@@ -345,6 +356,47 @@ impl<W: Write> McapWriter<W> {
         self.encoder.batch.clear();
         self.encoder.encode(message);
         self.chunks.write(&self.encoder.batch)
+    }
+
+    /// Writes a channel in addition to those of the run: its messages by time in ns, with their numbers and texts.
+    ///
+    /// # Errors
+    /// [`McapError`] if the target fails.
+    pub fn write_supplement<'a>(
+        &mut self,
+        supplement: &Supplement,
+        messages: impl IntoIterator<Item = (u64, &'a [f64], &'a [String])>,
+    ) -> McapResult<()> {
+        let channel = RegisteredChannel::supplement(supplement);
+        let writer = self.chunks.writer()?;
+        let channel_id = channel.register(writer)?;
+        let mut data = Vec::new();
+        for (sequence, (time_ns, numbers, texts)) in (0..).zip(messages) {
+            data.clear();
+            supplement.encode(time_ns, numbers, texts, &mut data);
+            let header = MessageHeader {
+                channel_id,
+                sequence,
+                log_time: time_ns,
+                publish_time: time_ns,
+            };
+            writer.write_to_known_channel(&header, &data)?;
+        }
+        Ok(())
+    }
+
+    /// Attaches a file in addition to the scenario.
+    ///
+    /// # Errors
+    /// [`McapError`] if the target fails.
+    pub fn attach(&mut self, kind: SupplementaryAttachment, data: &[u8]) -> McapResult<()> {
+        self.chunks.writer()?.attach(&Attachment {
+            log_time: 0,
+            create_time: 0,
+            name: kind.name.to_owned(),
+            media_type: kind.media_type.to_owned(),
+            data: data.into(),
+        })
     }
 
     /// Ends the recording with `end`, see [`crate::archive::format::end_entries`]. Returns the target and the content

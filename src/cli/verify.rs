@@ -171,6 +171,9 @@ fn section(file: &str, report: &Report) -> Section {
     if !report.unknown.is_empty() {
         facts.push(("not compared", report.unknown.join(", ")));
     }
+    for supplement in &report.supplements {
+        facts.push(("in addition", format!("{supplement}, not verified")));
+    }
     if let Some(check) = report.schemas {
         facts.push(("not compared", not_compared(check).to_owned()));
     }

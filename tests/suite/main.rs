@@ -52,6 +52,7 @@ mod rerun_pair;
 mod rest;
 mod scenarios;
 mod similarity;
+mod supplements;
 mod support;
 #[cfg(feature = "sweep")]
 mod sweep;

@@ -1,6 +1,7 @@
 //! Channels of a file, matched with the table.
 
 use crate::telemetry::encoding::{DecodeError, Decoder};
+use crate::telemetry::supplement::Supplement;
 use crate::telemetry::views::VIEW_CHANNELS;
 use crate::telemetry::{ChannelInfo, Topic};
 use mcap::records::Record;
@@ -51,6 +52,11 @@ impl FileChannel {
     /// Whether it is a view channel.
     pub fn is_view(&self) -> bool {
         VIEW_CHANNELS.iter().any(|view| view.topic == self.topic)
+    }
+
+    /// Whether it is a channel of toprise in addition to those of a run.
+    pub fn is_supplement(&self) -> bool {
+        Supplement::find(&self.topic).is_some()
     }
 
     /// Decoder of its messages, if it is a channel of the table.

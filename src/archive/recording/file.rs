@@ -209,7 +209,7 @@ impl Recording {
             let of_channel = match channel.decoder() {
                 Some(Ok(decoder)) => decoder.differences().clone(),
                 Some(Err(_)) => continue,
-                None if channel.is_view() => continue,
+                None if channel.is_view() || channel.is_supplement() => continue,
                 None => FieldDifferences {
                     missing: Vec::new(),
                     unknown: vec!["the whole channel".to_owned()],

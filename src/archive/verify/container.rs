@@ -1,13 +1,15 @@
 //! Content of a recording except its messages: header, metadata, attachments, channels.
 
 use super::difference::Difference;
+use super::supplements::is_supplementary;
 use crate::archive::container::record::AttachmentHeader;
 use crate::archive::format::{
     CONTENT_DIGEST, END_RECORD, Entries, INVERSION_TIME, RUN_RECORD, TELEMETRY, VERSION,
 };
 use crate::archive::recording::Recording;
-use crate::archive::writer::Header;
+use crate::archive::writer::{Header, RegisteredChannel};
 use crate::run::plural::plural;
+use crate::telemetry::supplement::supplements;
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
 
@@ -27,6 +29,16 @@ pub(super) fn difference(
 ) -> Option<Difference> {
     let mut recorded = recorded(recording, is_by_value);
     let mut simulated = simulated(header, end, is_by_value);
+    for supplement in supplements() {
+        let channel = RegisteredChannel::supplement(supplement);
+        if recording
+            .channels()
+            .iter()
+            .any(|c| c.topic == channel.topic)
+        {
+            add_channel(&mut simulated, &channel, is_by_value);
+        }
+    }
     if recording.is_interrupted() {
         // The run continues after the end of the recording.
         recorded.retain(|key, _| !is_of_end(key));
@@ -82,7 +94,8 @@ fn recorded(recording: &Recording, is_by_value: bool) -> Facts {
     for (name, entries) in recording.all_metadata() {
         add_metadata(&mut facts, name, entries);
     }
-    for attachment in &recording.layout.attachments {
+    let run_attachments = recording.layout.attachments.iter();
+    for attachment in run_attachments.filter(|attachment| !is_supplementary(attachment)) {
         let text = if is_by_value {
             AN_ATTACHMENT.to_owned()
         } else {
@@ -127,18 +140,23 @@ fn simulated(header: &Header, end: &Entries, is_by_value: bool) -> Facts {
     };
     add(&mut facts, &attachment.name, "", &text);
     for channel in &header.channels {
-        let names = [
-            channel.encoding,
-            channel.schema_name,
-            channel.schema_encoding,
-        ];
-        let mut text = declared(names);
-        if !is_by_value {
-            text += &with_words(&channel.schema, &Entries::new());
-        }
-        add(&mut facts, channel.topic, "", &text);
+        add_channel(&mut facts, channel, is_by_value);
     }
     facts
+}
+
+/// Adds a channel as toprise declares it.
+fn add_channel(facts: &mut Facts, channel: &RegisteredChannel, is_by_value: bool) {
+    let names = [
+        channel.encoding,
+        channel.schema_name,
+        channel.schema_encoding,
+    ];
+    let mut text = declared(names);
+    if !is_by_value {
+        text += &with_words(&channel.schema, &Entries::new());
+    }
+    add(facts, channel.topic, "", &text);
 }
 
 /// Adds an entry. Entries with the same location and field are merged.

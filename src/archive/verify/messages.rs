@@ -87,8 +87,9 @@ impl<'r> Comparison<'r> {
     /// Compares a recorded message with that of the run.
     fn take(&mut self, recorded: &Undecoded<'_>) {
         let Some(channel) = self.places[recorded.position] else {
-            // Fields and views of another version are compared as far as both have them.
-            if !self.is_by_value {
+            // Fields and views of another version are compared as far as both have them; supplements don't follow from
+            // the scenario.
+            if !self.is_by_value && !recorded.channel.is_supplement() {
                 self.compared.difference = Some(mismatch(recorded, ""));
             }
             return;
