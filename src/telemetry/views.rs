@@ -5,7 +5,8 @@
 //! event log. These channels are derived from the table and not part of the content digest.
 //!
 //! Nutating quantities are followed by their minimum and maximum in the last nutation, because viewers that average the
-//! values of a pixel (Rerun from 0.41) would hide the nutation.
+//! values of a pixel (Rerun from 0.41) would hide the nutation. As all views they follow from recorded topics: without
+//! `/top/nutation` nutating quantities have no ranges.
 //!
 //! Rerun creates one plot per array of a `JointState`, one per `Float64MultiArray` (named after its topic), and at most
 //! eight plots. It draws `MagneticField` as an arrow.
@@ -22,7 +23,7 @@ pub use self::foxglove::foxglove_layout;
 use self::scales::Scales;
 use super::event::event_sentence;
 use super::fields::{
-    CONTACT, EVENTS, NumberField, POSE, STATE, TORQUE, contact, events, pose, state, torque,
+    CONTACT, EVENTS, NUTATION, POSE, STATE, TORQUE, contact, events, pose, state, torque,
 };
 use super::message::Message;
 use super::proportions::Proportions;
@@ -157,6 +158,8 @@ pub struct Views {
     state: [f64; 2],
     /// The ranges in the last nutation.
     envelope: Envelope,
+    /// How many of value, minimum and maximum are written: the value alone if nutations are not recorded.
+    parts: usize,
     cdr: Cdr,
 }
 
@@ -183,6 +186,7 @@ impl Views {
             stride: u32::try_from(PERIOD_NS.div_ceil(period)).unwrap_or(u32::MAX),
             state: [f64::NAN; 2],
             envelope: Envelope::new(),
+            parts: if is_enabled(NUTATION) { 3 } else { 1 },
             cdr: Cdr::default(),
             top,
             scales,
@@ -214,7 +218,7 @@ impl Views {
 
     /// Encodes the view of a message into `cdr`. Returns false if the message has no view.
     fn write(&mut self, kind: Kind, message: &Message<'_>) -> bool {
-        let (cdr, envelope) = (&mut self.cdr, &self.envelope);
+        let (cdr, envelope, parts) = (&mut self.cdr, &self.envelope, self.parts);
         let time = message.time_ns;
         cdr.begin();
         match kind {
@@ -240,17 +244,25 @@ impl Views {
                 let [theta, theta_dot] = self.state;
                 let theta = envelope.around(state::THETA, theta);
                 let theta_dot = envelope.around(state::THETA_DOT, theta_dot);
+                let torque = envelope.around_torque(torque::TOTAL_NODE.x().of(message));
                 let names = ["theta", "minimum in nutation", "maximum in nutation"];
-                cdr.header(time, "").u32(names.len() as u32);
-                for name in names {
+                cdr.header(time, "").u32(parts as u32);
+                for name in &names[..parts] {
                     cdr.string(name);
                 }
                 // ROS 2 asks for arrays of one length.
-                let torque = envelope.around_torque(torque::TOTAL_NODE.x().of(message));
-                cdr.sequence(&theta).sequence(&theta_dot).sequence(&torque);
+                for values in [theta, theta_dot, torque] {
+                    cdr.sequence(&values[..parts]);
+                }
             }
-            Kind::PrecessionRate => plot_range(cdr, envelope, state::PHI_DOT, message),
-            Kind::SpinRate => plot_range(cdr, envelope, state::PSI_DOT, message),
+            Kind::PrecessionRate => {
+                let rate = state::PHI_DOT.of(message);
+                plot(cdr, &envelope.around(state::PHI_DOT, rate)[..parts]);
+            }
+            Kind::SpinRate => {
+                let rate = state::PSI_DOT.of(message);
+                plot(cdr, &envelope.around(state::PSI_DOT, rate)[..parts]);
+            }
             Kind::SlipSpeed => plot(cdr, &[contact::SLIP_SPEED.of(message)]),
             Kind::NormalForce => plot(cdr, &[contact::NORMAL_FORCE.of(message)]),
             Kind::SlipVelocity => {
@@ -280,11 +292,6 @@ impl Views {
 fn plot(cdr: &mut Cdr, values: &[f64]) {
     // No dimensions, and no offset of the data.
     cdr.u32(0).u32(0).sequence(values);
-}
-
-/// A rate, and its minimum and maximum in the last nutation.
-fn plot_range(cdr: &mut Cdr, envelope: &Envelope, rate: NumberField, message: &Message<'_>) {
-    plot(cdr, &envelope.around(rate, rate.of(message)));
 }
 
 /// The rest of a `MagneticField`: the vector, and no covariance.

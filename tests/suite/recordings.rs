@@ -1,6 +1,6 @@
 //! Reading recordings back: every bit, in both encodings, whole and in part.
 
-use crate::support::{MemorySink, archive, in_memory, scenario, verified};
+use crate::support::{Folder, MemorySink, archive, in_memory, scenario, verified};
 use proptest::prelude::*;
 use serde_json::json;
 use std::borrow::Cow;
@@ -462,4 +462,29 @@ fn refuses_repeated_json_members() {
         error.to_string().contains("a member is repeated"),
         "{error}"
     );
+}
+
+/// Views follow from recorded topics: without nutations they have no ranges.
+#[test]
+fn views_have_ranges_if_nutations_are_recorded() {
+    let folder = Folder::new();
+    let scenario = scenario("paper", &[("stop.duration", "0.5")]);
+    let topics = ["/top/state", "/top/torque"];
+    let with_nutations = [&topics[..], &["/top/nutation"]].concat();
+    for (topics, numbers) in [(&topics[..], 1), (&with_nutations, 3)] {
+        let path = folder.at(format!("{numbers}.mcap"));
+        archive(&path, &scenario, topics, Form::default()).unwrap();
+        let recording = Recording::open(&path).unwrap();
+        let mut reader = recording.reader(Selection::default());
+        let mut messages = 0;
+        while let Some(message) = reader.next_undecoded() {
+            if message.channel.topic == "/view/spin_rate" {
+                // CDR: its header, two empty fields of the layout, the number of elements, and bytes that align them.
+                assert_eq!(message.data[12], numbers, "{topics:?}");
+                assert_eq!(message.data.len(), 20 + 8 * usize::from(numbers));
+                messages += 1;
+            }
+        }
+        assert!(messages > 10);
+    }
 }
