@@ -9,8 +9,9 @@ use crate::run::scenario::Scenario;
 /// Rows of the largest part, and of each row group of the table.
 pub(super) const BLOCK_ROWS: u64 = 1000;
 
-/// Work of a part, integrator steps: about 10 s on one core, at 2 µs per step.
-const STEPS_PER_PART: f64 = 5e6;
+/// Work of a part, integrator steps: 2.5 s on one core, at 2 µs per step. So an interruption costs at most about 10 s, also
+/// where runs take three times as many steps as estimated, or the machine is busy.
+const STEPS_PER_PART: f64 = 1.25e6;
 
 /// Steps per radian of the fastest rotation: the paper's top takes 10,642 steps in 24.7 s at 170 rad/s of spin and
 /// 145 rad/s of nutation, at its tolerance of 1e-12.
@@ -53,9 +54,9 @@ mod tests {
     fn parts_are_whole_fractions_of_a_row_group() {
         for (steps, rows) in [
             (0.0, 1000),
-            (5e3, 1000),
-            (5.1e3, 500),
-            (1e5, 50),
+            (1.25e3, 1000),
+            (1.3e3, 500),
+            (2.5e4, 50),
             (4e6, 1),
             (f64::INFINITY, 1),
             (f64::NAN, 1),

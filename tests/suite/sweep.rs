@@ -209,9 +209,9 @@ fn part_size_follows_from_the_work_of_a_row() {
     for (duration, max_steps, rows) in [
         // 170 rad/s take about 510 steps per second.
         ("1", None, 1000),
-        ("60", None, 125),
+        ("60", None, 40),
         ("6000", None, 1),
-        ("6000", Some(5000), 1000),
+        ("6000", Some(5000), 250),
     ] {
         let set = [("stop.duration", duration)];
         let design = Design::Grid(axes(&[("friction.k", "0.01..0.1/5000")]));

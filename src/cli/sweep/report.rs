@@ -76,9 +76,9 @@ impl SweepReport {
             facts.push(("table", table.line()));
         }
         if self.interrupted {
-            let kept = self.runs.saturating_sub(left) + self.computed;
-            let (kept, runs) = (count(kept), counted(self.runs, "run"));
-            facts.push(("kept", format!("{kept} of {runs}")));
+            // Of a shard, the other runs are none of this command's.
+            let (kept, left) = (count(self.computed), counted(left, "run"));
+            facts.push(("kept", format!("{kept} of the {left} that were left")));
         }
         if let Some(parts) = &self.parts {
             facts.push(("parts", parts.clone()));
