@@ -139,7 +139,7 @@ fn compare_runs(
         level: common_level(runs),
     };
     let paired = read_both(runs, &limits, options, observer, &carry_on)?;
-    check_messages(&paired)?;
+    check_messages(runs, &paired)?;
     let integrations = match paired.common_end() {
         Some(end) if options.integration_error => {
             let runs = [0, 1].map(|side| (runs[side], &paired.runs[side].history));
@@ -164,9 +164,16 @@ fn compare_runs(
     Ok(report)
 }
 
-/// Checks that both runs have messages if one has, and that a damaged or interrupted run shares some with the other.
-fn check_messages(paired: &Paired) -> Result<(), DiffError> {
+/// Checks that both runs have messages if one has, and that a damaged or interrupted run shares some with the other. Of
+/// two runs without messages only those of one scenario are equal: each has all that it should have.
+fn check_messages(runs: [Subject<'_>; 2], paired: &Paired) -> Result<(), DiffError> {
     let has_messages = paired.runs.each_ref().map(|run| run.history.messages > 0);
+    if has_messages == [false; 2] {
+        let [a, b] = runs.map(|run| run.scenario().map(|scenario| scenario.digest()));
+        if a.is_none() || a != b {
+            return Err(DiffError::NoMessages);
+        }
+    }
     for (run, side) in paired.runs.iter().zip(["A", "B"]) {
         if run.history.messages == 0 && has_messages != [false; 2] {
             let losses = match run.losses.join("; ").as_str() {

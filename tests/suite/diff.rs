@@ -473,3 +473,17 @@ fn reports_match_the_schema() {
         assert!(!value.is_null() || may_be_absent, "{name}");
     }
 }
+
+/// A run that ends before its first nutation has no message in `/top/nutation`.
+#[test]
+fn runs_without_messages_are_equal_only_if_they_are_one_scenario() {
+    let folder = Folder::new();
+    for (name, preset) in [("a", "paper"), ("b", "paper"), ("c", "viscous")] {
+        let scenario = scenario(preset, &[("stop.duration", "0.01")]);
+        let path = folder.at(format!("{name}.mcap"));
+        archive(&path, &scenario, &["/top/nutation"], Form::default()).unwrap();
+    }
+    let equal = folder.toprise("diff a.mcap b.mcap", 0).stdout;
+    assert_contains(&equal, "Identical");
+    folder.refuses("diff a.mcap c.mcap", "neither run has a message");
+}

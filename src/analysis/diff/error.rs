@@ -19,6 +19,9 @@ pub enum DiffError {
         "nothing can be compared: the readable parts of A and B have no message of the same time"
     )]
     NothingInCommon,
+    /// Neither run has a message.
+    #[error("nothing can be compared: neither run has a message in the topics that are compared")]
+    NoMessages,
     /// The samples of two recordings have few times in common, and B can't be sampled anew.
     #[error(
         "the sampling periods of A ({} s) and B ({} s) are no multiples of each other, and B can't be simulated with A's \
