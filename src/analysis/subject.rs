@@ -1,10 +1,9 @@
 //! Inputs of analysis: recordings, or scenarios to simulate.
 
 use crate::analysis::missing::{MessageCounts, Missing};
-use crate::archive::format::{STOP_REASON, end_entries};
+use crate::archive::format::end_entries;
 use crate::archive::recording::{Condition, Entries, Reader, Recording, Selection};
 use crate::run::scenario::Scenario;
-use crate::run::simulation::StopReason;
 use crate::telemetry::{Message, RunError, RunMessages, Topic, Topics};
 
 /// A run to be analysed.
@@ -178,13 +177,11 @@ fn read(
 pub(super) fn losses(recording: &Recording, reader: &Reader<'_>) -> Vec<String> {
     let mut losses = reader.all_losses().sentences();
     losses.extend(reader.left_out().map(ToString::to_string));
-    // A run that was interrupted by its user has an end record that says so.
-    let reason = recording.end().and_then(|end| end.get(STOP_REASON));
-    let is_stopped = reason.is_some_and(|reason| reason == StopReason::Interrupted.name());
-    if is_stopped || recording.condition() == Condition::Interrupted {
+    if recording.lacks_end() {
         let what = if recording.is_ours() { "run" } else { "file" };
         losses.push(format!("missing end of the {what} (interrupted)"));
     }
+    losses.extend(reader.statistics_fault().map(|fault| fault.to_string()));
     losses
 }
 

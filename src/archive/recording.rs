@@ -25,6 +25,7 @@ mod order;
 mod overview;
 mod reader;
 mod selection;
+mod statistics;
 mod windows;
 
 pub use self::condition::Condition;
@@ -33,6 +34,7 @@ pub use self::order::Misplaced;
 pub use self::overview::{ChannelOverview, EventOverview, MessageCount, Overview};
 pub use self::reader::{Reader, Undecoded};
 pub use self::selection::Selection;
+pub use self::statistics::StatisticsFault;
 pub use crate::archive::container::channels::{FileChannel, FileSchema};
 pub use crate::archive::container::loss::{Loss, Losses};
 pub use crate::archive::error::{MessageError, RecordingError};

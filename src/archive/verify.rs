@@ -153,6 +153,7 @@ fn verify_with(
         .filter(|topic| !topics.include(topic) || !recording.has(*topic))
         .map(|topic| topic.to_string())
         .collect();
+    // Two runs: bytes are compared first, and the messages of another one only if they differ.
     let started = RunMessages::new(&scenario, &topics)
         .and_then(|first| Ok([first, RunMessages::new(&scenario, &topics)?]));
     let [first, second] = match started {
@@ -166,7 +167,6 @@ fn verify_with(
     let header = Header::new(&scenario, first.telemetry(), form);
     // The bytes of an interrupted file end before those of the run.
     if report.state == Condition::Whole
-        && !recording.is_interrupted()
         && bytes::are_equal(recording, first, &header, progress) == Some(true)
     {
         report.verdict = Verdict::Verified;
@@ -191,11 +191,16 @@ fn compare(
     let (compared, end) = Comparison::new(recording, rerun, is_by_value).run(progress);
     report.losses = compared.losses.list().to_vec();
     report.more_losses = compared.losses.unlisted();
-    if report.state == Condition::Whole && !report.losses.is_empty() {
+    // Damage inside of chunks is only found on reading.
+    let is_damaged = compared
+        .losses
+        .list()
+        .iter()
+        .any(|loss| !recording.is_tail(loss));
+    if is_damaged {
         report.state = Condition::Damaged;
     }
-    let is_part =
-        report.state != Condition::Whole || recording.is_interrupted() || compared.missing > 0;
+    let is_part = report.state != Condition::Whole || compared.missing > 0;
     let is_exact = !is_by_value && !is_part;
     report.difference = compared
         .difference

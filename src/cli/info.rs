@@ -54,6 +54,7 @@ pub(super) fn info(arguments: &InfoArguments) -> Result<Status, Error> {
     let file = path.display().to_string();
     let overview = Overview::read(path).with_context(|| file.clone())?;
     let size = fs::metadata(path).with_context(|| file.clone())?.len();
+    // Files of other software have no end of a run that could be missing.
     let is_whole = matches!(overview.condition, Condition::Whole | Condition::Foreign);
     let report = InfoReport {
         file,
@@ -91,6 +92,9 @@ impl InfoReport {
             let (found, recorded) = (count(c.found), count(c.recorded));
             ("counts", format!("{found} of {recorded} {}", c.kind))
         }));
+        if let Some(fault) = &overview.statistics_fault {
+            facts.push(("altered", fault.to_string()));
+        }
         if let Some(run) = &overview.run {
             facts.push(("scenario", run_line(run)));
         }

@@ -177,7 +177,7 @@ fn signals_end_runs_without_records() {
     }
     assert_eq!(status.and_then(|status| status.code()), Some(3));
     let recording = Recording::open(&directory.path().join("still.mcap")).unwrap();
-    assert_eq!(recording.condition(), Condition::Whole);
+    assert_eq!(recording.condition(), Condition::Interrupted);
     let end = recording.end().unwrap();
     assert_eq!(end["stop_reason"], "interrupted");
 }

@@ -29,7 +29,7 @@ fn endures(path: &Path) {
 }
 
 /// Calls `check` with each of the cases, divided between two threads with a directory each.
-fn in_parallel<T: Sync>(cases: &[T], check: impl Fn(&Path, &T) + Sync) {
+pub fn in_parallel<T: Sync>(cases: &[T], check: impl Fn(&Path, &T) + Sync) {
     thread::scope(|scope| {
         for half in [0, 1] {
             let check = &check;

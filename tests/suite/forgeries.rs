@@ -672,13 +672,15 @@ fn rejects_containers_that_readers_see_differently() {
         });
         for (name, opcode) in [
             ("a chunk not indexed", op::CHUNK_INDEX),
-            ("an attachment not indexed", op::ATTACHMENT_INDEX),
             ("metadata not indexed", op::METADATA_INDEX),
             ("a channel not in the summary", op::CHANNEL),
         ] {
             a.caught(name, |f| f.not_in_summary(opcode));
         }
         a.repacked("no statistics", |f| f.not_in_summary(op::STATISTICS));
+        a.repacked("no index of attachments", |f| {
+            f.not_in_summary(op::ATTACHMENT_INDEX);
+        });
         a.caught("another compression", |f| {
             f.in_summary(op::CHUNK_INDEX, |index| {
                 let at = index.len() - 20;

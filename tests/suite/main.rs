@@ -37,6 +37,7 @@ mod laws_of_motion;
 mod loops;
 mod outcome;
 mod package;
+mod packing;
 mod physics;
 mod properties;
 mod publish;

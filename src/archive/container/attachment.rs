@@ -28,6 +28,7 @@ impl Attachment {
     /// Reads an attachment's header and checks its checksum.
     pub(crate) fn read(place: &RecordSpan, source: &Source) -> io::Result<Self> {
         let mut bytes = Vec::new();
+        // The data may be gigabytes long, and is not needed here.
         let length = place.length.min(HEAD + MAX_NAMES);
         source.read(place.offset, length, &mut bytes)?;
         let body = bytes.get(HEAD as usize..).unwrap_or_default();

@@ -117,6 +117,7 @@ impl Channels {
                 .list
                 .iter()
                 .filter_map(|channel| channel.schema.as_ref());
+            // Equal schemas with other ids are schemas of their own.
             used.any(|used| Arc::ptr_eq(used, schema))
         };
         schemas
@@ -131,6 +132,11 @@ impl Channels {
     /// The place of the channel with an id in the list.
     pub(crate) fn position(&self, id: u16) -> Option<usize> {
         self.positions.get(&id).copied()
+    }
+
+    /// The schema with this id.
+    pub(crate) fn schema(&self, id: u16) -> Option<&FileSchema> {
+        self.schemas.get(&id).map(Arc::as_ref)
     }
 
     /// The channels whose messages have no certain meaning after a conflict.

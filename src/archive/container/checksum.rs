@@ -17,7 +17,7 @@ pub(crate) struct Checksum {
 
 impl Checksum {
     /// Checksum of the data section, which `place` ends; `None` if it was not computed.
-    pub(crate) fn of_data(place: &RecordSpan, source: &Source) -> io::Result<Option<Self>> {
+    pub(crate) fn read_data(place: &RecordSpan, source: &Source) -> io::Result<Option<Self>> {
         let mut bytes = Vec::new();
         Ok(match read(place, source, &mut bytes)? {
             Some(Record::DataEnd(end)) if end.data_section_crc != 0 => Some(Self {
@@ -30,7 +30,7 @@ impl Checksum {
     }
 
     /// Checksum of the summary, from the end of the data to the footer; `None` if it was not computed.
-    pub(crate) fn of_summary(
+    pub(crate) fn read_summary(
         data_end: &RecordSpan,
         place: &RecordSpan,
         source: &Source,

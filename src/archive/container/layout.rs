@@ -11,7 +11,7 @@ use super::source::Source;
 use crate::archive::error::RecordingError;
 use crate::archive::format::LIBRARY_PREFIX;
 use mcap::MAGIC;
-use mcap::records::{Metadata, Record, op};
+use mcap::records::{Metadata, Record, Statistics, op};
 use std::io;
 
 /// Maximum number of damaged parts before scanning stops.
@@ -38,6 +38,8 @@ pub(crate) struct Layout {
     pub(crate) wrong_checksums: Vec<Loss>,
     /// The record that ends the data, if the file has it.
     pub(crate) data_end: Option<RecordSpan>,
+    /// The statistics in the summary, if the file has them. Of several, readers use the last.
+    pub(crate) statistics: Option<Statistics>,
     /// The footer, if the file has it.
     pub(crate) footer: Option<RecordSpan>,
     /// Whether the file is complete: end of the data, footer and end magic.
@@ -64,6 +66,7 @@ impl Layout {
             match found {
                 Found::Record(place) => {
                     layout.take(&place, source)?;
+                    // A file that is part of a longer one ends here: readers stop at the first footer, too.
                     if place.opcode == op::FOOTER && source.has_magic_at(place.end())? {
                         layout.end_at(place.end(), source);
                         break;
@@ -71,6 +74,7 @@ impl Layout {
                 }
                 Found::Damage(bytes) => {
                     layout.lose(bytes, "no readable record");
+                    // A file of noise would be searched for hours.
                     if layout.losses.count() > MOST_LOSSES {
                         break;
                     }
@@ -103,7 +107,7 @@ impl Layout {
         }
         match place.opcode {
             op::CHUNK => {
-                let section = Section::of_chunk(place, source)?;
+                let section = Section::read_chunk(place, source)?;
                 self.sections.push(section);
             }
             // The summary repeats schemas and channels.
@@ -120,7 +124,7 @@ impl Layout {
                 self.data_end.get_or_insert_with(|| place.clone());
             }
             op::FOOTER => self.footer = Some(place.clone()),
-            op::HEADER | op::SCHEMA | op::CHANNEL | op::METADATA => {
+            op::HEADER | op::SCHEMA | op::CHANNEL | op::METADATA | op::STATISTICS => {
                 self.take_small(place, source)?;
             }
             opcode if !is_specified(opcode) => {
@@ -178,8 +182,10 @@ impl Layout {
                 self.library = header.library;
                 self.profile = header.profile;
             }
+            Ok(Record::Statistics(record)) => self.statistics = Some(record),
             Ok(Record::Metadata(record)) => self.metadata.push((place.clone(), record)),
             Ok(record) => self.channels.define(record),
+            // The scanner has parsed it already.
             Err(_) => {}
         }
         Ok(())
@@ -226,15 +232,16 @@ impl Layout {
         }
     }
 
-    /// Checks that records with unknown opcodes are not damaged ones, by the checksum of the data. toprise writes no
-    /// such records: without a checksum they are damage in its own recordings.
+    /// Checks that records with unknown opcodes are not damaged ones, by the checksum of the data. If its writer computed
+    /// none, they are skipped, as the specification demands: they may be private, or from a later version of the format.
+    /// toprise itself writes no such records, so they are damage where its own file was cut off before the checksum.
     fn check_unspecified(&mut self, source: &Source) -> io::Result<()> {
         let Some(place) = self.unspecified.clone() else {
             return Ok(());
         };
         let is_explained = match self.data_checksum(source)? {
             Some(checksum) => checksum.is_right(source)?,
-            None => !self.is_ours(),
+            None => !self.is_ours() || self.data_end.is_some(),
         };
         if !is_explained {
             let reason = format!("a record with the unknown opcode {:#04x}", place.opcode);
@@ -246,7 +253,7 @@ impl Layout {
     /// The checksum of the data; `None` if it was not computed.
     fn data_checksum(&self, source: &Source) -> io::Result<Option<Checksum>> {
         match &self.data_end {
-            Some(data_end) => Checksum::of_data(data_end, source),
+            Some(data_end) => Checksum::read_data(data_end, source),
             None => Ok(None),
         }
     }
@@ -266,7 +273,7 @@ impl Layout {
     pub(crate) fn checksums(&self, source: &Source) -> io::Result<Vec<Checksum>> {
         let mut checksums = Vec::from_iter(self.data_checksum(source)?);
         if let (Some(data_end), Some(footer)) = (&self.data_end, &self.footer) {
-            checksums.extend(Checksum::of_summary(data_end, footer, source)?);
+            checksums.extend(Checksum::read_summary(data_end, footer, source)?);
         }
         Ok(checksums)
     }
@@ -290,6 +297,7 @@ impl Layout {
         let mut buffers = Buffers::default();
         for section in &self.sections {
             if section.load(source, &mut buffers).is_err() {
+                // Readers of messages report the damage.
                 continue;
             }
             let mut position = 0;

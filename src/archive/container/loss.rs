@@ -102,6 +102,7 @@ impl Losses {
 
     /// Adds losses.
     pub(crate) fn extend(&mut self, losses: &Self) {
+        // Each part is counted, whether it is listed or not.
         let room = MAX_LISTED - self.list.len();
         self.list.extend(losses.list.iter().take(room).cloned());
         self.count += losses.count;

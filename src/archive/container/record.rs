@@ -29,6 +29,7 @@ impl RecordSpan {
 pub(crate) fn head(bytes: &[u8]) -> Option<(u8, u64)> {
     let length = bytes.get(1..9)?.try_into().ok()?;
     let length = u64::from_le_bytes(length);
+    // So sums with offsets don't overflow.
     (length < 1 << 62).then_some((bytes[0], length))
 }
 

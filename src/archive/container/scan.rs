@@ -96,6 +96,7 @@ impl<'a> Scanner<'a> {
             return Ok(None);
         };
         let room = self.source.length() - offset - HEAD;
+        // Padding with zeros would be a series of empty records otherwise.
         if body_length > room || opcode == 0 {
             return Ok(None);
         }
@@ -147,6 +148,7 @@ impl<'a> Scanner<'a> {
         let mut size = SEARCH_WINDOW >> 6;
         while start < self.source.length() {
             self.source.read(start, size + HEAD, &mut window)?;
+            // The window overlaps the next one by a head, so that a head on the border is found, too.
             for at in 0..window.len().min(size as usize) {
                 let position = start + at as u64;
                 let room = self.source.length() - position;
@@ -157,6 +159,7 @@ impl<'a> Scanner<'a> {
                 if plausible && telling && self.searched < SEARCH_LIMIT {
                     let length = head(&window[at..]).map_or(0, |(_, length)| length);
                     self.searched += PREFIX + deciding(window[at], length);
+                    // No record of the specification is empty, but zeros in a length are common.
                     if self.record_at(position)?.is_some_and(|p| p.length > HEAD) {
                         return Ok(Some(position));
                     }

@@ -35,7 +35,7 @@ pub(crate) struct Buffers {
 
 impl Section {
     /// The section of a chunk.
-    pub(crate) fn of_chunk(place: &RecordSpan, source: &Source) -> io::Result<Self> {
+    pub(crate) fn read_chunk(place: &RecordSpan, source: &Source) -> io::Result<Self> {
         let mut times = Vec::new();
         source.read(place.offset + HEAD, 16, &mut times)?;
         let time = |at: usize| {
@@ -54,6 +54,7 @@ impl Section {
     pub(crate) fn load(&self, source: &Source, buffers: &mut Buffers) -> io::Result<()> {
         check_size(self.length, if self.is_chunk { "chunk" } else { "record" })?;
         if !self.is_chunk {
+            // Records outside of chunks have no checksum but that of the whole data.
             source.read(self.offset, self.length, &mut buffers.records)?;
             let is_whole = buffers.records.len() as u64 == self.length;
             return is_whole.then_some(()).ok_or_else(cut);
@@ -91,6 +92,7 @@ fn decompress(header: &ChunkHeader, data: &[u8], records: &mut Vec<u8>) -> io::R
         "" => read_pieces(data, size, records)?,
         "zstd" => {
             let mut decoder = zstd::stream::read::Decoder::with_buffer(data)?;
+            // The default of 128 MiB would refuse large chunks that `zstd --long` compressed.
             decoder.window_log_max(LARGEST_CHUNK.ilog2())?;
             read_pieces(decoder, size, records)?;
         }

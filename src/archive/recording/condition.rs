@@ -9,9 +9,9 @@ listed! {
         Foreign = "not a toprise recording",
         /// A recording with its end record, readable throughout.
         Whole = "complete",
-        /// A complete recording with more or fewer samples or events than its end record states.
+        /// A complete file with other numbers of messages or records than its end record or its statistics state.
         Altered = "altered",
-        /// A recording without an end record, or another file without its end; without other damage.
+        /// A recording of a run that was ended before its end, or a file without its end; without other damage.
         Interrupted = "interrupted",
         /// A file with unreadable parts.
         Damaged = "damaged",

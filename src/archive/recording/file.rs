@@ -49,6 +49,7 @@ impl Recording {
         if runs > 1 {
             return Err(RecordingError::MergedRuns(runs));
         }
+        // Other software may have two publishers of a topic; a run has one.
         if let Some((_, twice)) = twice
             && recording.is_ours()
         {
@@ -97,13 +98,11 @@ impl Recording {
 
     /// State of the file.
     pub fn condition(&self) -> Condition {
-        let is_finished = self.is_finished();
-        let mut losses = self.losses().iter();
-        let is_damaged =
-            losses.any(|loss| !self.is_tail(loss)) || !self.layout.wrong_checksums.is_empty();
-        if is_damaged || (is_finished && !self.layout.is_ended) {
+        let is_damaged = self.losses().iter().any(|loss| !self.is_tail(loss))
+            || !self.layout.wrong_checksums.is_empty();
+        if is_damaged || (self.is_finished() && !self.layout.is_ended) {
             Condition::Damaged
-        } else if !is_finished {
+        } else if self.lacks_end() {
             Condition::Interrupted
         } else if self.is_ours() {
             Condition::Whole
@@ -121,8 +120,18 @@ impl Recording {
         }
     }
 
+    /// Whether its run, or in other files its writer, was ended early. A run that was ended by Ctrl-C has an end record
+    /// that says so.
+    pub(crate) fn lacks_end(&self) -> bool {
+        if self.is_ours() {
+            self.is_interrupted()
+        } else {
+            !self.is_finished()
+        }
+    }
+
     /// Whether a loss is only the last, incompletely written record of an unfinished file.
-    fn is_tail(&self, loss: &Loss) -> bool {
+    pub(crate) fn is_tail(&self, loss: &Loss) -> bool {
         !self.is_finished() && self.layout.cut == Some(loss.offset)
     }
 
@@ -154,6 +163,7 @@ impl Recording {
     /// Form and topics, from `toprise.run` or from the channels; `None` if both are lost.
     pub fn form(&self) -> Option<(Form, Topics)> {
         let named = self.run().and_then(recorded_form);
+        // Enough to repeat a run whose first record is damaged.
         named.or_else(|| {
             let views = self.channels().iter().any(FileChannel::is_view);
             let encoding = self.encoding()?;

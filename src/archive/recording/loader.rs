@@ -4,6 +4,7 @@ use super::batch::{Batch, Entry};
 use super::file::Recording;
 use super::order::Order;
 use super::selection::Selection;
+use super::statistics::Tally;
 use super::windows::{Span, Window, Windows};
 use crate::archive::container::loss::{Loss, Losses};
 use crate::archive::container::record::{is_specified, parse};
@@ -41,6 +42,8 @@ pub(super) struct Loader<'r> {
     redefined: BTreeMap<usize, (u64, usize)>,
     /// Bytes of decompressed content that may still be read; what is beyond is reported as a loss (decompression bombs).
     left: u64,
+    /// The messages of all channels that have been read.
+    pub(super) tally: Tally,
     /// Number of bytes of the file that have been read.
     pub(super) seen: u64,
 }
@@ -93,6 +96,7 @@ impl<'r> Loader<'r> {
             is_first_pass: true,
             redefined: BTreeMap::new(),
             left: MIN_CONTENT.saturating_add(growth),
+            tally: Tally::default(),
             seen: 0,
         }
     }
@@ -120,6 +124,7 @@ impl<'r> Loader<'r> {
             };
             self.returned += 1;
             let id = self.batch.message(&entry)?.channel_id;
+            // Always found: `scan_records` leaves out messages of undefined channels.
             if let Some(channel) = self.recording.layout.channels.position(id) {
                 return Some(Found { channel, entry });
             }
@@ -189,8 +194,12 @@ impl<'r> Loader<'r> {
     fn load_section(&mut self, index: usize) {
         let section = &self.recording.layout.sections[index];
         self.seen = section.offset + section.length;
-        let is_unwanted = |span| !self.selection.wants_span(span);
-        if section.span.is_some_and(is_unwanted) || !self.load(section) {
+        // The times in a chunk's header spare reading it.
+        if section
+            .span
+            .is_some_and(|span| !self.selection.wants_span(span))
+            || !self.load(section)
+        {
             return;
         }
         let mut entries = mem::take(&mut self.batch.entries);
@@ -215,6 +224,7 @@ impl<'r> Loader<'r> {
         let loaded = windows.load_next(&mut batch, &mut |section, window, batch| {
             self.append(section, window, batch);
         });
+        // Sections are read several times, so their bytes say nothing about the progress.
         self.seen = (self.recording.size() as f64 * windows.progress()) as u64;
         self.batch = batch;
         self.plan = Plan::Windows(windows);
@@ -278,6 +288,7 @@ impl<'r> Loader<'r> {
             self.lose(section, error.to_string());
             return false;
         }
+        self.tally.count_section();
         true
     }
 
@@ -310,6 +321,10 @@ impl<'r> Loader<'r> {
                 continue;
             };
             let time = message.log_time;
+            // Windows read sections again.
+            if self.is_first_pass {
+                self.tally.count_message(message.channel_id, time);
+            }
             let Some(channel) = self.recording.layout.channels.position(message.channel_id) else {
                 let reason = format!("undefined channel {}", message.channel_id);
                 self.lose_record(section, &place, Some(time), reason);

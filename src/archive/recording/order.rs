@@ -1,7 +1,6 @@
 //! The order of messages within each channel.
 
 use super::file::Recording;
-use crate::archive::container::channels::FileChannel;
 use crate::archive::container::section::MessageRecord;
 use crate::run::time::seconds;
 use std::fmt;
@@ -124,18 +123,22 @@ impl Order {
     /// For the channels of a recording, in the order of the file.
     pub(super) fn new(recording: &Recording) -> Self {
         let is_ours = recording.is_ours();
-        let channel = |channel: &FileChannel| Channel {
-            topic: channel.topic.clone(),
-            rule: match channel.info() {
-                _ if !is_ours => Rule::Nothing,
-                Some(info) if info.is_sampled => Rule::Time,
-                Some(_) => Rule::Events,
-                None => Rule::Nothing,
-            },
-            latest: Simultaneous::default(),
-        };
+        let mut channels = Vec::new();
+        for channel in recording.channels() {
+            channels.push(Channel {
+                topic: channel.topic.clone(),
+                rule: match channel.info() {
+                    // Only toprise's own channels have a rule: other software may repeat messages or go back in time.
+                    _ if !is_ours => Rule::Nothing,
+                    Some(info) if info.is_sampled => Rule::Time,
+                    Some(_) => Rule::Events,
+                    None => Rule::Nothing,
+                },
+                latest: Simultaneous::default(),
+            });
+        }
         Self {
-            channels: recording.channels().iter().map(channel).collect(),
+            channels,
             misplaced: None,
         }
     }

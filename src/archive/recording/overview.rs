@@ -3,6 +3,7 @@
 use super::condition::Condition;
 use super::file::Recording;
 use super::selection::Selection;
+use super::statistics::StatisticsFault;
 use crate::archive::container::channels::FileChannel;
 use crate::archive::container::loss::Loss;
 use crate::archive::error::RecordingError;
@@ -39,6 +40,9 @@ pub struct Overview {
     pub channels: Vec<ChannelOverview>,
     /// The events.
     pub events: Vec<EventOverview>,
+    /// A number in the file's statistics that contradicts its content; absent if there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub statistics_fault: Option<StatisticsFault>,
     /// Parts that can't be read, at most 1000.
     pub losses: Vec<Loss>,
     /// Number of further parts that can't be read; absent if all are listed.
@@ -68,6 +72,16 @@ pub struct ChannelOverview {
 }
 
 impl ChannelOverview {
+    /// A channel of which no message has been counted yet.
+    fn new(channel: &FileChannel) -> Self {
+        Self {
+            topic: channel.topic.clone(),
+            encoding: channel.encoding.clone(),
+            schema: channel.schema_name().to_owned(),
+            ..Self::default()
+        }
+    }
+
     fn rate_hz(&self) -> Option<f64> {
         let span = self.last_ns.saturating_sub(self.first_ns);
         (self.messages > 1 && span > 0).then(|| (self.messages - 1) as f64 * 1e9 / span as f64)
@@ -145,22 +159,18 @@ impl Overview {
 
     /// Reads a recording as far as it can be read.
     pub fn new(recording: &Recording) -> Self {
-        let of_channel = |channel: &FileChannel| ChannelOverview {
-            topic: channel.topic.clone(),
-            encoding: channel.encoding.clone(),
-            schema: channel.schema_name().to_owned(),
-            ..ChannelOverview::default()
-        };
-        let mut counted: Vec<_> = recording.channels().iter().map(of_channel).collect();
-        let is_events = |channel: &&FileChannel| channel.table == Some(EVENTS);
-        let of_events = recording.channels().iter().find(is_events);
-        let decoder = of_events.and_then(|channel| channel.decoder()?.ok());
+        let channels = recording.channels();
+        let mut counted: Vec<_> = channels.iter().map(ChannelOverview::new).collect();
+        let decoder = channels
+            .iter()
+            .find(|channel| channel.table == Some(EVENTS))
+            .and_then(|channel| channel.decoder()?.ok());
         let top = recording.scenario().ok().map(|scenario| scenario.model.top);
         let (mut events, mut row) = (Vec::new(), Row::default());
         let mut reader = recording.reader(Selection::default());
         while let Some(message) = reader.next_undecoded() {
             counted[message.position].count(message.log_time, message.data.len());
-            if is_events(&message.channel)
+            if message.channel.table == Some(EVENTS)
                 && let Some(decoder) = &decoder
                 && decoder.decode(message.data, &mut row).is_ok()
             {
@@ -175,14 +185,17 @@ impl Overview {
         // Damage that opening the file doesn't find.
         let is_damaged = !reader.losses().is_empty();
         let counts = MessageCount::list(recording, &counted);
-        let is_altered = counts.iter().any(|count| count.found != count.recorded);
+        let statistics_fault = reader.statistics_fault();
+        let is_altered =
+            statistics_fault.is_some() || counts.iter().any(|count| count.found != count.recorded);
         Self {
             condition: if is_damaged {
                 Condition::Damaged
-            } else if condition == Condition::Whole && is_altered {
-                Condition::Altered
             } else {
-                condition
+                match condition {
+                    Condition::Whole | Condition::Foreign if is_altered => Condition::Altered,
+                    condition => condition,
+                }
             },
             library: recording.library().to_owned(),
             is_ours: recording.is_ours(),
@@ -192,6 +205,7 @@ impl Overview {
             counts,
             channels: counted,
             events,
+            statistics_fault,
             more_losses: losses.unlisted(),
             losses: losses.list().to_vec(),
         }

@@ -4,6 +4,7 @@ use super::file::Recording;
 use super::loader::{Found, Loader};
 use super::order::{Misplaced, Order};
 use super::selection::Selection;
+use super::statistics::{StatisticsFault, find_fault};
 use crate::archive::container::channels::FileChannel;
 use crate::archive::container::loss::{Loss, Losses};
 use crate::archive::error::MessageError;
@@ -57,6 +58,18 @@ enum Plan {
     },
 }
 
+impl Plan {
+    fn new(channel: &FileChannel) -> Self {
+        match (channel.table, channel.decoder()) {
+            (Some(topic), Some(decoder)) => Self::Decode {
+                topic,
+                decoder: decoder.map(Box::new),
+            },
+            _ => Self::Raw,
+        }
+    }
+}
+
 impl Recording {
     /// A reader for some of its messages.
     pub fn reader(&self, selection: Selection) -> Reader<'_> {
@@ -66,15 +79,8 @@ impl Recording {
 
 impl<'r> Reader<'r> {
     pub(super) fn new(recording: &'r Recording, selection: Selection) -> Self {
-        let plan = |channel: &FileChannel| match (channel.table, channel.decoder()) {
-            (Some(topic), Some(decoder)) => Plan::Decode {
-                topic,
-                decoder: decoder.map(Box::new),
-            },
-            _ => Plan::Raw,
-        };
         Self {
-            plans: recording.channels().iter().map(plan).collect(),
+            plans: recording.channels().iter().map(Plan::new).collect(),
             loader: Loader::new(recording, selection),
             recording,
             row: Row::default(),
@@ -128,6 +134,15 @@ impl<'r> Reader<'r> {
         losses
     }
 
+    /// A number in the statistics of the file that contradicts its content. It is known once all messages have been read,
+    /// whichever were selected; in files with unreadable parts it would mean nothing.
+    pub fn statistics_fault(&self) -> Option<StatisticsFault> {
+        if !self.all_losses().is_empty() {
+            return None;
+        }
+        find_fault(&self.recording.layout, &self.loader.tally)
+    }
+
     /// The next message of a channel of the table, decoded; messages of other channels are skipped.
     ///
     /// An error concerns one message; reading can continue.
@@ -152,6 +167,7 @@ impl<'r> Reader<'r> {
             Ok(decoder) => decoder.decode(message.data, &mut self.row),
             Err(error) => Err(error.clone()),
         };
+        // The time is in the message and in its head. If they differ, neither can be trusted.
         let stamp = self.row.time_ns;
         if decoded.is_ok() && stamp != time_ns {
             decoded = Err(DecodeError::Timestamp(stamp));

@@ -53,6 +53,7 @@ impl Window {
 
     /// Ends earlier, and drops the messages behind that. Returns false if the window is a single instant.
     fn shrink(&mut self, batch: &mut Batch) -> bool {
+        // A selection, not a sort: it takes linear time, and a window may hold millions of messages.
         let mut times: Vec<u64> = batch.entries.iter().map(|entry| entry.time_ns).collect();
         // Three quarters stay, so that little is read twice.
         let cut = times.len() * 3 / 4;
@@ -150,6 +151,7 @@ impl Windows {
         let has_messages = |span: &&Span| (span.first..=span.last).contains(&time_ns);
         let overlapping = self.spans[self.done..].iter().filter(has_messages);
         let mut sections: Vec<u32> = overlapping.map(|span| span.section).collect();
+        // The order of the file, which decides between messages of the same time.
         sections.sort_unstable();
         Instant {
             time_ns,

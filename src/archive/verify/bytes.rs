@@ -25,6 +25,7 @@ pub(super) fn are_equal(
         position: Arc::clone(&position),
         bytes: Vec::new(),
     };
+    // Compares in large pieces: each one is a read of the file.
     let file = BufWriter::with_capacity(64 * 1024, comparer);
     let mut sink = Pipeline::start(file, recording.path().to_owned(), header).ok()?;
     let mut reported = 0;
@@ -40,6 +41,7 @@ pub(super) fn are_equal(
     let (file, _) = sink.end(&recorded.ok()?.end).ok()?;
     let comparer = file.into_inner().ok()?;
     report();
+    // A file that goes on after the run has the same bytes up to there.
     Some(comparer.position.load(Ordering::Relaxed) == recording.size())
 }
 

@@ -163,6 +163,7 @@ fn add_channel(facts: &mut Facts, channel: &RegisteredChannel, is_by_value: bool
 fn add(facts: &mut Facts, place: &str, field: &str, value: &str) {
     let key = (place.to_owned(), field.to_owned());
     let known = facts.entry(key);
+    // So a second record of a name is a difference, too.
     known
         .and_modify(|known| *known = format!("{known} and {value}"))
         .or_insert_with(|| value.to_owned());

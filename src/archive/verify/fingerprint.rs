@@ -10,8 +10,6 @@ use std::collections::BTreeMap;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Fingerprint {
     channels: BTreeMap<u16, ChannelFingerprint>,
-    /// Earliest and latest log time, ns.
-    times: Option<(u64, u64)>,
 }
 
 /// Number of messages of a channel, and a digest that doesn't depend on their order.
@@ -31,11 +29,9 @@ impl Fingerprint {
         hasher.update(data);
         let mut half = [0; 16];
         half.copy_from_slice(&hasher.finalize()[..16]);
-        let time = header.log_time;
-        let (first, last) = self.times.unwrap_or((time, time));
-        self.times = Some((first.min(time), last.max(time)));
         let channel = self.channels.entry(header.channel_id).or_default();
         channel.messages += 1;
+        // A sum, unlike an exclusive or, counts messages that are repeated.
         channel.digest = channel.digest.wrapping_add(u128::from_le_bytes(half));
     }
 
@@ -59,20 +55,6 @@ impl Fingerprint {
         self.add(&header, &message.data);
     }
 
-    /// Number of messages by channel.
-    pub(super) fn counts(&self) -> BTreeMap<u16, u64> {
-        let counts = self
-            .channels
-            .iter()
-            .map(|(id, channel)| (*id, channel.messages));
-        counts.collect()
-    }
-
-    /// Earliest and latest log time, ns; `None` without messages.
-    pub(super) fn times(&self) -> Option<(u64, u64)> {
-        self.times
-    }
-
     /// The first of the channels whose messages differ, with its fingerprints in both sets.
     pub(super) fn first_difference<'c>(
         &self,
@@ -80,8 +62,8 @@ impl Fingerprint {
         channels: &'c [FileChannel],
     ) -> Option<(&'c FileChannel, [ChannelFingerprint; 2])> {
         channels.iter().find_map(|channel| {
-            let of = |set: &Self| set.channels.get(&channel.id).copied().unwrap_or_default();
-            let both = [of(self), of(other)];
+            let both =
+                [self, other].map(|set| set.channels.get(&channel.id).copied().unwrap_or_default());
             (both[0] != both[1]).then_some((channel, both))
         })
     }

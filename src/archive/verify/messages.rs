@@ -76,6 +76,7 @@ impl<'r> Comparison<'r> {
             }
             progress(reader.progress());
         }
+        // Also after a difference: what was lost until then may explain it.
         self.compared.losses = reader.all_losses();
         // After a difference the rest is not compared, so nothing of it is missing.
         if !self.recording.is_interrupted() && self.compared.difference.is_none() {
@@ -220,6 +221,7 @@ fn first_field(
     };
     let missing = &decoder.differences().missing;
     for (leaf, (a, b)) in info.numbers.iter().zip(row.numbers.iter().zip(numbers)) {
+        // By bits, since −0 and 0 are other bytes, and NaN stands for a missing field.
         if a.to_bits() != b.to_bits() && !missing.contains(&leaf.path) {
             return Ok(Some((leaf.path.clone(), [a, b].map(|x| format!("{x:?}")))));
         }

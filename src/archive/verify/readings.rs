@@ -8,14 +8,17 @@ use super::error::{IndexFault, VerifyError};
 use super::fingerprint::Fingerprint;
 use super::index::{self, Chunks};
 use crate::archive::container::lz4::Lz4Decompressor;
+use crate::archive::container::record::{HEAD, head, parse};
 use crate::archive::container::source::Source;
 use crate::archive::recording::{Recording, Selection};
+use mcap::records::Record;
 use mcap::sans_io::{
     IndexedReadEvent, IndexedReader, IndexedReaderOptions, LinearReaderOptions, MessageReadEvent,
     MessageReader, SummaryReadEvent, SummaryReader, SummaryReaderOptions,
 };
-use mcap::{McapResult, Summary};
+use mcap::{Channel, McapError, McapResult, Schema, Summary};
 use std::io::{self, SeekFrom};
+use std::sync::Arc;
 
 /// Maximum length of a record, bytes.
 const MAX_RECORD: usize = 256 << 20;
@@ -29,6 +32,7 @@ pub(super) fn difference(recording: &Recording) -> Result<Option<Difference>, Ve
     while let Some(message) = reader.next_undecoded() {
         own.add_undecoded(&message);
     }
+    let statistics_fault = reader.statistics_fault();
     let found = match read_in_file_order(&recording.source) {
         Ok(linear) => between(recording, "the order of the file", &linear, &own),
         Err(error) => Some(unreadable("the file", &error)),
@@ -36,21 +40,28 @@ pub(super) fn difference(recording: &Recording) -> Result<Option<Difference>, Ve
     if found.is_some() {
         return Ok(found);
     }
+    if let Some(fault) = statistics_fault {
+        let values = [fault.stated, fault.found].map(|number| Some(number.to_string()));
+        return Ok(Some(Difference::new("the statistics", &fault.name, values)));
+    }
     if let Some(difference) = check_footer(recording)? {
         return Ok(Some(difference));
     }
     let summary = match read_summary(&recording.source) {
         Ok(Some(summary)) => summary,
+        // The summary repeats channels without their schemas: those are found in the data.
+        Err(McapError::UnknownSchema(..)) => collect_summary(recording)?,
         // Readers then use the order of the file.
         Ok(None) => return Ok(None),
         Err(error) => return Ok(Some(unreadable("the summary", &error))),
     };
-    let chunks = match index::check(recording, &summary, &own) {
+    let chunks = match index::check(recording, &summary) {
         Ok(chunks) => chunks,
         Err(IndexFault::Contradiction(difference)) => return Ok(Some(difference)),
         Err(IndexFault::Io(error)) => return Err(error.into()),
     };
-    if summary.chunk_indexes.is_empty() && chunks.is_empty() {
+    // Without an index of chunks viewers, too, read in the order of the file.
+    if summary.chunk_indexes.is_empty() {
         return Ok(None);
     }
     check_overlap(&chunks, MAX_OVERLAP)?;
@@ -77,7 +88,7 @@ fn check_footer(recording: &Recording) -> Result<Option<Difference>, VerifyError
     Ok((!is_right).then(|| Difference::new("the footer", "start of the summary", texts)))
 }
 
-fn unreadable(place: &str, error: &mcap::McapError) -> Difference {
+fn unreadable(place: &str, error: &McapError) -> Difference {
     let readable = "what other software can read".to_owned();
     Difference::new(place, "", [error.to_string(), readable].map(Some))
 }
@@ -153,6 +164,49 @@ fn read_summary(source: &Source) -> McapResult<Option<Summary>> {
     Ok(reader.finish())
 }
 
+/// Reads a summary whose channels have their schemas in the data.
+fn collect_summary(recording: &Recording) -> io::Result<Summary> {
+    let layout = &recording.layout;
+    let mut summary = Summary::default();
+    let mut channels = Vec::new();
+    let mut bytes = Vec::new();
+    let mut position = layout.summary_start(&recording.source)?.unwrap_or(u64::MAX);
+    let end = layout.footer.as_ref().map_or(0, |footer| footer.offset);
+    while position < end {
+        recording.source.read(position, HEAD, &mut bytes)?;
+        let (opcode, length) = head(&bytes).ok_or(io::ErrorKind::UnexpectedEof)?;
+        recording.source.read(position + HEAD, length, &mut bytes)?;
+        position += HEAD + length;
+        // Opening the file has found invalid records already.
+        match parse(opcode, &bytes) {
+            Ok(Record::ChunkIndex(index)) => summary.chunk_indexes.push(index),
+            Ok(Record::AttachmentIndex(index)) => summary.attachment_indexes.push(index),
+            Ok(Record::MetadataIndex(index)) => summary.metadata_indexes.push(index),
+            Ok(Record::Channel(channel)) => channels.push(channel),
+            _ => {}
+        }
+    }
+    for channel in channels {
+        let schema = layout.channels.schema(channel.schema_id).map(|schema| {
+            Arc::new(Schema {
+                id: channel.schema_id,
+                name: schema.name.clone(),
+                encoding: schema.encoding.clone(),
+                data: schema.data.clone().into(),
+            })
+        });
+        let channel = Channel {
+            id: channel.id,
+            topic: channel.topic,
+            schema,
+            message_encoding: channel.message_encoding,
+            metadata: channel.metadata,
+        };
+        summary.channels.insert(channel.id, Arc::new(channel));
+    }
+    Ok(summary)
+}
+
 /// Reads the messages through the index; also returns whether they came in order of time.
 fn read_through_index(source: &Source, summary: &Summary) -> McapResult<(Fingerprint, bool)> {
     let options = IndexedReaderOptions::new().with_record_length_limit(MAX_RECORD);
@@ -188,6 +242,7 @@ fn check_overlap(chunks: &Chunks, limit: u64) -> Result<(), VerifyError> {
         changes.push((chunk.first, false, chunk.size));
         changes.push((chunk.last, true, chunk.size));
     }
+    // At one time starts come before ends, since a chunk that ends there is still needed.
     changes.sort_unstable();
     let (mut size, mut most) = (0, 0);
     for (_, is_end, of_chunk) in changes {
