@@ -10,6 +10,7 @@ mod completions;
 mod diff;
 mod explain;
 mod figures;
+mod file_kind;
 #[cfg(feature = "fit")]
 mod fit;
 mod info;
@@ -64,7 +65,7 @@ use std::process::ExitCode;
 /// mine.toml`) or a recording (MCAP). Units are SI and radians.
 #[derive(Debug, Parser)]
 #[command(name = "toprise", version, long_version = version::long(), after_help = EXAMPLES, after_long_help = MORE)]
-#[command(next_help_heading = OUTPUT, next_display_order = 899)]
+#[command(next_help_heading = OUTPUT, next_display_order = 899, max_term_width = MAX_WIDTH)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -100,6 +101,9 @@ pub fn command() -> clap::Command {
     Arguments::command()
 }
 
+/// Maximum width of help pages, columns. Without a terminal clap would wrap at 100, wider than many terminals.
+const MAX_WIDTH: usize = 80;
+
 const EXAMPLES: &str = "\
 Start with:
   toprise run                        simulate the paper's run, record it in recordings/
@@ -130,8 +134,9 @@ Manage recordings:
   toprise run a.mcap --encoding protobuf   repeat a run in another encoding
   toprise run a.mcap.partial               repeat an interrupted run from the start
 
-For scripts: --format json prints each report as JSON, and `toprise schema --write DIR`
-writes the JSON Schemas of reports and of the messages in recordings.
+For scripts: --format json prints each report as JSON, and
+`toprise schema --write DIR` writes the JSON Schemas of reports and of the
+messages in recordings.
 
 Exit codes:
   0  success; recordings verified, runs equal

@@ -150,6 +150,7 @@ pub fn end_entries(end: &RunEnd) -> Entries {
     let statistics = &end.statistics;
     let mut all = entries([
         (STOP_REASON, end.stop.name().to_owned()),
+        // `{:?}` has the digits from which the same number follows.
         (STOP_TIME, format!("{:?}", end.time)),
         (SAMPLE_COUNT, end.samples.to_string()),
         (EVENT_COUNT, end.events.to_string()),

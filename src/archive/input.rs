@@ -88,6 +88,7 @@ pub fn read(word: &Path) -> Result<RunInput, InputError> {
             form: None,
         });
     }
+    // By its name even if it is empty or cut: the error is then about a recording, not about TOML.
     let is_named_so = has_extension(word, "mcap") || has_extension(word, "partial");
     let (text, form) = if !is_standard_input(word) && (is_named_so || is_mcap(word)) {
         read_recording(word).map_err(|reason| InputError::Recording {
@@ -143,6 +144,7 @@ fn scenario_from(stream: impl io::Read) -> io::Result<String> {
     /// Maximum length of a scenario from a stream, bytes.
     const MAX_LENGTH: u64 = 1 << 20;
     let mut bytes = Vec::new();
+    // Bytes, not text: the errors below recognise what else was piped in.
     stream.take(MAX_LENGTH).read_to_end(&mut bytes)?;
     if bytes.starts_with(mcap::MAGIC) {
         let reason = "a recording can't be read from a pipe: save it to a file";
@@ -189,7 +191,8 @@ fn text_of(bytes: Vec<u8>) -> io::Result<String> {
     }
 }
 
-fn is_preset(word: &Path) -> bool {
+/// Whether an argument is the name of a preset.
+pub fn is_preset(word: &Path) -> bool {
     PRESETS
         .iter()
         .any(|preset| word.as_os_str() == &*preset.name)

@@ -53,6 +53,7 @@ impl<W: Write + Send + 'static> Pipeline<W> {
     }
 
     fn send_batch(&mut self) -> Result<(), SinkError> {
+        // The thread keeps the buffers: a new batch is cheaper than a channel that returns them.
         let batch = std::mem::take(&mut self.encoder.batch);
         let batches = self.batches.as_ref();
         if batches.is_some_and(|batches| batches.send(batch).is_ok()) {
@@ -165,6 +166,7 @@ impl McapSink {
     /// # Errors
     /// [`SinkError`] if the file can't be written, or its name is taken.
     pub fn open(draft: Draft, header: &Header) -> Result<Self, SinkError> {
+        // Compressed chunks are written in one piece; this collects the small records between them.
         let file = BufWriter::with_capacity(64 * 1024, draft.file()?);
         let mut pipeline = Pipeline::start(file, draft.path().to_owned(), header)?;
         let draft = draft.make_partial()?;

@@ -84,6 +84,7 @@ impl Draft {
     ) -> Result<Self, SinkError> {
         check_target(path, existing)?;
         let parent = directory_of(path);
+        // Listed before they are made, so that a signal in between leaves no empty directory.
         let directories = drafts
             .make_directory(parent)
             .map_err(|error| io_error("create directory", parent, error))?;
@@ -175,6 +176,7 @@ impl Draft {
     pub fn publish(self) -> Result<u64, SinkError> {
         let bytes = sync(self.file.as_file())
             .map_err(|error| io_error("write", self.working_name(), error))?;
+        // The content is on the disk before the name is: a crash leaves the old file or the new one, never half of it.
         let named = match self.existing {
             Existing::Replace => self.file.persist(&self.path),
             Existing::Keep => name_anew(self.file, &self.path),
@@ -363,6 +365,7 @@ fn sync(file: &File) -> io::Result<u64> {
 
 /// Syncs the directory, where supported.
 fn sync_directory(path: &Path) {
+    // Only then a crash can't undo the renaming. Some systems can't open directories.
     if let Ok(directory) = File::open(directory_of(path)) {
         let _ = directory.sync_all();
     }

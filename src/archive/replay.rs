@@ -38,6 +38,7 @@ pub fn replay(
                 sink.write(&message)?;
                 replayed.messages += 1;
             }
+            // One bad message must not hide the others.
             Err(error) => match &mut replayed.undecodable {
                 Some((_, count)) => *count += 1,
                 none => *none = Some((error, 1)),

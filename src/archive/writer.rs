@@ -413,8 +413,10 @@ fn options() -> WriteOptions {
     WriteOptions::new()
         .compression(Some(Compression::Zstd))
         .compression_level(1)
+        // The bytes must not depend on the number of processors.
         .compression_threads(0)
         .chunk_size(Some(CHUNK_SIZE))
+        // Chunks are written when they are complete, so that any `Write` will do and a killed run leaves whole chunks.
         .disable_seeking(true)
         .profile("")
         .library(LIBRARY)

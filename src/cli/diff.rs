@@ -143,12 +143,14 @@ pub(super) fn diff(arguments: &DiffArguments, drafts: &Drafts) -> Result<Status,
     // A document has room for whole values.
     let is_cut = !plan.all && output::format() == Format::Text;
     report::print(&report, || content::page(&report, plan.all, is_cut))?;
-    if let Some(viewer) = observers.viewer {
-        viewer.finish(&report)?;
-    }
+    let is_viewer_lost = match observers.viewer {
+        Some(viewer) => viewer.finish(&report)?,
+        None => false,
+    };
     Ok(match report.verdict {
         Verdict::Different => Status::Different,
         Verdict::Agreeing => Status::Partial,
+        _ if is_viewer_lost => Status::Partial,
         Verdict::Identical | Verdict::SameValues | Verdict::Equal => Status::Success,
     })
 }

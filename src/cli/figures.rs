@@ -151,6 +151,7 @@ impl FiguresArguments {
             existing: Existing::forced(self.force),
         };
         let content = if let Some(sweep) = self.sweep.plan()? {
+            // Drawing may take minutes: a name that is taken is found before.
             files.check(&[SWEEP.0], &[sweep.table().to_owned()])?;
             Content::Sweep(sweep)
         } else {

@@ -223,7 +223,7 @@ impl FitArguments {
     /// Refuses outputs that can't be written before anything is fitted.
     fn check_outputs(&self, inputs: &[PathBuf]) -> Result<(), anyhow::Error> {
         if let Some(output) = &self.output {
-            super::run::arguments::check_extension(output)?;
+            super::file_kind::FileKind::Mcap.check("-o", output)?;
         }
         for output in self.output.iter().chain(&self.best) {
             refuse_inputs(output, inputs.iter().map(PathBuf::as_path))?;

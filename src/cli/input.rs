@@ -15,7 +15,7 @@ pub(super) enum Input {
     /// A scenario to simulate.
     Scenario {
         scenario: Box<Scenario>,
-        /// The stem of its file, or the name of the preset.
+        /// See [`run_name`].
         name: String,
     },
 }
@@ -54,8 +54,9 @@ impl Input {
 /// `common` overrides are ignored for recordings; `own` overrides are an error for them.
 pub(super) fn open(word: &Path, common: &[Override], own: &[Override]) -> Result<Input, Error> {
     if !is_recording(word) {
-        let scenario = checked(word, values(word)?, &[common, own].concat())?;
-        let name = file_stem(word).unwrap_or_else(|| scenario.name().to_owned());
+        let overrides = [common, own].concat();
+        let scenario = checked(word, values(word)?, &overrides)?;
+        let name = run_name(word, &scenario, &overrides);
         let scenario = Box::new(scenario);
         return Ok(Input::Scenario { scenario, name });
     }
@@ -65,6 +66,16 @@ pub(super) fn open(word: &Path, common: &[Override], own: &[Override]) -> Result
     }
     let recording = Recording::open(word).with_context(|| name.to_string())?;
     Ok(Input::Recording(Box::new(recording)))
+}
+
+/// The name of a run in reports and of its files: the one that was set, or the stem of the scenario's file, or the name in
+/// the scenario.
+pub(super) fn run_name(word: &Path, scenario: &Scenario, overrides: &[Override]) -> String {
+    let is_set = overrides.iter().any(|(key, _)| key == "name");
+    match file_stem(word) {
+        Some(stem) if !is_set => stem,
+        Some(_) | None => scenario.name().to_owned(),
+    }
 }
 
 /// The validated scenario with these values and overrides; `word` is named in errors.

@@ -26,6 +26,7 @@ impl SignalGuard {
     pub(super) fn install() -> Self {
         let drafts = Drafts::default();
         let of_handler = drafts.clone();
+        // If another handler is installed, that one decides.
         let _ = ctrlc::try_set_handler(move || on_signal(&of_handler));
         Self { drafts }
     }
@@ -64,6 +65,7 @@ pub(super) fn flow() -> ControlFlow<()> {
 
 fn on_signal(drafts: &Drafts) {
     if !IS_GRACEFUL.load(SeqCst) || IS_REQUESTED.swap(true, SeqCst) {
+        // No destructors run from here on.
         drafts.abandon();
         std::process::exit(IMMEDIATE_EXIT_CODE);
     }

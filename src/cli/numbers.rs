@@ -5,6 +5,7 @@ use indicatif::HumanCount;
 
 /// Formats a number with `digits` decimals and a typographic minus; huge numbers in scientific notation.
 pub(super) fn number(value: f64, digits: usize) -> String {
+    // Above that the digits would be those of the binary representation.
     let text = if value.abs() < 1e15 {
         format!("{value:.digits$}")
     } else {

@@ -1,7 +1,7 @@
 //! All output of the program.
 //!
-//! Reports go to standard output, everything else to standard error. Write errors never cause a panic. A broken pipe
-//! (`head`) is not an error; a report that can't be written at all is (exit code 2).
+//! Reports go to standard output, everything else to standard error. Write errors never cause a panic. A closed pipe
+//! (`head`, `true`) is not an error: its reader wants no more. A full disk is (exit code 2).
 
 use super::arguments::Format;
 use super::text;
@@ -43,6 +43,7 @@ pub(super) fn format() -> Format {
 
 /// The terminal width; `None` if standard output is not a terminal.
 pub(super) fn columns() -> Option<usize> {
+    // In a pipe or a file lines are not wrapped, so that `grep` finds whole ones.
     let is_terminal = io::stdout().is_terminal();
     is_terminal.then(|| textwrap::termwidth().max(MIN_WIDTH))
 }
@@ -64,7 +65,7 @@ pub(super) fn print_styled(report: &str) -> io::Result<()> {
     }
 }
 
-/// Writes a report. The first write must be a single one: it shows whether there is a reader at all.
+/// Writes a report.
 fn write(stream: &mut impl Write, report: &str) -> io::Result<()> {
     let text = report.trim_end();
     if text.is_empty() {
@@ -77,10 +78,9 @@ fn write(stream: &mut impl Write, report: &str) -> io::Result<()> {
 }
 
 fn write_line(stream: &mut impl Write, text: &str) -> io::Result<()> {
-    let written = stream.write(text.as_bytes())?;
-    let rest = stream.write_all(&text.as_bytes()[written..]);
-    match rest.and_then(|()| stream.flush()) {
-        // A reader that stops early, such as `head`, is not an error.
+    let written = stream.write_all(text.as_bytes());
+    match written.and_then(|()| stream.flush()) {
+        // Other programs are ended by SIGPIPE, which Rust ignores.
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         result => result,
     }
@@ -132,6 +132,7 @@ pub(super) fn with_causes(error: &anyhow::Error) -> String {
         .fold(String::new(), |message, cause| {
             if message.is_empty() {
                 cause
+            // Some errors already include their cause.
             } else if message.contains(&cause) {
                 message
             } else {
@@ -167,18 +168,15 @@ mod tests {
     #[test]
     fn reports_write_errors_unless_the_reader_has_left() {
         let written = |room, kind| write(&mut Broken(room, kind), "answer");
-        for (room, kind) in [
-            (0, io::ErrorKind::BrokenPipe),
-            (0, io::ErrorKind::StorageFull),
-            (3, io::ErrorKind::StorageFull),
-        ] {
-            let reported = written(room, kind).unwrap_err().to_string();
+        for room in [0, 3] {
+            let full = written(room, io::ErrorKind::StorageFull);
+            let reported = full.unwrap_err().to_string();
             assert!(
                 reported.starts_with("cannot write to standard output: "),
                 "{reported}"
             );
+            assert!(written(room, io::ErrorKind::BrokenPipe).is_ok());
         }
-        assert!(written(3, io::ErrorKind::BrokenPipe).is_ok());
         assert!(written(7, io::ErrorKind::StorageFull).is_ok());
     }
 

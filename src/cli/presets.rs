@@ -5,7 +5,7 @@ use super::page::{Part, Section};
 use super::report;
 use super::status::Status;
 use super::table::Table;
-use crate::archive::input::{file_stem, values};
+use crate::archive::input::{is_preset, values};
 use crate::run::scenario::{PRESETS, Preset};
 use anyhow::Error;
 use clap::Args;
@@ -16,7 +16,7 @@ use std::path::PathBuf;
 /// Arguments of `toprise presets`.
 #[derive(Args, Debug, Default, PartialEq)]
 pub(super) struct PresetsArguments {
-    /// Preset to print; or a recording or scenario file, whose scenario is printed
+    /// Preset to print; or a recording or scenario file (-: standard input), whose scenario is printed
     name: Option<PathBuf>,
 }
 
@@ -38,8 +38,9 @@ struct PresetReport {
 /// Lists the presets, or prints a scenario as TOML.
 pub(super) fn presets(arguments: &PresetsArguments) -> Result<Status, Error> {
     let mut scenarios = Vec::new();
+    // A file may be called like no preset, and a preset wins over a file of its name, as everywhere.
     match &arguments.name {
-        Some(name) if file_stem(name).is_some() => {
+        Some(name) if !is_preset(name) => {
             let scenario = checked(name, values(name)?, &[])?;
             scenarios.push(PresetReport {
                 name: scenario.name().to_owned(),

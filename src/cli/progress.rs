@@ -27,6 +27,7 @@ impl Progress {
             ProgressDrawTarget::stderr()
         };
         let bar = ProgressBar::with_draw_target(total, target);
+        // A template that can't be parsed leaves the default style.
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
@@ -35,6 +36,7 @@ impl Progress {
 
     /// Advances the bar.
     pub(super) fn add(&self, more: u64) {
+        // Even nothing would lock the bar and draw it.
         if more > 0 {
             self.0.inc(more);
         }

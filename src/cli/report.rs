@@ -34,6 +34,7 @@ pub(super) fn print(
 /// With --format json, prints an error as JSON on standard output, with the key of the scenario that is wrong, if any.
 pub(super) fn print_error(error: &str, key: Option<&str>) {
     if output::format() == Format::Json {
+        // Programs that read reports find the reason where the report would be.
         let mut report = json!({ "error": error });
         if let Some(key) = key {
             report["key"] = json!(key);

@@ -1,6 +1,6 @@
 //! `toprise run`.
 
-pub(super) mod arguments;
+mod arguments;
 mod files;
 mod pace;
 pub(super) mod plan;
@@ -18,7 +18,8 @@ use super::report::{Completed, WrittenFile, print};
 use super::rerun::run::RunViewer;
 use super::status::Status;
 use crate::archive::pipeline::McapSink;
-use crate::archive::publish::Drafts;
+use crate::archive::publish::{Draft, Drafts};
+use crate::archive::recording::{Condition, Recording};
 use crate::archive::sink::{RecordedRun, Sink, record};
 use crate::archive::writer::Header;
 use crate::run::outcome::Outcome;
@@ -26,12 +27,13 @@ use crate::run::scenario::Preset;
 use crate::run::simulation::{Record, Tally};
 use crate::telemetry::RunMessages;
 use anyhow::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Runs a scenario and records it.
 pub(super) fn run(arguments: &RunArguments, drafts: &Drafts) -> Result<Status, Error> {
     let plan = arguments.plan()?;
+    // From here on Ctrl-C ends the run with an end record; before, it ends the program.
     interrupt::watch(drafts)?;
     let began = Instant::now();
     let mut run = RunMessages::new(&plan.scenario, &plan.topics)?
@@ -86,14 +88,20 @@ fn record_run(
     let (draft, content_digest) = archive.complete(&end)?;
     let outcome = Outcome::new(&plan.scenario, end, counts);
     let existing = find_identical(&draft, earlier);
+    let is_kept = existing.is_none()
+        && !outcome.end.stop.is_complete()
+        && plan.files.replaces()
+        && is_complete_recording(draft.path());
     let mcap = match &existing {
         Some(existing) => {
             draft.discard();
             existing.clone()
         }
+        None if is_kept => keep_partial(draft)?,
         None => WrittenFile::publish(draft)?,
     };
     let rrd = match viewer {
+        Some(viewer) if is_kept => viewer.keep_partial(),
         Some(viewer) => finish_viewer(viewer, &outcome, existing.as_ref()),
         None => Ok(Completed::default()),
     };
@@ -110,6 +118,24 @@ fn record_run(
         content_digest,
     };
     Ok((outcome, recorded))
+}
+
+/// Whether there is a recording of a whole run.
+fn is_complete_recording(path: &Path) -> bool {
+    Recording::open(path).is_ok_and(|recording| recording.condition() == Condition::Whole)
+}
+
+/// Leaves the file of an incomplete run under its partial name, because a complete recording has its own.
+fn keep_partial(draft: Draft) -> Result<WrittenFile, Error> {
+    let (path, partial) = (draft.path().to_owned(), draft.working_name().to_owned());
+    // From the start of the run, a draft stays if it is not published.
+    drop(draft);
+    output::warn(&format!(
+        "{} is a complete recording and stays as it is; the incomplete run is {}",
+        path.display(),
+        partial.display()
+    ));
+    Ok(WrittenFile::new(&partial, partial.metadata()?.len()))
 }
 
 /// Adds the outcome of a complete run to its Rerun recording, and finishes that.

@@ -4,6 +4,7 @@ pub(super) mod figures;
 mod report;
 
 use super::arguments::{Override, parse_override};
+use super::file_kind::FileKind;
 use super::interrupt;
 use super::numbers::{count, counted};
 use super::output;
@@ -166,6 +167,7 @@ fn parse_shard(text: &str) -> Result<Shard, ValueError> {
 /// Computes a sweep.
 pub(super) fn sweep(arguments: &SweepArguments, drafts: &Drafts) -> Result<Status, Error> {
     let began = Instant::now();
+    FileKind::Parquet.check("-o", &arguments.output)?;
     let sweep = Sweep::new(arguments.spec()?);
     if let Some(name) = sweep.spec().shared_name() {
         output::warn(&format!(
@@ -173,6 +175,7 @@ pub(super) fn sweep(arguments: &SweepArguments, drafts: &Drafts) -> Result<Statu
         ));
     }
     let left = remaining_rows(&sweep, &arguments.output, arguments.shard)?;
+    // From here on Ctrl-C keeps the parts that are complete.
     interrupt::watch(drafts)?;
     let finished = if arguments.dry_run {
         Finished::default()

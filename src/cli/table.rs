@@ -86,6 +86,7 @@ impl Table {
         }
         layout.add_rows(self.rows.iter().map(|row| cells(row, width)));
         for (at, column) in layout.column_iter_mut().enumerate() {
+            // Padding on the right would end each line with spaces.
             column.set_padding((2, 0));
             if at >= self.left {
                 column.set_cell_alignment(CellAlignment::Right);

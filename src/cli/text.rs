@@ -7,6 +7,7 @@ const MAX_LENGTH: usize = 2000;
 
 /// Whether a character is a control or bidirectional formatting character.
 fn is_control(character: char) -> bool {
+    // Line separators and marks of direction can make one text look like another.
     let reorders = matches!(character, '\u{061c}' | '\u{200b}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     character.is_control() || reorders
 }
@@ -45,6 +46,7 @@ pub(super) fn message(text: &str) -> String {
 pub(super) fn sanitized_json(json: &str) -> String {
     let mut text = String::with_capacity(json.len());
     for character in json.chars() {
+        // In JSON an escape keeps the character; a terminal sees letters only.
         if character != '\n' && is_control(character) {
             text.push_str(&format!("\\u{:04x}", u32::from(character)));
         } else {

@@ -46,6 +46,7 @@ struct VerifiedFile {
 pub(super) fn verify(arguments: &VerifyArguments) -> Result<Status, Error> {
     let report = VerifyReport(check_all(&arguments.files));
     report::print(&report, || report.page())?;
+    // After the report, so that they end the output.
     for file in &report.0 {
         if let Some(error) = &file.error {
             output::error(&format!("{}: {error}", file.file));
@@ -62,6 +63,7 @@ fn check_all(files: &[PathBuf]) -> Vec<VerifiedFile> {
         .filter_map(|file| file.metadata().ok())
         .map(|metadata| metadata.len());
     let progress = Progress::for_bytes("verifying", sizes.sum());
+    // Each file is one simulation, which uses one thread and one for compression.
     let verified = files
         .par_iter()
         .map(|path| VerifiedFile::new(path, check_file(path, &progress)))

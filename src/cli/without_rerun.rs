@@ -59,6 +59,10 @@ pub(super) mod run {
             match *self {}
         }
 
+        pub(in crate::cli) fn keep_partial(self) -> Result<Completed, Error> {
+            match self {}
+        }
+
         pub(in crate::cli) fn finish(
             self,
             _existing: Option<&WrittenFile>,
@@ -72,7 +76,6 @@ pub(super) mod run {
 pub(super) mod diff {
     use crate::analysis::diff::{Report, Subject};
     use crate::archive::publish::Drafts;
-    use crate::archive::sink::SinkError;
     use crate::telemetry::{Message, side::Side};
     use anyhow::Error;
     use clap::Args;
@@ -83,7 +86,7 @@ pub(super) mod diff {
     pub(in crate::cli) struct ShowArguments {}
 
     impl ShowArguments {
-        pub(in crate::cli) fn plan(&self, _runs: &[PathBuf]) -> Result<ShowPlan, SinkError> {
+        pub(in crate::cli) fn plan(&self, _runs: &[PathBuf]) -> Result<ShowPlan, Error> {
             Ok(ShowPlan)
         }
     }
@@ -112,7 +115,7 @@ pub(super) mod diff {
             match *self {}
         }
 
-        pub(in crate::cli) fn finish(self, _report: &Report) -> Result<(), Error> {
+        pub(in crate::cli) fn finish(self, _report: &Report) -> Result<bool, Error> {
             match self {}
         }
     }

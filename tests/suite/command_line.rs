@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
-use toprise::archive::recording::Overview;
+use toprise::archive::recording::{Condition, Overview};
 use toprise::run::scenario::{LAWS, Scenario, Values};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_toprise");
@@ -349,7 +349,8 @@ fn wait_for_data(path: &Path) {
 fn paced_run(folder: &Folder) -> Child {
     let child = Command::new(PROGRAM)
         .current_dir(folder.path())
-        .args(["run", "--realtime", "-o", "live.mcap"])
+        .args(["run", "--realtime", "-o", "live.mcap", "--force"])
+        .stderr(Stdio::null())
         .stdout(Stdio::piped())
         .spawn()
         .unwrap();
@@ -372,8 +373,30 @@ fn interrupted_runs_end_cleanly() {
     signal(&child, "-INT");
     assert_eq!(child.wait().unwrap().code(), Some(3));
     let overview = Overview::read(&folder.at("live.mcap")).unwrap();
-    assert!(overview.is_whole());
+    assert_eq!(overview.condition, Condition::Interrupted);
     assert_eq!(overview.end.unwrap()["stop_reason"], "interrupted");
+    assert!(!folder.at("live.mcap.partial").exists());
+    let info = folder.toprise("info live.mcap", 3).stdout;
+    assert_contains(&info, "interrupted");
+}
+
+#[cfg(unix)]
+#[test]
+fn interrupted_runs_replace_no_complete_recording() {
+    let folder = Folder::new();
+    folder.toprise(&format!("{SHORT} -o live.mcap"), 0);
+    let complete = folder.read("live.mcap");
+    let mut child = paced_run(&folder);
+    signal(&child, "-INT");
+    assert_eq!(child.wait().unwrap().code(), Some(3));
+    assert_eq!(folder.read("live.mcap"), complete);
+    let partial = Overview::read(&folder.at("live.mcap.partial")).unwrap();
+    assert_eq!(partial.condition, Condition::Interrupted);
+    // An incomplete recording is replaced.
+    fs::rename(folder.at("live.mcap.partial"), folder.at("live.mcap")).unwrap();
+    let mut child = paced_run(&folder);
+    signal(&child, "-INT");
+    assert_eq!(child.wait().unwrap().code(), Some(3));
     assert!(!folder.at("live.mcap.partial").exists());
 }
 
@@ -411,19 +434,91 @@ fn reports_full_disks() {
     assert!(overview.messages() > 100 && overview.end.is_none());
 }
 
-/// A reader that stops early is none: `cli::output` tests it.
+/// Every command may be followed by `| head -1`.
 #[test]
-fn unreadable_stdout_is_failed_output() {
-    for line in ["schema", "--help", "laws --format json"] {
+fn closed_stdout_is_quiet() {
+    let folder = Folder::new();
+    folder.toprise(&format!("{SHORT} -o a.mcap"), 0);
+    for (line, code) in [
+        ("run drop --set stop.duration=0.01 -o b.mcap", 0),
+        ("explain a.mcap", 0),
+        ("diff a.mcap a.mcap", 0),
+        ("figures a.mcap --format json", 0),
+        ("info a.mcap", 0),
+        ("verify a.mcap", 0),
+        ("presets", 0),
+        ("presets paper", 0),
+        ("laws --format json", 0),
+        ("schema", 0),
+        ("completions bash", 0),
+        ("--help", 0),
+        ("--version", 0),
+        ("presets nope --format json", 2),
+    ] {
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
         let mut program = Command::new(PROGRAM);
-        let program = program.args(line.split(' ')).stdout(writer);
-        let output = program.output().unwrap();
+        let program = program.current_dir(folder.path()).args(line.split(' '));
+        let output = program.stdout(writer).output().unwrap();
         let stderr = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{line}: {stderr}");
-        assert_contains(&stderr, "cannot write to standard output");
+        assert_eq!(output.status.code(), Some(code), "{line}: {stderr}");
+        assert_eq!(stderr.is_empty(), code == 0, "{line}: {stderr}");
     }
+}
+
+#[test]
+fn help_fits_80_columns() {
+    let mut program = toprise::cli::command();
+    program.build();
+    let mut pages = vec![
+        ("toprise --help".to_owned(), program.render_long_help()),
+        ("toprise -h".to_owned(), program.render_help()),
+    ];
+    for command in program.get_subcommands_mut() {
+        let name = command.get_name().to_owned();
+        pages.push((format!("{name} --help"), command.render_long_help()));
+        pages.push((format!("{name} -h"), command.render_help()));
+    }
+    for (name, page) in pages {
+        for line in page.to_string().lines() {
+            assert!(line.chars().count() <= 80, "{name}: {line}");
+        }
+    }
+}
+
+#[test]
+fn names_that_are_set_win_over_file_names() {
+    let folder = Folder::new();
+    fs::write(
+        folder.at("mine.toml"),
+        folder.toprise("presets paper", 0).stdout,
+    )
+    .unwrap();
+    let short = "--set stop.duration=0.05";
+    let named = json(
+        &folder,
+        &format!("diff mine.toml mine.toml --set-a name=X {short} --format json"),
+    );
+    assert_eq!(
+        (&named["a"]["name"], &named["b"]["name"]),
+        (&"X".into(), &"mine".into())
+    );
+    let run = json(
+        &folder,
+        &format!("run mine.toml --set name=X {short} --format json"),
+    );
+    assert_contains(run["mcap"]["path"].as_str().unwrap(), "recordings/X");
+}
+
+#[test]
+fn presets_reads_standard_input() {
+    let folder = Folder::new();
+    let toml = answer(&folder, "presets drop");
+    let mut program = folder.program("presets -");
+    let printed = printed(program.write_stdin(toml.clone()), "presets -", 0);
+    assert_eq!(printed.stdout, toml);
+    folder.refuses("info -", "standard input can be a scenario only");
+    folder.refuses("presets nope", "nope");
 }
 
 /// What says under which name a file is written is checked before the run.

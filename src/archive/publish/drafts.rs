@@ -28,6 +28,7 @@ impl Drafts {
             let _ = fs::remove_file(file);
         }
         remove_empty(&leftovers.directories);
+        // The lock is never released: no thread makes another draft while the process exits.
         std::mem::forget(leftovers);
     }
 

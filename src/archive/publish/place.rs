@@ -39,6 +39,7 @@ fn resolved(directory: &Path) -> PathBuf {
     let mut resolved = PathBuf::new();
     for part in absolute.components() {
         match part {
+            // What is before it is canonical already, so its parent is that of the target of a link.
             Component::ParentDir => {
                 resolved.pop();
             }

@@ -143,6 +143,7 @@ fn excerpt(key: &KeyDifference, value: Option<&str>) -> String {
         return full;
     }
     let [a, b] = [&key.a, &key.b].map(|text| text.as_deref().unwrap_or_default());
+    // By characters, not bytes: a cut within a character would panic.
     let common = a.chars().zip(b.chars()).take_while(|(a, b)| a == b).count();
     let start = match common.saturating_sub(CONTEXT) {
         start if common < MAX_LENGTH && start <= CONTEXT => 0,

@@ -3,9 +3,9 @@
 use super::viewer::{ViewerArguments, complete, warn_all};
 use crate::analysis::diff::{Report, Subject};
 use crate::archive::publish::{Draft, Drafts, Existing, refuse_inputs};
-use crate::archive::sink::SinkError;
 use crate::cli::arguments::OUTPUT;
 use crate::cli::diff::content;
+use crate::cli::file_kind::FileKind;
 use crate::cli::{output, page};
 use crate::rerun::{Destinations, Identity, Live, PairIdentity, PairSink, Playback};
 use crate::telemetry::{Message, side::Side};
@@ -37,8 +37,9 @@ pub(in crate::cli) struct ShowPlan {
 
 impl ShowArguments {
     /// Resolves the arguments. Refuses to overwrite an input.
-    pub(in crate::cli) fn plan(&self, runs: &[PathBuf]) -> Result<ShowPlan, SinkError> {
+    pub(in crate::cli) fn plan(&self, runs: &[PathBuf]) -> Result<ShowPlan, Error> {
         if let Some(rrd) = &self.rrd {
+            FileKind::Rrd.check("--rrd", rrd)?;
             refuse_inputs(rrd, runs.iter().map(PathBuf::as_path))?;
         }
         Ok(ShowPlan {
@@ -53,6 +54,8 @@ impl ShowArguments {
 pub(in crate::cli) struct PairViewer {
     sink: PairSink,
     draft: Option<Draft>,
+    /// Whether the viewer went away while the comparison was prepared.
+    is_viewer_lost: bool,
 }
 
 impl PairViewer {
@@ -80,8 +83,12 @@ impl PairViewer {
             live: plan.live.clone(),
         };
         let mut sink = PairSink::new(&identity, destinations);
-        warn_all(&sink.take_warnings());
-        Ok(Some(Self { sink, draft }))
+        let is_viewer_lost = warn_all(&sink.take_warnings());
+        Ok(Some(Self {
+            sink,
+            draft,
+            is_viewer_lost,
+        }))
     }
 
     pub(in crate::cli) fn write(&mut self, side: Side, message: &Message<'_>) {
@@ -92,14 +99,16 @@ impl PairViewer {
         self.sink.difference(message);
     }
 
-    /// Adds the report to the recording and completes the file.
-    pub(in crate::cli) fn finish(mut self, report: &Report) -> Result<(), Error> {
+    /// Adds the report to the recording and completes the file. Returns whether the viewer went away before it had
+    /// everything.
+    pub(in crate::cli) fn finish(mut self, report: &Report) -> Result<bool, Error> {
         let markdown = page::markdown(&content::summary(report));
         self.sink.summarize(&markdown);
-        if let Some(file) = complete(self.sink.finish(), self.draft)?.file {
+        let completed = complete(self.sink.finish(), self.draft)?;
+        if let Some(file) = completed.file {
             output::note(&format!("wrote {}", file.line()));
         }
-        Ok(())
+        Ok(self.is_viewer_lost || completed.is_viewer_lost)
     }
 }
 

@@ -4,6 +4,7 @@ use super::viewer::{ViewerArguments, complete, warn_all};
 use crate::archive::publish::{Draft, Drafts, refuse_inputs};
 use crate::archive::sink::Sink;
 use crate::cli::arguments::OUTPUT;
+use crate::cli::file_kind::FileKind;
 use crate::cli::report::{Completed, WrittenFile};
 use crate::cli::run::plan::RunPlan;
 use crate::rerun::{Destinations, ExplainedSink, Identity, Live, Playback};
@@ -100,6 +101,7 @@ impl RunViewer {
         };
         let mut draft = None;
         if let Some(path) = path {
+            FileKind::Rrd.check("--rrd", &path)?;
             refuse_inputs(&path, [mcap])?;
             draft = Some(plan.files.create(drafts, &path)?.make_partial()?);
         }
@@ -133,6 +135,13 @@ impl RunViewer {
 
     pub(in crate::cli) fn set_outcome(&mut self, outcome: &Outcome) {
         self.sink.set_outcome(outcome);
+    }
+
+    /// Ends the stream of an incomplete run whose file must not replace another: it keeps its partial name.
+    pub(in crate::cli) fn keep_partial(self) -> Result<Completed, Error> {
+        let mut completed = complete(self.sink.finish(), None)?;
+        completed.is_viewer_lost |= self.is_viewer_lost;
+        Ok(completed)
     }
 
     /// Ends the stream and publishes the file. If the MCAP file existed already, the file is published only under a name

@@ -7,6 +7,7 @@ use crate::archive::publish::{Draft, Drafts, Existing, refuse_inputs};
 use crate::archive::recording::{Condition, Recording, Selection};
 use crate::archive::replay::{Replayed, replay};
 use crate::cli::arguments::OUTPUT;
+use crate::cli::file_kind::FileKind;
 use crate::cli::interrupt;
 use crate::cli::output;
 use crate::cli::page::Section;
@@ -78,6 +79,9 @@ struct ShownRecording {
     losses: Vec<String>,
     /// The Rerun recording that was written.
     rrd: Option<WrittenFile>,
+    /// Whether the viewer went away before it had everything.
+    #[serde(skip)]
+    is_viewer_lost: bool,
 }
 
 impl ViewReport {
@@ -96,7 +100,7 @@ impl ViewReport {
 impl ShownRecording {
     fn is_complete(&self) -> bool {
         let is_known = matches!(self.state, Condition::Whole | Condition::Foreign);
-        is_known && self.losses.is_empty() && self.undecodable == 0
+        is_known && self.losses.is_empty() && self.undecodable == 0 && !self.is_viewer_lost
     }
 }
 
@@ -147,6 +151,7 @@ impl ViewArguments {
             });
         }
         for rrd in recordings.iter().filter_map(|planned| planned.rrd.as_ref()) {
+            FileKind::Rrd.check("--rrd", rrd)?;
             refuse_inputs(rrd, self.files.iter().map(PathBuf::as_path))?;
         }
         Ok(ViewPlan {
@@ -306,7 +311,7 @@ fn show(
         let reasons: Vec<String> = warnings.iter().map(ToString::to_string).collect();
         bail!("{}", reasons.join("; "));
     }
-    viewer::warn_all(&warnings);
+    let was_viewer_lost = viewer::warn_all(&warnings);
     let replayed = replay(recording, plan.selection.clone(), &mut sink, |read| {
         progress.add(read);
         interrupt::flow()
@@ -316,7 +321,7 @@ fn show(
         sink.set_outcome(&outcome);
     }
     let interrupted = draft.take_if(|_| interrupt::is_requested());
-    let rrd = viewer::complete(sink.finish(), draft)?.file;
+    let completed = viewer::complete(sink.finish(), draft)?;
     if let Some(draft) = interrupted {
         let path = draft.path().display();
         output::warn(&format!("interrupted: {path} is not written"));
@@ -329,7 +334,8 @@ fn show(
         messages: replayed.messages,
         undecodable: replayed.undecodable.as_ref().map_or(0, |(_, count)| *count),
         losses: losses(&replayed),
-        rrd,
+        rrd: completed.file,
+        is_viewer_lost: was_viewer_lost || completed.is_viewer_lost,
     })
 }
 

@@ -1,17 +1,18 @@
 //! The arguments of `toprise run`.
 
 use super::plan::{FilePlan, RunPlan};
-use crate::archive::input::{self, RunInput, file_stem, has_extension};
+use crate::archive::input::{self, RunInput, has_extension};
 use crate::archive::publish::Existing;
 use crate::cli::arguments::{OUTPUT, Override, VIEWER, parse_override, parse_positive};
-use crate::cli::input::checked;
+use crate::cli::file_kind::FileKind;
+use crate::cli::input::{checked, run_name};
 use crate::cli::rerun::run::ShowArguments;
 use crate::cli::sweep::RowArgument;
 use crate::telemetry::Topics;
 use crate::telemetry::encoding::Encoding;
 use anyhow::{Error, bail};
 use clap::Args;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Arguments of `toprise run`.
 #[derive(Args, Clone, Debug, PartialEq)]
@@ -60,7 +61,7 @@ impl RunArguments {
     /// Resolves the arguments. The input is opened and read here, once.
     pub(super) fn plan(&self) -> Result<RunPlan, Error> {
         if let Some(path) = &self.output {
-            check_extension(path)?;
+            FileKind::Mcap.check("-o", path)?;
         }
         let RunInput { values: base, form } = self.read()?;
         let scenario = checked(&self.scenario, base.clone(), &self.overrides)?;
@@ -70,7 +71,7 @@ impl RunArguments {
         if !self.topics.is_empty() {
             topics = Topics::named(&self.topics)?;
         }
-        let name = file_stem(&self.scenario).unwrap_or_else(|| scenario.name().to_owned());
+        let name = run_name(&self.scenario, &scenario, &self.overrides);
         let name = self.row.name(name);
         Ok(RunPlan {
             files: FilePlan {
@@ -106,25 +107,6 @@ impl RunArguments {
     }
 }
 
-/// Refuses to write an MCAP file under a name that says something else.
-pub(in crate::cli) fn check_extension(path: &Path) -> Result<(), Error> {
-    let name = path.display();
-    let Some(extension) = path.extension() else {
-        return Ok(());
-    };
-    match extension.to_string_lossy().as_ref() {
-        // Drafts have their own error.
-        "mcap" | "partial" => Ok(()),
-        "rrd" => {
-            bail!("-o is for the MCAP file; to write the Rerun recording {name}, use --rrd {name}")
-        }
-        _ => bail!(
-            "-o writes an MCAP file: call it {}",
-            path.with_extension("mcap").display()
-        ),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -153,24 +135,6 @@ mod tests {
             "--encoding cdr",
         ] {
             assert!(parse::<RunArguments>(line).is_err(), "{line}");
-        }
-    }
-
-    #[test]
-    fn refuses_outputs_with_other_extensions() {
-        for (name, expected) in [
-            ("a.mcap", None),
-            ("a", None),
-            ("a.rrd", Some("use --rrd a.rrd")),
-            ("a.txt", Some("call it a.mcap")),
-        ] {
-            let error = check_extension(Path::new(name)).err();
-            let message = error.map_or_else(String::new, |error| error.to_string());
-            assert!(
-                message.contains(expected.unwrap_or_default()),
-                "{name}: {message}"
-            );
-            assert_eq!(message.is_empty(), expected.is_none(), "{name}");
         }
     }
 }

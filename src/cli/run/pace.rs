@@ -43,6 +43,7 @@ impl Pace {
         sinks: &mut [&mut dyn Sink],
     ) -> Result<ControlFlow<()>, SinkError> {
         if let Record::Sample(sample) = record {
+            // A paced run shows each sample; otherwise drawing would take longer than simulating.
             if self.speed.is_some() || sample.index % PROGRESS_EVERY == 0 {
                 self.progress.set_text(format!(
                     "simulated {:.2} s, θ = {:.3} rad",
@@ -77,6 +78,7 @@ impl Pace {
             if early.is_zero() || interrupt::is_requested() {
                 return Ok(());
             }
+            // By the clock, not by the sum of sleeps, so that delays don't add up.
             thread::sleep(early.min(MAX_SLEEP));
         }
     }

@@ -77,13 +77,15 @@ impl FilePlan {
 
     /// Creates the draft of a file. Refuses to overwrite the input.
     pub(in crate::cli) fn create(&self, drafts: &Drafts, path: &Path) -> Result<Draft, SinkError> {
+        // Also with --force: the scenario would be lost if the run fails.
         refuse_inputs(path, [self.input.as_path()])?;
         let draft = Draft::new_in(drafts, path, self.existing)?;
         warn_of_link(path, self.replaces());
         Ok(draft)
     }
 
-    fn replaces(&self) -> bool {
+    /// Whether an existing file is replaced.
+    pub(super) fn replaces(&self) -> bool {
         self.existing == Existing::Replace
     }
 }
