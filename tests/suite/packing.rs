@@ -103,7 +103,7 @@ fn fault(original: &Recording, path: &Path) -> Option<String> {
         return Some(format!("{condition:?}, {losses:?}"));
     }
     let options = Options {
-        floor: false,
+        integration_error: false,
         ..Options::default()
     };
     let verdict = diff::compare(original, &recording, &options)

@@ -102,8 +102,9 @@ mod tests {
     use super::*;
     use crate::archive::format::end_entries;
     use crate::archive::verify::{Equality, Report, SchemaCheck, Verdict, verify_with};
-    use crate::archive::writer::{ChunkWriter, Form, Header, RunEncoder};
+    use crate::archive::writer::{ChunkWriter, Form, Header, RegisteredChannel, RunEncoder};
     use crate::run::scenario::{Preset, Scenario};
+    use crate::telemetry::supplement::{FIT_DATA, Supplement, supplements};
     use crate::telemetry::views::VIEW_CHANNELS;
     use crate::telemetry::{RunError, RunMessages, Topics, channels, encoding::Encoding, table};
     use std::collections::BTreeSet;
@@ -117,6 +118,10 @@ mod tests {
                 let digest = digest(&encoding.schema(channel));
                 schemas.insert((channel.schema, encoding.schema_encoding(), digest));
             }
+        }
+        for Supplement { info, .. } in supplements() {
+            let digest = digest(&Encoding::Json.schema(info));
+            schemas.insert((info.schema, Encoding::Json.schema_encoding(), digest));
         }
         for view in VIEW_CHANNELS {
             let digest = digest(view.definition.as_bytes());
@@ -220,6 +225,22 @@ mod tests {
         assert_eq!(report.verdict, Verdict::Verified, "{report:#?}");
         assert_eq!(report.equality, Some(Equality::SameValues));
         assert_eq!(report.schemas, Some(SchemaCheck::Released));
+    }
+
+    #[test]
+    fn releases_have_the_schemas_of_supplements() {
+        let data = Supplement::find(FIT_DATA).unwrap();
+        for (is_forged, verdict) in [(false, Verdict::Verified), (true, Verdict::Different)] {
+            let report = report(&record(|header| {
+                claim_release(header);
+                let mut channel = RegisteredChannel::supplement(data);
+                if is_forged {
+                    replace(&mut channel.schema, "measured", "invented");
+                }
+                header.channels.push(channel);
+            }));
+            assert_eq!(report.verdict, verdict, "{report:#?}");
+        }
     }
 
     #[test]
