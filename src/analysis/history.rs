@@ -33,7 +33,7 @@ use crate::telemetry::{Message, Topic, event_state};
 use std::f64::consts::FRAC_PI_2;
 
 /// Maximum gap between consecutive cycles, relative to the period; a larger gap interrupts the nutation.
-const BROKEN: f64 = 1e-6;
+const MAX_CYCLE_GAP: f64 = 1e-6;
 
 /// A sample of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -294,7 +294,7 @@ impl RunHistory {
         let cycle = &self.cycles[index];
         self.cycles
             .get(index + 1)
-            .is_some_and(|next| (next.start - cycle.end()).abs() < BROKEN * cycle.period)
+            .is_some_and(|next| (next.start - cycle.end()).abs() < MAX_CYCLE_GAP * cycle.period)
     }
 
     /// End of the uninterrupted nutations, s.
@@ -327,7 +327,7 @@ impl RunHistory {
     }
 
     /// Whether the top is a tippe top.
-    pub(crate) fn is_of_tippe_top(&self) -> bool {
+    pub(crate) fn is_tippe_top(&self) -> bool {
         self.peg.as_ref().is_some_and(PegHistory::is_tippe)
     }
 

@@ -49,7 +49,7 @@ impl Subject<'_> {
     }
 
     /// Whether the run is that of a top with a free peg.
-    pub fn is_of_free_peg(self) -> bool {
+    pub fn has_free_peg(self) -> bool {
         self.scenario()
             .is_some_and(|scenario| scenario.model.support.is_free())
     }
@@ -200,11 +200,11 @@ fn simulate(
         }
     };
     let mut losses = Vec::new();
-    let mut goes_on = true;
-    while goes_on
+    let mut wants_more = true;
+    while wants_more
         && let Some(record) = run.next(|message| {
             // A record may have several messages, and all that is left of it are passed here.
-            goes_on = goes_on && take(message, 0);
+            wants_more = wants_more && take(message, 0);
             Ok::<_, RunError>(())
         })
     {

@@ -56,7 +56,7 @@ impl RunData {
         // Channels that the run lacks are missing, rather than empty.
         fields.retain(|field| subject.has_topic(field.topic()));
         let mut run = Self::new(name, &fields, averaged);
-        run.has_free_peg = subject.is_of_free_peg();
+        run.has_free_peg = subject.has_free_peg();
         // Without a channel there is nothing to read, and a scenario would be simulated twice for nothing.
         if run.channels.is_empty() {
             return run;

@@ -149,21 +149,18 @@ pub fn import(
 }
 
 fn read_scenario(path: &Path) -> Result<Scenario, ImportError> {
-    let not_a_scenario = || ImportError::NotAScenario {
-        path: path.to_owned(),
-    };
     // Rerun asks for every file that it can't read itself.
     if !has_extension(path, "toml") {
-        return Err(not_a_scenario());
+        return Err(not_a_scenario(path));
     }
     let bytes = fs::read(path).map_err(|source| ImportError::File {
         path: path.to_owned(),
         source,
     })?;
     // Another importer may read a file that is not text.
-    let text = String::from_utf8(bytes).map_err(|_| not_a_scenario())?;
+    let text = String::from_utf8(bytes).map_err(|_| not_a_scenario(path))?;
     if !is_like_a_scenario(&text) {
-        return Err(not_a_scenario());
+        return Err(not_a_scenario(path));
     }
     Values::from_toml(&text)
         .and_then(Scenario::new)
@@ -171,6 +168,12 @@ fn read_scenario(path: &Path) -> Result<Scenario, ImportError> {
             path: path.to_owned(),
             source,
         })
+}
+
+fn not_a_scenario(path: &Path) -> ImportError {
+    ImportError::NotAScenario {
+        path: path.to_owned(),
+    }
 }
 
 /// Whether a text is meant to be a scenario, even if it has errors: it names the format, or has keys of a top, without

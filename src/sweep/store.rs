@@ -232,12 +232,13 @@ impl<'a> Store<'a> {
         // Drafts are hidden files with the name of the part in theirs.
         let digits = name.trim_start_matches('.').split('.').next();
         let number = digits.and_then(|digits| digits.parse().ok());
-        let part = number.filter(|part| *part < self.sweep.parts());
-        let part = part.map(part_name);
-        let is_draft_of = |path: &Path| publish::is_draft_of(name, path);
-        part.is_some_and(|part| name == part || is_draft_of(Path::new(&part)))
-            || is_draft_of(self.table)
-            || is_draft_of(Path::new(SPEC_FILE))
+        let is_part = number
+            .filter(|part| *part < self.sweep.parts())
+            .map(part_name)
+            .is_some_and(|part| name == part || publish::is_draft_of(name, Path::new(&part)));
+        is_part
+            || publish::is_draft_of(name, self.table)
+            || publish::is_draft_of(name, Path::new(SPEC_FILE))
     }
 
     /// Copies the parts into a draft of the table.

@@ -182,12 +182,12 @@ impl<K> Object<K> {
     /// The position of the member whose key satisfies `is`; `next` is tried first.
     #[inline]
     pub(super) fn position(&self, next: usize, is: impl Fn(&K) -> bool) -> Option<usize> {
-        let is_at = |position: &usize| self.0.get(*position).is_some_and(|(key, _)| is(key));
-        // Writers keep the order of the fields, so the member after the last one is nearly always the next. Both
-        // encodings allow any order.
-        Some(next)
-            .filter(is_at)
-            .or_else(|| (0..self.0.len()).find(is_at))
+        // Writers keep the order of the fields, so the member after the last one is nearly always the next. Both encodings
+        // allow any order.
+        if self.0.get(next).is_some_and(|(key, _)| is(key)) {
+            return Some(next);
+        }
+        self.0.iter().position(|(key, _)| is(key))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::channel::Leaf;
 use super::message::{Message, Numbers};
+use super::table::frame;
 use super::topic::Topic;
 use nalgebra::{Quaternion, Vector3};
 use std::fmt;
@@ -115,6 +116,11 @@ impl VectorField {
     /// The plot that shows it.
     pub const fn plot(self) -> Plot {
         self.0.plot()
+    }
+
+    /// Whether the components are along the axes of the body, and not along those of the world or the nodes.
+    pub fn is_in_body_axes(self) -> bool {
+        self.0.leaf().frame == frame::BODY
     }
 
     /// The value in a message; NaN if it is missing.

@@ -3,7 +3,7 @@
 use super::channel::{ChannelInfo, Content};
 use super::decoding::{DecodeError, Object, Paths, Row, SchemaError, Target};
 use super::message::Message;
-use super::template::Template;
+use super::template::{Slot, Template};
 use crate::run::time::{NANOSECONDS, seconds_and_nanoseconds};
 use serde::de::{self, DeserializeSeed, IgnoredAny, MapAccess, Visitor};
 use serde_json::Value;
@@ -23,7 +23,7 @@ pub(super) fn encode(template: &Template, message: &Message<'_>, out: &mut Vec<u
     let _ = write!(out, "{{\"timestamp\":{{\"sec\":{sec},\"nsec\":{nsec}}}");
     let mut numbers = message.numbers.iter();
     let mut texts = message.texts.iter();
-    for (before, is_text) in &template.slots {
+    for Slot { before, is_text } in &template.slots {
         out.extend_from_slice(before);
         let _ = if *is_text {
             serde_json::to_writer(&mut *out, texts.next().map_or("", String::as_str))
@@ -42,13 +42,15 @@ pub(super) fn template(channel: &ChannelInfo) -> Template {
     for (name, content) in channel.members() {
         before.push_str(&format!(",\"{name}\":"));
         match content {
-            Content::Text(_) => slots.push((std::mem::take(&mut before).into_bytes(), true)),
-            Content::Number(_) => slots.push((std::mem::take(&mut before).into_bytes(), false)),
+            Content::Text(_) => slots.push(Slot::text(std::mem::take(&mut before).into_bytes())),
+            Content::Number(_) => {
+                slots.push(Slot::number(std::mem::take(&mut before).into_bytes()));
+            }
             Content::Object(members) => {
                 for (position, (name, _)) in members.iter().enumerate() {
                     let opening = if position == 0 { '{' } else { ',' };
                     before.push_str(&format!("{opening}\"{name}\":"));
-                    slots.push((std::mem::take(&mut before).into_bytes(), false));
+                    slots.push(Slot::number(std::mem::take(&mut before).into_bytes()));
                 }
                 before.push('}');
             }

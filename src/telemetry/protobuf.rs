@@ -8,7 +8,7 @@ use super::channel::{ChannelInfo, Content, Member};
 use super::decoding::{DecodeError, Object, Paths, Row, SchemaError, Target, WireError};
 use super::message::Message;
 use super::schema::with_unit_and_frame;
-use super::template::Template;
+use super::template::{Slot, Template};
 use super::wire::{Wire, take_field};
 use crate::run::time::{NANOSECONDS, seconds_and_nanoseconds};
 use prost::Message as _;
@@ -217,7 +217,7 @@ pub(super) fn encode(template: &Template, message: &Message<'_>, out: &mut Vec<u
     encode_timestamp(message.time_ns, out);
     let mut numbers = message.numbers.iter();
     let mut texts = message.texts.iter();
-    for (before, is_text) in &template.slots {
+    for Slot { before, is_text } in &template.slots {
         out.extend_from_slice(before);
         if *is_text {
             let text = texts.next().map_or("", String::as_str);
@@ -250,11 +250,11 @@ pub(super) fn template(channel: &ChannelInfo) -> Template {
         match content {
             Content::Text(_) => {
                 encode_key(number, WireType::LengthDelimited, &mut before);
-                slots.push((before, true));
+                slots.push(Slot::text(before));
             }
             Content::Number(_) => {
                 encode_key(number, WireType::SixtyFourBit, &mut before);
-                slots.push((before, false));
+                slots.push(Slot::number(before));
             }
             Content::Object(leaves) => {
                 encode_key(number, WireType::LengthDelimited, &mut before);
@@ -262,7 +262,7 @@ pub(super) fn template(channel: &ChannelInfo) -> Template {
                 encode_varint(leaves.len() as u64 * 9, &mut before);
                 for (_, inner) in leaves.iter().zip(1..) {
                     encode_key(inner, WireType::SixtyFourBit, &mut before);
-                    slots.push((std::mem::take(&mut before), false));
+                    slots.push(Slot::number(std::mem::take(&mut before)));
                 }
             }
         }

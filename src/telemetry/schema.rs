@@ -77,11 +77,14 @@ fn with_unit(meaning: &str, leaf: &Leaf) -> String {
 }
 
 fn timestamp() -> Value {
-    let part = |unit: &str| json!({ "type": "integer", "description": unit });
     let mut properties = Map::new();
-    properties.insert("sec".to_owned(), part("whole seconds"));
-    properties.insert("nsec".to_owned(), part("nanoseconds beyond"));
+    properties.insert("sec".to_owned(), integer("whole seconds"));
+    properties.insert("nsec".to_owned(), integer("nanoseconds beyond"));
     object(None, "simulation time since the start", properties)
+}
+
+fn integer(description: &str) -> Value {
+    json!({ "type": "integer", "description": description })
 }
 
 fn object(title: Option<&str>, description: &str, properties: Map<String, Value>) -> Value {

@@ -78,7 +78,7 @@ pub enum Source<S> {
 }
 
 /// Frames of vectors.
-mod frame {
+pub(super) mod frame {
     pub const BODY: &str = "body";
     pub const WORLD: &str = "world";
     pub const NODE: &str = "node: x line of nodes, y perpendicular n × e_N, z symmetry axis";
@@ -439,20 +439,21 @@ fn info<S>(channel: &Channel<S>, is_sampled: bool) -> ChannelInfo {
         .fields
         .iter()
         .partition(|field| matches!(field.source, Source::Text(_)));
-    let leaves = |fields: Vec<&Field<S>>| fields.into_iter().flat_map(leaves).collect();
-    let mut numbers: Vec<Leaf> = leaves(numbers);
+    let texts = texts.into_iter().flat_map(leaves).collect();
+    let mut numbers: Vec<Leaf> = numbers.into_iter().flat_map(leaves).collect();
     for field in channel.fields {
         // Names, because a row of the table can't refer to the handle of another one.
-        let find = |name: &str| numbers.iter().position(|leaf| leaf.path == name);
-        if let (Some(number), Some(derivative)) = (find(field.name), field.derivative) {
-            numbers[number].derivative = find(derivative);
+        if let Some(derivative) = field.derivative
+            && let Some(number) = position(&numbers, field.name)
+        {
+            numbers[number].derivative = position(&numbers, derivative);
         }
     }
     ChannelInfo {
         topic: channel.topic,
         schema: channel.schema,
         meaning: channel.meaning,
-        texts: leaves(texts),
+        texts,
         numbers,
         is_sampled,
         is_optional: channel.present.is_some(),
@@ -460,23 +461,31 @@ fn info<S>(channel: &Channel<S>, is_sampled: bool) -> ChannelInfo {
     }
 }
 
+/// The place of the leaf at `path`.
+fn position(leaves: &[Leaf], path: &str) -> Option<usize> {
+    leaves.iter().position(|leaf| leaf.path == path)
+}
+
+/// The leaves of a field: one for a number or a text, one for each component of a vector or an orientation.
 fn leaves<S>(field: &Field<S>) -> Vec<Leaf> {
     let components: &[&str] = match field.source {
         Source::Number(_) | Source::Text(_) => &[""],
         Source::Vector(_) => &[".x", ".y", ".z"],
         Source::Rotation(_) => &[".x", ".y", ".z", ".w"],
     };
-    let leaf = |component: &&str| Leaf {
-        path: format!("{}{component}", field.name),
-        quantity: field.quantity,
-        unit: field.quantity.unit(),
-        frame: field.frame,
-        meaning: field.meaning,
-        plot: field.plot,
-        is_component: components.len() > 1,
-        derivative: None,
-    };
-    components.iter().map(leaf).collect()
+    components
+        .iter()
+        .map(|component| Leaf {
+            path: format!("{}{component}", field.name),
+            quantity: field.quantity,
+            unit: field.quantity.unit(),
+            frame: field.frame,
+            meaning: field.meaning,
+            plot: field.plot,
+            is_component: components.len() > 1,
+            derivative: None,
+        })
+        .collect()
 }
 
 impl Topic {

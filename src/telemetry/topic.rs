@@ -49,13 +49,14 @@ impl Topics {
     /// # Errors
     /// [`UnknownTopic`] for a name that is not in the table.
     pub fn named(names: &[impl AsRef<str>]) -> Result<Self, UnknownTopic> {
-        let find = |name: &str| {
-            Topic::find(name).ok_or_else(|| UnknownTopic {
+        let mut topics = Vec::new();
+        for name in names {
+            let name = name.as_ref();
+            topics.push(Topic::find(name).ok_or_else(|| UnknownTopic {
                 name: name.to_owned(),
-            })
-        };
-        let topics: Result<_, _> = names.iter().map(|name| find(name.as_ref())).collect();
-        Ok(Self::Only(topics?))
+            })?);
+        }
+        Ok(Self::Only(topics))
     }
 }
 

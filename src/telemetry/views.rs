@@ -72,6 +72,26 @@ enum Kind {
     Log,
 }
 
+impl Kind {
+    /// Whether there is a scale for the arrow of the view, if it is one.
+    fn has_scale(self, scales: &Scales) -> bool {
+        match self {
+            Self::SlipVelocity => scales.slip.is_some(),
+            Self::FrictionTorque => scales.torque.is_some(),
+            Self::Description
+            | Self::Transforms
+            | Self::Inclination
+            | Self::PrecessionRate
+            | Self::SpinRate
+            | Self::SlipSpeed
+            | Self::NormalForce
+            | Self::Log => true,
+        }
+    }
+}
+
+// The definitions are those of ROS 2, because readers find the fields by them.
+
 const STRING: (&str, &str) = ("std_msgs/msg/String", include_str!("views/String.msg"));
 const TRANSFORMS: (&str, &str) = (
     "tf2_msgs/msg/TFMessage",
@@ -170,18 +190,17 @@ impl Views {
         let is_free = scenario.model.support.is_free();
         let proportions = Proportions::new(&top);
         let scales = Scales::new(scenario, &proportions);
-        let source = |view: &ViewChannel| {
-            let has_scale = (view.kind != Kind::SlipVelocity || scales.slip.is_some())
-                && (view.kind != Kind::FrictionTorque || scales.torque.is_some());
+        let mut sources = Vec::new();
+        for view in VIEW_CHANNELS {
             let has_channel = is_free || !view.is_free_peg_only;
-            let mut sources = view.sources.iter().copied();
-            let is_wanted = has_scale && has_channel && sources.clone().all(&is_enabled);
+            let has_sources = view.sources.iter().all(|topic| is_enabled(*topic));
+            let is_written = has_channel && has_sources && view.kind.has_scale(&scales);
             // The last source triggers the view: at one time, its message comes after those of the others.
-            sources.next_back().filter(|_| is_wanted)
-        };
+            sources.push(view.sources.last().copied().filter(|_| is_written));
+        }
         let period = scenario.sample_period_ns.max(1);
         Self {
-            sources: VIEW_CHANNELS.iter().map(source).collect(),
+            sources,
             description: Some(urdf::urdf(&proportions, &scales, is_free)),
             stride: u32::try_from(PERIOD_NS.div_ceil(period)).unwrap_or(u32::MAX),
             state: [f64::NAN; 2],

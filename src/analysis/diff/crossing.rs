@@ -11,15 +11,15 @@ use crate::physics::math::{atan2, cos};
 use std::f64::consts::{PI, TAU};
 
 /// Required ratio of the change of the averages to their error.
-const CLEAR: f64 = 10.0;
+const MIN_CHANGE: f64 = 10.0;
 /// Number of trial levels, evenly spaced from the farthest common level to the start.
 const LEVELS: u32 = 16;
 /// Minimum slope at a crossing, relative to the mean slope before it.
-const STEADY: f64 = 0.2;
+const MIN_SLOPE: f64 = 0.2;
 /// Relative distance of the neighbouring levels used to estimate the uncertainty.
-const NEARBY: f64 = 0.02;
+const NEIGHBOUR_DISTANCE: f64 = 0.02;
 /// Ratio of the leave-one-out error to the interpolation error of a cubic.
-const LEFT_OUT: f64 = 4.0;
+const LEFT_OUT_RATIO: f64 = 4.0;
 
 /// A level of θ that both averaged motions cross.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,7 +74,7 @@ impl MeanCrossing {
                 + interpolation_error(curve, time)
                 + averaging_error(histories[side], time);
             // Also rejects NaN.
-            let crosses = slope >= STEADY * mean_slope && start - level > CLEAR * error;
+            let crosses = slope >= MIN_SLOPE * mean_slope && start - level > MIN_CHANGE * error;
             if !crosses {
                 return None;
             }
@@ -82,7 +82,10 @@ impl MeanCrossing {
             integration_error += integrators[side] / slope;
         }
         let shift = times[1] - times[0];
-        for near in [level - NEARBY * descent, level + NEARBY * descent] {
+        for near in [
+            level - NEIGHBOUR_DISTANCE * descent,
+            level + NEIGHBOUR_DISTANCE * descent,
+        ] {
             let [a, b] = first_crossings(&curves, near)?;
             uncertainty = uncertainty.max((b - a - shift).abs());
         }
@@ -132,7 +135,7 @@ fn common([a, b]: [&RunHistory; 2]) -> [&RunHistory; 2] {
 fn interpolation_error(curve: &Curve, time: f64) -> f64 {
     curve
         .left_out(time)
-        .map_or(0.0, |error| error.abs() / LEFT_OUT)
+        .map_or(0.0, |error| error.abs() / LEFT_OUT_RATIO)
 }
 
 /// Averaging error of the mean over a nutation, rad: if the amplitude changes by ΔA per cycle, the mean of A cos 2πs is

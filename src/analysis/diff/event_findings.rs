@@ -27,7 +27,7 @@ pub(super) fn events(evidence: &Evidence<'_>) -> Vec<Finding> {
     let is_tippe = evidence
         .histories()
         .into_iter()
-        .any(RunHistory::is_of_tippe_top);
+        .any(RunHistory::is_tippe_top);
     // A tippe top can precess backward without loops.
     if !is_tippe {
         found.extend(evidence.compare_times(Quantity::FirstLoop, |run| {

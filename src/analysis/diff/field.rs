@@ -38,7 +38,7 @@ pub struct FieldDifference {
 }
 
 /// Safety factor of the estimated integration error.
-const UNDERESTIMATED: f64 = 3.0;
+const SAFETY: f64 = 3.0;
 /// Allowance for rounding, ulp.
 const ROUNDINGS: f64 = 8.0;
 
@@ -113,8 +113,8 @@ impl FieldTally {
         integration_error: Option<f64>,
     ) -> FieldDifference {
         let found = &self.found;
-        let bound = integration_error
-            .map(|error| UNDERESTIMATED * error + ROUNDINGS * f64::EPSILON * found.scale);
+        let bound =
+            integration_error.map(|error| SAFETY * error + ROUNDINGS * f64::EPSILON * found.scale);
         let differs = found.first_different.is_some();
         FieldDifference {
             field: field.to_owned(),

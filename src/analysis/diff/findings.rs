@@ -184,7 +184,7 @@ fn largest_ripple(evidence: &Evidence<'_>, side: usize) -> Option<f64> {
 /// The time at which a tippe top inverts and stays so to its end, if it is exact in both runs.
 fn inversion(evidence: &Evidence<'_>) -> Option<Finding> {
     let histories = evidence.histories();
-    let is_tippe = histories.into_iter().any(RunHistory::is_of_tippe_top);
+    let is_tippe = histories.into_iter().any(RunHistory::is_tippe_top);
     let are_exact = histories
         .into_iter()
         .all(|run| inversion_time(run).is_none() || run.has_exact_inversion());

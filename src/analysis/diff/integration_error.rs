@@ -25,9 +25,9 @@ use std::thread;
 const TIGHTEST_RELATIVE: f64 = 1e-14;
 const TIGHTEST_ABSOLUTE: f64 = 1e-18;
 /// Factor for tolerances that can't be tightened: a coarser run shows at least the errors of rounding.
-const COARSER: f64 = 10.0;
+const COARSENING: f64 = 10.0;
 /// Smallest useful change of a tolerance, as the ratio of the tightened one to the own one.
-const CHANGED: f64 = 0.5;
+const MAX_TIGHTENED: f64 = 0.5;
 
 /// Safety factor of the errors.
 ///
@@ -308,10 +308,10 @@ impl Repeated {
 
 /// The tightened relative tolerance, or a coarser one where rounding allows no tighter one.
 fn other_tolerance(own: f64) -> f64 {
-    if TIGHTEST_RELATIVE <= CHANGED * own {
+    if TIGHTEST_RELATIVE <= MAX_TIGHTENED * own {
         TIGHTEST_RELATIVE
     } else {
-        COARSER * own
+        COARSENING * own
     }
 }
 

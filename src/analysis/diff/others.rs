@@ -219,28 +219,24 @@ fn descriptions(recording: &Recording) -> BTreeMap<&str, BTreeSet<Description<'_
     all
 }
 
+/// The number of messages of a topic that differ in some way.
+type Count = fn(&TopicBytes) -> u64;
+
 /// Sentences about what differs besides the values, for all topics together.
 pub(super) fn notes(topics: &[TopicBytes]) -> Vec<String> {
-    let count_all = |count: fn(&TopicBytes) -> u64| {
-        topics
-            .iter()
-            .map(move |topic| (topic.topic.as_str(), count(topic)))
-    };
-    let notes = [
-        note(
-            "Publish times differ",
-            count_all(|topic| topic.other_publish_times),
-        ),
-        note(
-            "Sequence numbers differ",
-            count_all(|topic| topic.other_sequences),
-        ),
-        note(
-            "JSON is spelled differently",
-            count_all(|topic| topic.respelled),
-        ),
+    let kinds: [(&str, Count); 3] = [
+        ("Publish times differ", |topic| topic.other_publish_times),
+        ("Sequence numbers differ", |topic| topic.other_sequences),
+        ("JSON is spelled differently", |topic| topic.respelled),
     ];
-    notes.into_iter().flatten().collect()
+    let mut notes = Vec::new();
+    for (what, count) in kinds {
+        let counts = topics
+            .iter()
+            .map(|topic| (topic.topic.as_str(), count(topic)));
+        notes.extend(note(what, counts));
+    }
+    notes
 }
 
 /// A sentence about a kind of difference, from its topics and the number of messages of each.

@@ -255,15 +255,10 @@ fn verdict(
     setup: &SetupDifferences,
     is_cut: [bool; 2],
 ) -> Verdict {
-    let lacks = |side: Side| {
-        let names = [&setup.topics_only_in, &setup.fields_only_in];
-        let has_names = names.iter().any(|only| !only[side.index()].is_empty());
-        has_names || paired.compared().any(|topic| topic.unmatched(side) > 0)
-    };
     // Unmatched messages are a difference, unless the other run is truncated.
     let has_more = [Side::A, Side::B]
         .into_iter()
-        .any(|side| lacks(side) && !is_cut[side.other().index()]);
+        .any(|side| has_more_than_other(side, paired, setup) && !is_cut[side.other().index()]);
     let agrees = paired.compared().all(TopicTally::is_equal);
     if has_more || !agrees || !others.iter().all(TopicBytes::is_equal) {
         return Verdict::Different;
@@ -282,6 +277,13 @@ fn verdict(
     } else {
         Verdict::SameValues
     }
+}
+
+/// Whether a run has topics, fields or messages that the other lacks.
+fn has_more_than_other(side: Side, paired: &Paired, setup: &SetupDifferences) -> bool {
+    let names = [&setup.topics_only_in, &setup.fields_only_in];
+    let has_names = names.iter().any(|only| !only[side.index()].is_empty());
+    has_names || paired.compared().any(|topic| topic.unmatched(side) > 0)
 }
 
 impl Report {
@@ -320,7 +322,7 @@ impl Report {
     }
 
     /// Whether the scenarios differ (except name and description).
-    pub fn is_of_other_scenarios(&self) -> bool {
+    pub fn has_other_scenarios(&self) -> bool {
         self.setup
             .scenario
             .iter()

@@ -130,18 +130,12 @@ fn flatten(prefix: &str, table: &toml::Table, flat: &mut Flat) {
 
 /// Content of a file except its messages and its scenario's keys. Schemas of different encodings can't be compared.
 fn facts(recording: &Recording, has_schemas: bool) -> Flat {
-    let mut facts = Flat::new();
-    let mut add = |key: String, value: String| {
-        facts
-            .entry(key)
-            .and_modify(|all| *all += &format!(", {value}"))
-            .or_insert(value);
-    };
-    add("library".to_owned(), recording.library().to_owned());
-    add("profile".to_owned(), recording.profile().to_owned());
-    add("state".to_owned(), recording.condition().name().to_owned());
+    let mut facts = Facts::default();
+    facts.add("library", recording.library());
+    facts.add("profile", recording.profile());
+    facts.add("state", recording.condition().name());
     for (name, entries) in recording.all_metadata() {
-        add(
+        facts.add(
             format!("metadata {name}"),
             format!(
                 "{} {}",
@@ -150,13 +144,13 @@ fn facts(recording: &Recording, has_schemas: bool) -> Flat {
             ),
         );
         for (key, value) in entries {
-            add(format!("metadata {name}: {key}"), value.clone());
+            facts.add(format!("metadata {name}: {key}"), value);
         }
     }
     for attachment in &recording.layout.attachments {
         let described = attachment.describe(&recording.source);
         let text = described.unwrap_or_else(|error| error.to_string());
-        add(format!("attachment {}", attachment.header.name), text);
+        facts.add(format!("attachment {}", attachment.header.name), text);
     }
     // Equal channels of a topic, e.g. of two publishers, are described once.
     let mut described = BTreeSet::new();
@@ -173,15 +167,30 @@ fn facts(recording: &Recording, has_schemas: bool) -> Flat {
             channel.metadata
         );
         if described.insert((&channel.topic, text.clone())) {
-            add(format!("channel {}", channel.topic), text);
+            facts.add(format!("channel {}", channel.topic), text);
         }
         *numbers.entry(&channel.topic).or_default() += 1;
     }
     for (topic, number) in numbers {
-        add(format!("number of channels of {topic}"), number.to_string());
+        facts.add(format!("number of channels of {topic}"), number.to_string());
     }
     for schema in recording.layout.channels.unused_schemas() {
-        add(format!("unused schema {}", schema.name), String::new());
+        facts.add(format!("unused schema {}", schema.name), "");
     }
-    facts
+    facts.0
+}
+
+/// Facts about a file by their keys.
+#[derive(Default)]
+struct Facts(Flat);
+
+impl Facts {
+    /// Adds a fact. Facts with one key, such as two channels of a topic, are listed together.
+    fn add(&mut self, key: impl Into<String>, value: impl AsRef<str>) {
+        let value = value.as_ref();
+        self.0
+            .entry(key.into())
+            .and_modify(|all| *all += &format!(", {value}"))
+            .or_insert_with(|| value.to_owned());
+    }
 }

@@ -93,7 +93,7 @@ pub(super) fn end(evidence: &Evidence) -> Option<Fact> {
     if let [_, .., cycle] = &history.cycles[..] {
         let is_in_nutation = last.time <= cycle.end() + NUTATIONS * cycle.period;
         // Where a tippe top ends is what it is about.
-        if is_in_nutation && !history.is_of_tippe_top() {
+        if is_in_nutation && !history.is_tippe_top() {
             return None;
         }
         nutation_end = Some(cycle.end()).filter(|_| !is_in_nutation);

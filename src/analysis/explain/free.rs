@@ -13,7 +13,7 @@ pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
     let mut facts = vec![fixed::start(evidence)];
     facts.extend(fixed::mean_theta(evidence));
     facts.extend(fixed::end(evidence));
-    if history.is_of_tippe_top() {
+    if history.is_tippe_top() {
         let starts_inverted = evidence.scenario.angles.theta >= FRAC_PI_2;
         facts.extend(match history.inverted {
             Some(time) if history.has_exact_inversion() && history.is_inverted_at_end() => {

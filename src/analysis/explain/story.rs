@@ -97,7 +97,7 @@ fn is_constant(constancy: Constancy, size: f64) -> bool {
 fn friction_raises(evidence: &Evidence) -> Option<Claim> {
     let friction = &evidence.scenario.model.friction;
     // Without terms of the Euler equations there is no torque that would change the angular momentum.
-    if friction.dissipation.drops_euler_terms() || evidence.history.is_of_tippe_top() {
+    if friction.dissipation.drops_euler_terms() || evidence.history.is_tippe_top() {
         return None;
     }
     let span = evidence.observations.momentum.to_lowest()?;
@@ -244,7 +244,7 @@ fn can_reach(evidence: &Evidence, theta: f64, gravity_moment: f64) -> bool {
 fn inverts(evidence: &Evidence) -> Option<Claim> {
     let history = &evidence.history;
     let observations = &evidence.observations;
-    if !history.is_of_tippe_top() || !history.has_exact_inversion() {
+    if !history.is_tippe_top() || !history.has_exact_inversion() {
         return None;
     }
     let jellett_deviation = evidence.summary.peg.as_ref()?.jellett_deviation?;
@@ -302,7 +302,7 @@ fn slip_ends(evidence: &Evidence, rises: bool, is_inversion_claimed: bool) -> Op
     };
     let starts_upright = evidence.scenario.angles.theta < FRAC_PI_2;
     let inversion = match evidence.history.inverted {
-        _ if !evidence.history.is_of_tippe_top() || !starts_upright || is_inversion_claimed => None,
+        _ if !evidence.history.is_tippe_top() || !starts_upright || is_inversion_claimed => None,
         None => Some(Inversion::Absent),
         Some(time) if time <= from && theta_range[0] > FRAC_PI_2 => Some(Inversion::Complete),
         Some(_) => None,

@@ -20,7 +20,7 @@ const MAX_NAMED: usize = 6;
 pub(in crate::cli) fn page(report: &Report, all: bool, is_cut: bool) -> Vec<Section> {
     let mut sections = vec![setup(report, all, is_cut), findings(report, all)];
     sections.push(others(report, all));
-    if all || !report.is_of_other_scenarios() {
+    if all || !report.has_other_scenarios() {
         sections.push(topics(report));
     }
     if all {
@@ -160,7 +160,7 @@ fn findings(report: &Report, all: bool) -> Section {
     let mut section = Section::default();
     let shown = report.findings.iter().filter(|f| all || f.differs());
     let shown: Vec<_> = shown.take(max_rows(all)).map(Finding::cells).collect();
-    if shown.is_empty() && report.integration_errors.is_some() && report.is_of_other_scenarios() {
+    if shown.is_empty() && report.integration_errors.is_some() && report.has_other_scenarios() {
         section.line(no_difference(report));
     }
     let columns: [Column<[String; 4]>; 4] = [

@@ -8,7 +8,7 @@ use crate::rerun::identity::Identity;
 use crate::rerun::output::{Columns, Output};
 use crate::rerun::palette;
 use crate::rerun::role::Role;
-use crate::rerun::scale;
+use crate::rerun::scale::{self, Scales};
 use crate::rerun::track::Track;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{CONTACT, VectorField, contact, momentum, torque};
@@ -17,56 +17,93 @@ use crate::telemetry::proportions::Proportions;
 /// Time between two positions of a label, in ns.
 const LABEL_NS: u64 = 10_000_000;
 
-/// Name, colour and quantity of an arrow, and the distance by which its label is moved up, in heights of the top. The
-/// distances differ, so that labels don't overlap when arrows are short.
-type Kind = (&'static str, u32, VectorField, f64);
+/// A kind of arrow.
+struct Kind {
+    name: &'static str,
+    /// The colour in a recording of one run.
+    color: u32,
+    /// The quantity that it shows.
+    vector: VectorField,
+    /// Quantity per metre.
+    scale: fn(&Scales) -> f64,
+    /// Distance by which its label is moved up, in heights of the top. The distances differ, so that labels don't overlap
+    /// when arrows are short.
+    lift: f64,
+}
 
 /// All kinds of arrows.
-const KINDS: [Kind; 5] = [
-    ("slip velocity", palette::SKY, contact::SLIP_WORLD, 0.0),
-    (
-        "friction force",
-        palette::ORANGE,
-        contact::FRICTION_FORCE,
-        -0.13,
-    ),
-    ("gravity torque", palette::GREEN, torque::GRAVITY_BODY, 0.13),
-    (
-        "friction torque",
-        palette::VERMILION,
-        torque::FRICTION_BODY,
-        0.26,
-    ),
-    ("angular momentum", palette::YELLOW, momentum::WORLD, 0.13),
+static KINDS: [Kind; 5] = [
+    Kind {
+        name: "slip velocity",
+        color: palette::SKY,
+        vector: contact::SLIP_WORLD,
+        scale: |scales| scales.slip,
+        lift: 0.0,
+    },
+    Kind {
+        name: "friction force",
+        color: palette::ORANGE,
+        vector: contact::FRICTION_FORCE,
+        scale: |scales| scales.force,
+        lift: -0.13,
+    },
+    Kind {
+        name: "gravity torque",
+        color: palette::GREEN,
+        vector: torque::GRAVITY_BODY,
+        scale: |scales| scales.gravity_torque,
+        lift: 0.13,
+    },
+    Kind {
+        name: "friction torque",
+        color: palette::VERMILION,
+        vector: torque::FRICTION_BODY,
+        scale: |scales| scales.friction_torque,
+        lift: 0.26,
+    },
+    Kind {
+        name: "angular momentum",
+        color: palette::YELLOW,
+        vector: momentum::WORLD,
+        scale: |scales| scales.momentum,
+        lift: 0.13,
+    },
 ];
 
 /// The only arrow drawn in a comparison: all arrows of both runs would hide the tops.
 const COMPARED: VectorField = contact::FRICTION_FORCE;
 
-/// The arrows that are drawn, with their scales, as numbers and as text. Without friction, its arrows have no length
-/// and are omitted.
-fn drawn(identity: &Identity, role: &Role) -> impl Iterator<Item = (Kind, f64, String)> {
-    let scales = &identity.geometry.scales;
-    let scales = [
-        scales.slip,
-        scales.force,
-        scales.gravity_torque,
-        scales.friction_torque,
-        scales.momentum,
-    ];
-    let kinds = KINDS.into_iter().zip(scales);
-    let drawn = kinds.filter(|((_, _, vector, _), scale)| {
-        let is_shown = role.is_alone() || *vector == COMPARED;
-        identity.has(vector.topic()) && *scale > 0.0 && is_shown
-    });
-    drawn.map(|(kind, scale)| (kind, scale, scale::legend(scale, kind.2.x().unit())))
+/// A kind of arrow that is drawn in a recording.
+struct DrawnKind {
+    kind: &'static Kind,
+    /// Quantity per metre.
+    scale: f64,
+    /// The scale as text.
+    legend: String,
+}
+
+/// The arrows that are drawn. Without friction, its arrows have no length and are omitted.
+fn drawn(identity: &Identity, role: &Role) -> Vec<DrawnKind> {
+    let mut drawn = Vec::new();
+    for kind in &KINDS {
+        let scale = (kind.scale)(&identity.geometry.scales);
+        let is_shown = role.is_alone() || kind.vector == COMPARED;
+        if identity.has(kind.vector.topic()) && scale > 0.0 && is_shown {
+            drawn.push(DrawnKind {
+                kind,
+                scale,
+                legend: scale::legend(scale, kind.vector.x().unit()),
+            });
+        }
+    }
+    drawn
 }
 
 /// Quantity per centimetre of each arrow, in Markdown.
 pub(super) fn explanation(identity: &Identity, role: &Role) -> String {
     let mut text = "\n\n## Arrows\n\n| arrow | scale |\n| --- | --- |\n".to_owned();
-    for ((name, ..), _, legend) in drawn(identity, role) {
-        text += &format!("| {name} | {legend} |\n");
+    for DrawnKind { kind, legend, .. } in drawn(identity, role) {
+        text += &format!("| {} | {legend} |\n", kind.name);
     }
     text
 }
@@ -97,15 +134,20 @@ impl Arrow {
     pub(super) fn all(identity: &Identity, role: &Role, output: &mut Output) -> Vec<Self> {
         let size = Proportions::new(&identity.geometry.top).size();
         let mut arrows = Vec::new();
-        for ((name, color, vector, lift), scale, legend) in drawn(identity, role) {
-            let entity = role.entity(&format!("scene/{}", name.replace(' ', "_")));
-            let color = Color::from_u32(role.color(color, 0));
+        for DrawnKind {
+            kind,
+            scale,
+            legend,
+        } in drawn(identity, role)
+        {
+            let entity = role.entity(&format!("scene/{}", kind.name.replace(' ', "_")));
+            let color = Color::from_u32(role.color(kind.color, 0));
             let radius = 0.017 * size * role.thickness();
             let arrow = Arrows3D::update_fields()
                 .with_colors([color])
                 .with_radii([Radius::new_scene_units(radius as f32)]);
             output.send_static(entity.as_str(), &arrow);
-            let name = role.short_name(name);
+            let name = role.short_name(kind.name);
             let label = format!("{entity}/label");
             let cut_label = format!("{entity}/cut_label");
             let text = format!("{name} ({legend})");
@@ -113,10 +155,10 @@ impl Arrow {
             send_label(&label, text, color, output);
             send_label(&cut_label, cut_text, color, output);
             arrows.push(Self {
-                vector,
+                vector: kind.vector,
                 scale,
                 height: size,
-                lift: (lift + role.lift()) * size,
+                lift: (kind.lift + role.lift()) * size,
                 arrows: Track::new(entity, arrow_columns, output),
                 labels: Track::new(label, label_columns, output),
                 cut_labels: Track::new(cut_label, label_columns, output),
@@ -140,10 +182,9 @@ impl Arrow {
             return;
         }
         let origin = if is_at_contact(vector) { contact } else { peg };
-        let is_in_body_axes = vector.x().leaf().frame == "body";
         let own = vector.of(message);
         let vector = match orientation {
-            _ if !is_in_body_axes => own,
+            _ if !vector.is_in_body_axes() => own,
             Some(orientation) => orientation * own,
             // Without a pose the directions of the body axes are unknown.
             None => return,
@@ -224,14 +265,16 @@ mod tests {
     fn longest(identity: &Identity, scenario: &Scenario) -> Vec<(&'static str, f64)> {
         let height = Proportions::new(&identity.geometry.top).size();
         let mut lengths: Vec<_> = drawn(identity, &Role::Alone)
-            .map(|((name, _, vector, _), scale, _)| (name, vector, scale, 0.0_f64))
+            .into_iter()
+            .map(|drawn| (drawn, 0.0_f64))
             .collect();
         let mut telemetry = Telemetry::with_topics(&Topics::All);
         for record in Simulation::new(scenario).unwrap() {
             let all = telemetry.messages(&record.unwrap(), |message| {
-                for (_, vector, scale, longest) in &mut lengths {
-                    if vector.topic() == message.topic() {
-                        *longest = longest.max(vector.of(message).norm() / *scale / height);
+                for (DrawnKind { kind, scale, .. }, longest) in &mut lengths {
+                    if kind.vector.topic() == message.topic() {
+                        let length = kind.vector.of(message).norm() / *scale;
+                        *longest = longest.max(length / height);
                     }
                 }
                 Ok::<_, crate::telemetry::TelemetryError>(())
@@ -240,7 +283,7 @@ mod tests {
         }
         lengths
             .iter()
-            .map(|(name, .., longest)| (*name, *longest))
+            .map(|(drawn, longest)| (drawn.kind.name, *longest))
             .collect()
     }
 

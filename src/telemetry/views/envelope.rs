@@ -4,7 +4,7 @@ use crate::telemetry::fields::{NUTATING, NUTATION, NumberField, TORQUE, nutation
 use crate::telemetry::message::Message;
 
 /// Number of nutation periods for which the ranges of a nutation are valid, unless the next one ends before.
-const LASTING: f64 = 2.0;
+const MAX_AGE: f64 = 2.0;
 
 /// The ranges of nutating quantities in the last nutation.
 #[derive(Clone, Debug)]
@@ -45,7 +45,7 @@ impl Envelope {
             self.ranges = NUTATING
                 .map(|[_, least, greatest]| [least, greatest].map(|field| field.of(message)));
             self.torque = std::mem::replace(&mut self.growing, [f64::NAN; 2]);
-            let lasting = (1e9 * LASTING * nutation::PERIOD.of(message)) as u64;
+            let lasting = (1e9 * MAX_AGE * nutation::PERIOD.of(message)) as u64;
             self.until_ns = message.time_ns.saturating_add(lasting);
         }
     }

@@ -17,16 +17,17 @@ impl Scales {
     /// somewhat longer than the top.
     pub(super) fn new(scenario: &Scenario, proportions: &Proportions) -> Self {
         let length = 1.6 * proportions.size();
-        let scale = |size: f64| {
-            // Rounded, because the legend shows the scale.
-            let scale = two_digits(length / size);
-            Some(scale).filter(|scale| scale.is_finite() && *scale > 0.0)
-        };
         Self {
-            slip: scale(scenario.slip_speed_at_start()),
-            torque: scale(scenario.torque_scale()),
+            slip: round_scale(length / scenario.slip_speed_at_start()),
+            torque: round_scale(length / scenario.torque_scale()),
         }
     }
+}
+
+/// A scale rounded to two digits, because the legend shows it; `None` for a quantity that is zero or too large.
+fn round_scale(scale: f64) -> Option<f64> {
+    let rounded = two_digits(scale);
+    (rounded.is_finite() && rounded > 0.0).then_some(rounded)
 }
 
 /// Rounds to two digits.
