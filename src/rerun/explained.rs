@@ -3,7 +3,7 @@
 use super::entities::RerunSink;
 use super::error::{RerunError, ViewerError};
 use super::identity::Identity;
-use super::outlet::Destinations;
+use super::output::Destinations;
 use crate::analysis::explain::Explainer;
 use crate::analysis::subject::ReadEnd;
 use crate::archive::format::end_entries;
