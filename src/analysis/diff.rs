@@ -66,6 +66,7 @@ use crate::archive::recording::Recording;
 use crate::archive::verify::{Verdict as VerifyVerdict, verify};
 use crate::run::scenario::Scenario;
 use crate::run::time::seconds;
+use crate::telemetry::side::Side;
 use std::collections::BTreeSet;
 
 /// Compares two runs.
@@ -114,7 +115,7 @@ fn compare_runs(
     let mut runs = inputs;
     if let Some((side, scenario)) = &resampled {
         // The set-up is compared as it was given, and the motion as it is sampled anew.
-        runs[*side] = Subject::Scenario(scenario);
+        runs[side.index()] = Subject::Scenario(scenario);
     }
     let topics = runs.map(Subject::topics);
     let mut fields = Vec::new();
@@ -230,7 +231,7 @@ fn compare_bytes(
 /// # Errors
 /// [`DiffError::NotReproduced`] if both are recordings, and B has not exactly what its scenario gives: a new simulation
 /// can't stand for it then.
-fn resample(runs: [Subject<'_>; 2]) -> Result<Option<(usize, Scenario)>, DiffError> {
+fn resample(runs: [Subject<'_>; 2]) -> Result<Option<(Side, Scenario)>, DiffError> {
     let [Some(a), Some(b)] = runs.map(Subject::scenario) else {
         return Ok(None);
     };
@@ -239,11 +240,11 @@ fn resample(runs: [Subject<'_>; 2]) -> Result<Option<(usize, Scenario)>, DiffErr
         return Ok(None);
     }
     let (side, own, other) = match runs {
-        [Subject::Scenario(_), Subject::Recording(_)] => (0, a, periods[1]),
-        [_, Subject::Scenario(_)] => (1, b, periods[0]),
+        [Subject::Scenario(_), Subject::Recording(_)] => (Side::A, a, periods[1]),
+        [_, Subject::Scenario(_)] => (Side::B, b, periods[0]),
         [Subject::Recording(_), Subject::Recording(recording)] => {
             check_reproduced(recording, periods)?;
-            (1, b, periods[0])
+            (Side::B, b, periods[0])
         }
     };
     let resampled = own.with([("sampling.period", seconds(other).into())]);

@@ -289,12 +289,15 @@ fn has_more_than_other(side: Side, paired: &Paired, setup: &SetupDifferences) ->
 impl Report {
     /// Records that a run (0 for A, 1 for B) was simulated with the sampling period of the other. The verdict cannot be
     /// `Identical`.
-    pub(super) fn note_resampling(&mut self, side: usize) {
+    pub(super) fn note_resampling(&mut self, side: Side) {
         // The samples of the recording itself were not compared.
         if self.verdict != Verdict::Different {
             self.verdict = Verdict::Agreeing;
         }
-        let (own, other) = if side == 0 { ("A", "B") } else { ("B", "A") };
+        let (own, other) = match side {
+            Side::A => ("A", "B"),
+            Side::B => ("B", "A"),
+        };
         self.notes.push(format!(
             "{own} was simulated with {other}'s sampling period, because neither sampling period is a multiple of the other."
         ));

@@ -41,14 +41,33 @@ impl Interval {
     }
 }
 
+/// A change of phase.
+#[derive(Clone, Copy, Debug)]
+struct PhaseChange {
+    /// The new phase.
+    phase: PegPhase,
+    /// Time, s.
+    time: f64,
+    /// Inclination θ then, rad; NaN if it is not known.
+    theta: f64,
+}
+
+/// How far the contact point has been from where it started.
+#[derive(Clone, Copy, Debug)]
+struct Travel {
+    /// The contact point in the first sample, m.
+    start: [f64; 2],
+    /// The largest distance from there, m.
+    farthest: f64,
+}
+
 /// The history of a free peg.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PegHistory {
     /// Distance of the centre of mass from the centre of the sphere, and its radius, m.
     center_distance: f64,
     peg_radius: f64,
-    /// Changes of phase: the new one, when (s), and θ then (rad).
-    changes: Vec<(PegPhase, f64, f64)>,
+    changes: Vec<PhaseChange>,
     pub(super) flies_at_first: bool,
     /// Whether there are events: without them the phases are not known.
     has_events: bool,
@@ -67,8 +86,8 @@ pub(crate) struct PegHistory {
     jellett_terms: f64,
     /// Energy dissipated by sliding, other losses, restitution and friction in impacts, J.
     lost: Option<[f64; 4]>,
-    /// The contact point in the first sample, and the largest distance from there, m.
-    travelled: Option<([f64; 2], f64)>,
+    /// None before the first sample.
+    travel: Option<Travel>,
 }
 
 impl PegHistory {
@@ -123,17 +142,24 @@ impl PegHistory {
         if self.changes.is_empty() {
             self.flies_at_first |= event.kind == Some(EventKind::Landing);
         }
-        self.changes.push((phase, event.time, event.state.theta));
+        self.changes.push(PhaseChange {
+            phase,
+            time: event.time,
+            theta: event.state.theta,
+        });
     }
 
     fn contact(&mut self, message: &Message<'_>) {
         // A peg that is thrown up starts at the height of the table, but in flight.
         let regime = Regime::from_code(contact::REGIME.of(message));
-        self.flies_at_first |= self.travelled.is_none() && regime == Some(Regime::Flying);
+        self.flies_at_first |= self.travel.is_none() && regime == Some(Regime::Flying);
         let point = contact::CONTACT_POINT.of(message);
-        let (first, farthest) = self.travelled.get_or_insert(([point.x, point.y], 0.0));
-        let away = hypot(point.x - first[0], point.y - first[1]);
-        *farthest = farthest.max(away);
+        let travel = self.travel.get_or_insert(Travel {
+            start: [point.x, point.y],
+            farthest: 0.0,
+        });
+        let distance = hypot(point.x - travel.start[0], point.y - travel.start[1]);
+        travel.farthest = travel.farthest.max(distance);
     }
 
     fn free_peg(&mut self, message: &Message<'_>) {
@@ -160,22 +186,26 @@ impl PegHistory {
         } else {
             PegPhase::Sliding
         };
-        let mut starts = vec![(first, 0.0, f64::NAN)];
+        let mut starts = vec![PhaseChange {
+            phase: first,
+            time: 0.0,
+            theta: f64::NAN,
+        }];
         starts.extend_from_slice(&self.changes);
         let mut intervals: Vec<Interval> = Vec::new();
-        for (index, (phase, from, theta)) in starts.iter().copied().enumerate() {
-            let to = starts.get(index + 1).map_or(end, |(_, next, _)| *next);
+        for (index, start) in starts.iter().enumerate() {
+            let to = starts.get(index + 1).map_or(end, |next| next.time);
             // A phase that begins and ends at the same time is not a real phase.
-            if to <= from {
+            if to <= start.time {
                 continue;
             }
             match intervals.last_mut() {
-                Some(last) if last.phase == phase => last.to = to,
+                Some(last) if last.phase == start.phase => last.to = to,
                 _ => intervals.push(Interval {
-                    phase,
-                    from,
+                    phase: start.phase,
+                    from: start.time,
                     to,
-                    theta,
+                    theta: start.theta,
                 }),
             }
         }
@@ -191,7 +221,7 @@ impl PegHistory {
         let ends_otherwise = self
             .changes
             .last()
-            .is_some_and(|(phase, ..)| *phase != PegPhase::Rolling);
+            .is_some_and(|change| change.phase != PegPhase::Rolling);
         let last_roll = intervals
             .last()
             .filter(|last| last.phase == PegPhase::Rolling && !ends_otherwise);
@@ -214,7 +244,7 @@ impl PegHistory {
             jellett_deviation: self
                 .jellett
                 .map(|jellett| jellett.deviation / self.jellett_terms.max(jellett.first.abs())),
-            farthest: self.travelled.map(|(_, farthest)| farthest),
+            farthest: self.travel.map(|travel| travel.farthest),
         }
     }
 }
