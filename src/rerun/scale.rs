@@ -114,8 +114,8 @@ fn round_by(value: f64, decades: f64) -> f64 {
         _ => 10,
     };
     // Through text, because parsing rounds correctly, and multiplying by powers of ten does not.
-    let rounded = format!("{nearest}e{}", decade + decades);
-    let rounded: f64 = rounded.parse().unwrap_or_default();
+    let decimal = format!("{nearest}e{}", decade + decades);
+    let rounded: f64 = decimal.parse().unwrap_or_default();
     if rounded.is_normal() { rounded } else { 0.0 }
 }
 

@@ -75,8 +75,7 @@ impl Scene {
             // The name stays at the start of the path, which a travelling top leaves.
             trail = trail.named(role, "scene/trail/name", text, PURPLE);
         }
-        let below = [(TRAIL_BELOW, PURPLE)];
-        let below = (!is_free).then(|| Path::new(role, &below, 1.0, output));
+        let below = (!is_free).then(|| Path::new(role, &[(TRAIL_BELOW, PURPLE)], 1.0, output));
         let [slides, rolls, flies] = CONTACT_PATHS;
         let colors = [(slides, SKY), (rolls, GREEN), (flies, VERMILION)];
         let contact_path = (is_free && identity.has(CONTACT)).then(|| {

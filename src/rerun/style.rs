@@ -60,18 +60,26 @@ const NAMED_STYLES: [(NumberField, &str, u32, f32); 42] = [
     (energy::FRICTION_WORK, "work of friction", VERMILION, 1.5),
 ];
 
+/// How a number is drawn in a plot.
+struct Style {
+    name: String,
+    color: u32,
+    width: f32,
+}
+
 /// Names, colours and widths of the numbers of one plot.
 ///
 /// Nutation means are dots, because dots are drawn above lines. Lines show the envelope where many values share a
 /// pixel.
 pub(super) fn series(numbers: &[NumberField], role: &Role) -> Box<dyn AsComponents> {
-    let styles = numbers.iter().enumerate();
-    let styles: Vec<_> = styles
-        .map(|(at, number)| style_of(*number, at, role))
+    let styles: Vec<Style> = numbers
+        .iter()
+        .enumerate()
+        .map(|(place, number)| style_of(*number, place, role))
         .collect();
-    let names = styles.iter().map(|(name, ..)| name.as_str());
-    let colors = styles.iter().map(|(_, color, _)| Color::from_u32(*color));
-    let widths = styles.iter().map(|(.., width)| *width);
+    let names = styles.iter().map(|style| style.name.as_str());
+    let colors = styles.iter().map(|style| Color::from_u32(style.color));
+    let widths = styles.iter().map(|style| style.width);
     if numbers.iter().all(|number| number.topic() == NUTATION) {
         let points = SeriesPoints::new().with_names(names).with_colors(colors);
         let markers = numbers.iter().map(|_| MarkerShape::Circle);
@@ -88,8 +96,8 @@ pub(super) fn series(numbers: &[NumberField], role: &Role) -> Box<dyn AsComponen
     }
 }
 
-/// Name, colour and width of a number, given its position in the plot.
-fn style_of(number: NumberField, place: usize, role: &Role) -> (String, u32, f32) {
+/// The style of a number, given its position in the plot.
+fn style_of(number: NumberField, place: usize, role: &Role) -> Style {
     let known = NAMED_STYLES.iter().find(|(known, ..)| *known == number);
     let (name, color, width) = if let Some(&(_, name, color, width)) = known {
         (name.to_owned(), color, width)
@@ -100,9 +108,9 @@ fn style_of(number: NumberField, place: usize, role: &Role) -> (String, u32, f32
     };
     // The means of two runs and of their difference are lighter than the curve behind them.
     let shade = if number.topic() == NUTATION { 1 } else { place };
-    (
-        role.name(&name),
-        role.color(color, shade),
-        role.width(width),
-    )
+    Style {
+        name: role.name(&name),
+        color: role.color(color, shade),
+        width: role.width(width),
+    }
 }

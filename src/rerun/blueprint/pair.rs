@@ -178,17 +178,19 @@ impl Charts<'_> {
         } else {
             self.rows(&MOTION_CONTRASTS)
         };
-        let friction = FRICTION_CONTRASTS.iter();
-        let friction: Vec<_> = friction.filter_map(|chart| self.overlay(chart)).collect();
+        let friction: Vec<_> = FRICTION_CONTRASTS
+            .iter()
+            .filter_map(|chart| self.overlay(chart))
+            .collect();
         motion.extend(self.layout.contain_any(row(&[]), &friction));
-        let mut all = vec![("Differences", motion)];
+        let mut named_pages = vec![("Differences", motion)];
         if is_free {
-            all.push(("On the table", self.rows(&TABLE_CONTRASTS)));
-            all.push(("Rates", self.rows(&RATE_CONTRASTS)));
+            named_pages.push(("On the table", self.rows(&TABLE_CONTRASTS)));
+            named_pages.push(("Rates", self.rows(&RATE_CONTRASTS)));
         }
-        all.push(("More", self.rows(&MORE_CONTRASTS)));
+        named_pages.push(("More", self.rows(&MORE_CONTRASTS)));
         let mut pages = Vec::new();
-        for (name, rows) in all {
+        for (name, rows) in named_pages {
             let page = column(&[]).with_display_name(Name(name.into()));
             pages.extend(self.layout.contain_any(page, &rows));
         }
