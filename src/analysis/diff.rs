@@ -208,14 +208,16 @@ fn add_foreign_topics(only_in: &mut [Vec<String>; 2], runs: [Subject<'_>; 2], op
 }
 
 /// Compares the messages of two recordings as they stand in the files: those of foreign topics, and if the values of
-/// the compared topics are identical and equally encoded, those of all topics.
+/// the compared topics are identical and equally encoded by one version, those of all topics.
 fn compare_bytes(
     [a, b]: [&Recording; 2],
     paired: &Paired,
     compared: &[String],
     options: &Options,
 ) -> Vec<TopicBytes> {
-    let is_identical = a.encoding() == b.encoding() && paired.is_identical();
+    // Another version may word its schemas, and draw in its channels for viewers, what it likes.
+    let is_one_form = a.library() == b.library() && a.encoding() == b.encoding();
+    let is_identical = is_one_form && paired.is_identical();
     let [mut topics, of_b] =
         [a, b].map(|recording| foreign_topics(Subject::Recording(recording), is_identical));
     topics.retain(|topic| of_b.contains(topic) && !options.tolerances.ignores(topic));

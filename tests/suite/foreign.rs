@@ -1,6 +1,6 @@
 //! Files that other software wrote or rewrote: any order of messages, newer formats, files that are not whole.
 
-use crate::forgeries::forgery::{Forgery, RUN, Record, named};
+use crate::forgeries::forgery::{Forgery, RUN, Record, edit, named};
 use crate::raw::{PADDING, attachment, channel, chunk, file, header, message, record};
 use crate::support::{Folder, assert_contains, recorded, scenario, verified};
 use mcap::records::{Channel, op};
@@ -572,4 +572,27 @@ fn reports_counts_that_contradict_the_end_record() {
     let printed = folder.toprise("info a.mcap", 3);
     assert_contains(&printed.stdout, "altered");
     assert_contains(&printed.stdout, "201 of 301 samples");
+}
+
+#[test]
+fn words_of_another_version_are_no_difference_of_values() {
+    let folder = Folder::new();
+    folder.toprise("run paper --set stop.duration=0.05 -o a.mcap", 0);
+    let reworded = |library: &str| {
+        let mut forgery = Forgery::of(&folder.read("a.mcap"));
+        forgery.header.library = library.to_owned();
+        forgery.schema("/top/energy", |_, data| {
+            edit(data, |text| {
+                text.replace("kinetic energy", "energy of the motion")
+            });
+        });
+        forgery.write(&folder.at("b.mcap"));
+    };
+    reworded("toprise/99.0.0");
+    let diff = folder.toprise("diff a.mcap b.mcap", 0).stdout;
+    assert_contains(&diff, "All values identical; other parts differ");
+    assert_contains(&diff, "channel /top/energy");
+    // Within a version there is one text for a schema.
+    reworded(&Forgery::of(&folder.read("a.mcap")).header.library);
+    folder.toprise("diff a.mcap b.mcap", 1);
 }
