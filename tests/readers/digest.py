@@ -6,7 +6,7 @@ def leaves(value):
 
 hashes = {}
 for schema, channel, message in make_reader(open(sys.argv[1], "rb")).iter_messages():
-    if channel.message_encoding == "json":
+    if channel.message_encoding == "json" and not channel.topic.startswith("/fit/"):
         values = leaves({**json.loads(message.data), "timestamp": {}})
         numbers = [value for value in values if not isinstance(value, str)]
         texts = [value.encode() for value in values if isinstance(value, str)]
