@@ -287,8 +287,8 @@ fn has_more_than_other(side: Side, paired: &Paired, setup: &SetupDifferences) ->
 }
 
 impl Report {
-    /// Records that a run (0 for A, 1 for B) was simulated with the sampling period of the other. The verdict cannot be
-    /// `Identical`.
+    /// Records that the run of this side was simulated with the sampling period of the other. The verdict cannot be
+    /// `Identical` then.
     pub(super) fn note_resampling(&mut self, side: Side) {
         // The samples of the recording itself were not compared.
         if self.verdict != Verdict::Different {
