@@ -49,7 +49,7 @@ fn verify_lists_supplements() {
         let report = verified(&path);
         assert_eq!(report.verdict, Verdict::Verified, "{report:?}");
         assert_eq!(report.equality, Some(Equality::PackedOtherwise));
-        let listed: Vec<String> = report.supplements.iter().map(|s| s.to_string()).collect();
+        let listed: Vec<String> = report.supplements.iter().map(ToString::to_string).collect();
         let expected = [
             "/fit/data (5 messages)",
             "/fit/residual (0 messages)",
