@@ -32,7 +32,7 @@ pub use solve::Progress;
 
 use crate::run::scenario::Scenario;
 use estimate::{correlations, estimates, quality, signals, verdict};
-use model::Point;
+use model::{Effort, Point};
 use solve::{Solution, Watch};
 
 /// What to fit, and how.
@@ -166,7 +166,9 @@ pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitErr
     } else {
         1.0
     };
-    let held_out = problem.residuals(&solution.values, &split.held_out).ok();
+    let held_out = problem
+        .residuals(Effort::Final, &solution.values, &split.held_out)
+        .ok();
     let signals = signals(
         &problem,
         (&split.fitted, &solution.residuals),
@@ -225,7 +227,7 @@ pub fn sensitivities(request: &Request) -> Result<Vec<(String, Vec<f64>)>, FitEr
     let points = &problem.points;
     problem.predict(&start, points).map_err(solve::error_from)?;
     let fixed = vec![false; start.len()];
-    let columns = problem.jacobian(&start, points, &fixed);
+    let columns = problem.jacobian(Effort::Final, &start, points, &fixed);
     let names = problem.parameters.iter().map(Parameter::name);
     Ok(names.zip(columns).collect())
 }

@@ -3,7 +3,7 @@
 use super::error::FitError;
 use super::estimate::{REJECTED, estimates, lowest_p, quality, signals, verdict};
 use super::extension::extensions;
-use super::model::{Point, Problem};
+use super::model::{Effort, Point, Problem};
 use super::modes::{Modes, modes};
 use super::parameter::{self, Parameter, Target};
 use super::report::{Comparison, LawFit, Mode, Verdict};
@@ -30,6 +30,7 @@ pub(super) struct Fitted<'a> {
 }
 
 /// The fit of another law.
+#[derive(Clone)]
 pub(super) struct Candidate {
     pub law: &'static str,
     pub problem: Problem,
@@ -189,7 +190,9 @@ fn law_fit(candidate: &Candidate, split: &Split, request: &Request) -> LawFit {
     } else {
         1.0
     };
-    let held_out = problem.residuals(&solution.values, &split.held_out).ok();
+    let held_out = problem
+        .residuals(Effort::Final, &solution.values, &split.held_out)
+        .ok();
     let signals = signals(problem, (&split.fitted, &solution.residuals), None);
     LawFit {
         law: (*law).to_owned(),

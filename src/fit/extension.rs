@@ -15,6 +15,9 @@ const WANTED: f64 = 20.0;
 /// More samples than this times those of the data are no small extension.
 const MAX_FINER: f64 = 100.0;
 
+/// Relative change of χ² that counts as none: expectations need no more.
+const PRECISION: f64 = 1e-3;
+
 /// Trial durations, relative to that of the data.
 const LONGER: [f64; 6] = [1.25, 1.5, 2.0, 3.0, 4.0, 6.0];
 
@@ -26,6 +29,9 @@ pub(super) fn extensions(
     watch: &Watch<'_>,
 ) -> Result<Vec<Extension>, FitError> {
     let mut found = Vec::new();
+    let mut rival = rival.clone();
+    rival.problem.precision = PRECISION;
+    let rival = &rival;
     let points = &split.fitted;
     for factor in LONGER {
         let longer = prolonged(points, factor);

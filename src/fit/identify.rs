@@ -1,7 +1,7 @@
 //! What the data can determine, found before anything is fitted: from the sensitivities at the start.
 
 use super::error::FitError;
-use super::model::{Point, Problem, Refusal, STEP};
+use super::model::{Effort, Point, Problem, Refusal};
 use super::parameter::{Named, Parameter, Target};
 use super::solve::error_from;
 use super::statistics::ScaledGram;
@@ -34,7 +34,7 @@ pub(super) fn identify(problem: &Problem, named: &[Named]) -> Result<Identified,
     let points = reached(problem, &start)?;
     let predicted = problem.predict(&start, &points).map_err(error_from)?;
     let fixed = vec![false; start.len()];
-    let jacobian = problem.jacobian(&start, &points, &fixed);
+    let jacobian = problem.jacobian(Effort::Final, &start, &points, &fixed);
     let noise = derivative_noise(&points, &predicted);
     let (mut shown, mut unseen, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
     let mut scanned = Vec::new();
@@ -46,7 +46,10 @@ pub(super) fn identify(problem: &Problem, named: &[Named]) -> Result<Identified,
         } else if matches!(named.parameter.target, Target::Offset(_)) {
             // The scan finds an offset also if the clocks differ so much that nothing depends on small changes.
             scanned.push(at);
-        } else if problem.derivative(at, &start, &points).is_none() {
+        } else if problem
+            .derivative(Effort::Final, at, &start, &points)
+            .is_none()
+        {
             return Err(FitError::NoDerivative {
                 name: named.parameter.name(),
             });
@@ -112,7 +115,7 @@ fn derivative_noise(points: &[Point], predicted: &[f64]) -> f64 {
     let pairs = points.iter().zip(predicted);
     let sizes = pairs.map(|(point, value)| value.abs() / point.sigma);
     let largest = sizes.fold(0.0, f64::max);
-    (points.len() as f64).sqrt() * largest * ROUNDING / STEP
+    (points.len() as f64).sqrt() * largest * ROUNDING / Effort::Final.step()
 }
 
 /// JᵀJ of some columns.

@@ -1,7 +1,7 @@
 //! Least squares within bounds.
 
 use super::error::FitError;
-use super::model::{Loss, Point, Problem, Refusal};
+use super::model::{Effort, Loss, Point, Problem, Refusal};
 use super::parameter::Target;
 use super::statistics::ScaledGram;
 use nalgebra::DMatrix;
@@ -30,6 +30,9 @@ const FIRST_WINDOW: f64 = 0.1;
 
 /// Relative change of χ² at which a window that isn't the last ends.
 const WINDOW_PRECISION: f64 = 1e-4;
+
+/// Relative change of χ² at which drafts of motions are replaced by exact ones.
+const DRAFT_PRECISION: f64 = 1e-6;
 
 /// Number of points that all windows but the last are thinned to.
 const WINDOW_POINTS: usize = 20_000;
@@ -110,6 +113,7 @@ struct Objective<'a> {
     priors: Option<&'a [f64]>,
     held: Vec<bool>,
     limits: Vec<MPPar>,
+    effort: Effort,
     config: MPConfig,
     watch: &'a Watch<'a>,
     /// The last values that were computed, and their residuals.
@@ -148,14 +152,35 @@ impl<'a> Objective<'a> {
             priors,
             limits: limits.collect(),
             held,
+            effort: Effort::Final,
             config: MPConfig {
                 max_iter,
-                ftol: problem.precision,
                 ..MPConfig::new()
             },
             watch,
             last: None,
         }
+    }
+
+    /// Optimises with drafts of motions. Returns `start` if its draft ends before the data, as one that just reaches
+    /// them may.
+    fn run_drafts(&mut self, start: &[f64], precision: f64) -> Result<Vec<f64>, FitError> {
+        let draft = self.problem.residuals(Effort::Draft, start, self.points);
+        self.watch.count(1, f64::NAN);
+        if draft.is_err() {
+            return Ok(start.to_vec());
+        }
+        self.effort = Effort::Draft;
+        self.config.ftol = precision;
+        self.run(start)
+    }
+
+    /// Optimises with exact motions.
+    fn run_finally(&mut self, start: &[f64], precision: f64) -> Result<Vec<f64>, FitError> {
+        self.effort = Effort::Final;
+        self.config.ftol = precision;
+        self.last = None;
+        self.run(start)
     }
 
     /// Optimises from `start`.
@@ -196,7 +221,7 @@ impl<'a> Objective<'a> {
 impl MPFitter for Objective<'_> {
     fn eval(&mut self, params: &[f64], deviates: &mut [f64]) -> MPResult<()> {
         let values = self.values(params);
-        match self.problem.residuals(&values, self.points) {
+        match self.problem.residuals(self.effort, &values, self.points) {
             Ok(residuals) => {
                 self.fill(&values, &residuals, deviates);
                 let chi2 = deviates.iter().map(|d| d * d).sum();
@@ -235,7 +260,9 @@ impl MPFitter for Objective<'_> {
             return Err(MPError::Eval);
         };
         self.fill(&values, residuals, deviates);
-        let jacobian = self.problem.jacobian(&values, self.points, &self.held);
+        let jacobian = self
+            .problem
+            .jacobian(self.effort, &values, self.points, &self.held);
         self.watch.count(2 * jacobian.len(), f64::NAN);
         for (j, derivative) in derivs.iter_mut().enumerate() {
             let Some(column) = derivative else { continue };
@@ -270,8 +297,7 @@ fn approach(
     }
     let held = vec![false; start.len()];
     let mut objective = Objective::new(problem, points, Some(centre), held, watch);
-    objective.config.ftol = WINDOW_PRECISION;
-    objective.run(start)
+    objective.run_drafts(start, WINDOW_PRECISION)
 }
 
 /// Finds the minimum from `start`, whose motion must be complete. `fixed` parameters keep their values.
@@ -290,8 +316,7 @@ pub(super) fn minimise(
     for _ in 0..MAX_ROUNDS {
         let out: Vec<bool> = fixed.iter().zip(&held).map(|(a, b)| *a || *b).collect();
         if out.iter().any(|out| !out) {
-            let mut objective = Objective::new(problem, points, priors, out, watch);
-            values = objective.run(&values)?;
+            values = descend(problem, points, &values, priors, out, watch)?;
         }
         let solution = evaluate(problem, points, values.clone(), priors, fixed, watch)?;
         if solution.held == held {
@@ -300,6 +325,25 @@ pub(super) fn minimise(
         held = solution.held;
     }
     evaluate(problem, points, values, priors, fixed, watch)
+}
+
+/// Descends to a minimum with drafts of motions, then with exact ones.
+fn descend(
+    problem: &Problem,
+    points: &[Point],
+    start: &[f64],
+    priors: Option<&[f64]>,
+    out: Vec<bool>,
+    watch: &Watch<'_>,
+) -> Result<Vec<f64>, FitError> {
+    let mut objective = Objective::new(problem, points, priors, out, watch);
+    let precision = problem.precision;
+    let mut values = objective.run_drafts(start, precision.max(DRAFT_PRECISION))?;
+    // The exact motion may end before the data where its draft just reaches them.
+    if problem.predict(&values, points).is_err() {
+        values = start.to_vec();
+    }
+    objective.run_finally(&values, precision)
 }
 
 fn reason(error: &MPError) -> &'static str {
@@ -324,8 +368,10 @@ pub(super) fn evaluate(
     fixed: &[bool],
     watch: &Watch<'_>,
 ) -> Result<Solution, FitError> {
-    let residuals = problem.residuals(&values, points).map_err(error_from)?;
-    let jacobian = problem.jacobian(&values, points, fixed);
+    let residuals = problem
+        .residuals(Effort::Final, &values, points)
+        .map_err(error_from)?;
+    let jacobian = problem.jacobian(Effort::Final, &values, points, fixed);
     watch.count(1 + 2 * jacobian.len(), f64::NAN);
     let size = values.len();
     let loss = problem.loss;
