@@ -8,14 +8,19 @@ mod data;
 mod error;
 mod estimate;
 mod extension;
+mod fitted;
 mod identify;
+mod law;
 mod model;
 mod modes;
+mod objective;
 mod offset;
 mod parameter;
+mod prepare;
 mod profile;
 mod recorded;
 pub mod report;
+mod sigma;
 mod signal;
 mod solve;
 mod statistics;
@@ -31,8 +36,9 @@ pub use signal::{Signal, SignalSpec};
 pub use solve::Progress;
 
 use crate::run::scenario::Scenario;
-use estimate::{correlations, estimates, quality, signals, verdict};
-use model::{Effort, Point};
+use estimate::{correlations, estimates, signals, verdict};
+use fitted::{First, Fitted, Split};
+use model::Effort;
 use solve::{Solution, Watch};
 
 /// What to fit, and how.
@@ -110,57 +116,37 @@ pub struct Residual {
     pub is_held_out: bool,
 }
 
-/// Maximum number of times that standard deviations are estimated from the residuals.
-const MAX_SIGMA_ROUNDS: usize = 6;
-/// Relative change of a standard deviation that counts as none.
-const SIGMA_CHANGE: f64 = 1e-3;
-
-/// Points to fit and points to predict.
-#[derive(Clone, Debug)]
-struct Split {
-    fitted: Vec<Point>,
-    held_out: Vec<Point>,
-    /// End of the fitted part, s.
-    end: f64,
-}
-
 /// Fits a scenario to data.
 ///
 /// # Errors
 /// [`FitError`]; parameters that can't be told apart are an error, found before anything is fitted.
 pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitError> {
     let watch = Watch::new(progress);
-    let (mut problem, notes, origin) = prepare(request)?;
-    let (solution, split) = solve_all(&mut problem, request, &watch)?;
-    if !solution.is_converged
-        && let Some(refusal) = solve::refused_step(&problem, &split.fitted, &solution)
-    {
-        return Err(solve::error_from(refusal));
-    }
-    let modes = modes::modes(&problem, &split.fitted, &solution, &watch)?;
-    let (mut solution, mut modes) = (modes.best, modes.others);
+    let First {
+        mut fitted,
+        notes,
+        origin,
+        refused,
+    } = fitted::first(request, &watch)?;
     let mut comparison = None;
     if !request.compare.is_empty() {
-        let fitted = compare::Fitted {
-            problem: &problem,
-            solution: &solution,
-            split: &split,
-        };
-        let compared = compare::compare(request, &fitted, &watch)?;
+        let compared = compare::compare(request, &fitted, refused, &watch)?;
         comparison = Some(compared.comparison);
         // From here on everything is about the preferred law.
-        if let Some((preferred, others)) = compared.preferred {
-            problem = preferred.problem;
-            solution = preferred.solution;
-            modes = others;
-        }
+        fitted = compared.preferred.unwrap_or(fitted);
     }
+    let Fitted {
+        problem,
+        solution,
+        split,
+        modes,
+    } = &fitted;
     let mut profiles = Vec::new();
     for name in &request.profile {
-        let profile = profile::profile(&problem, &split.fitted, &solution, name, &watch)?;
+        let profile = profile::profile(problem, &split.fitted, solution, name, &watch)?;
         profiles.push(profile);
     }
-    let quality = quality(&problem, &split.fitted, &solution);
+    let quality = fitted.quality();
     let rescale = if request.rescale {
         quality.chi2 / quality.freedom as f64
     } else {
@@ -168,9 +154,10 @@ pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitErr
     };
     let held_out = problem
         .residuals(Effort::Final, &solution.values, &split.held_out)
-        .ok();
+        .ok()
+        .filter(|residuals| !residuals.is_empty());
     let signals = signals(
-        &problem,
+        problem,
         (&split.fitted, &solution.residuals),
         held_out.as_deref().map(|r| (&split.held_out[..], r)),
     );
@@ -178,17 +165,17 @@ pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitErr
         Some(comparison) => comparison.verdict(),
         None => verdict(&quality, &signals),
     };
-    let mut parameters = estimates(&problem, &solution, rescale);
+    let mut parameters = estimates(problem, solution, rescale);
     for (at, estimate) in parameters.iter_mut().enumerate() {
         if solution.held[at] {
-            let limit = profile::limit(&problem, &split.fitted, &solution, at, &watch)?;
+            let limit = profile::limit(problem, &split.fitted, solution, at, &watch)?;
             estimate.limit = Some(limit);
         }
     }
     let report = Report {
         verdict,
         scenario: request.scenario.name().to_owned(),
-        law: problem.scenario.word("friction.law").to_owned(),
+        law: fitted.law().to_owned(),
         origin,
         loss: request.loss,
         until: split.end,
@@ -196,17 +183,23 @@ pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitErr
         losses: request.data.losses.clone(),
         notes,
         parameters,
-        correlations: correlations(&problem, &solution),
+        correlations: correlations(problem, solution),
         quality,
-        modes,
+        modes: modes.clone(),
         profiles,
         comparison,
         evaluations: watch.evaluations(),
     };
+    // The motion covers the held-out part, too, if it goes on so long.
+    let end = if held_out.is_some() {
+        split.last
+    } else {
+        split.end
+    };
     Ok(Fit {
         report,
-        scenario: problem.scenario_for(&solution.values, split.end)?,
-        residuals: residuals(&problem, &solution, &split, held_out.as_deref()),
+        scenario: problem.scenario_for(&solution.values, end)?,
+        residuals: residuals(problem, solution, split, held_out.as_deref()),
     })
 }
 
@@ -230,157 +223,6 @@ pub fn sensitivities(request: &Request) -> Result<Vec<(String, Vec<f64>)>, FitEr
     let columns = problem.jacobian(Effort::Final, &start, points, &fixed);
     let names = problem.parameters.iter().map(Parameter::name);
     Ok(names.zip(columns).collect())
-}
-
-/// The problem of a request after the check of what its data can determine; notes; and the origin, s.
-fn prepare(request: &Request) -> Result<(Problem, Vec<String>, f64), FitError> {
-    let scenario = &request.scenario;
-    let data = &request.data;
-    let names = &request.free;
-    let named = parameter::parameters(names, &request.bounds, scenario, data.files)?;
-    let parameters = named.iter().map(|named| named.parameter.clone());
-    let origin = request.origin.unwrap_or_else(|| data.origin());
-    let mut signals = data.signals.clone();
-    for signal in &mut signals {
-        for (field, start) in [
-            (crate::telemetry::fields::state::PHI, scenario.angles.phi),
-            (crate::telemetry::fields::state::PSI, scenario.angles.psi),
-        ] {
-            if signal.field == field {
-                signal.turn_towards(start);
-            }
-        }
-    }
-    check_values(&signals)?;
-    let parameters = parameters.collect();
-    let mut problem = Problem::new(scenario, parameters, signals, request.loss, origin)?;
-    problem.keep_until(request.until);
-    check_range(&problem, origin, request.until)?;
-    if named.is_empty() {
-        return Err(FitError::NothingFree);
-    }
-    let identified = identify::identify(&problem, &named)?;
-    problem.parameters = identified.parameters;
-    if problem.points.len() <= problem.parameters.len() {
-        return Err(FitError::TooFew {
-            samples: problem.points.len(),
-            parameters: problem.parameters.len(),
-        });
-    }
-    Ok((problem, identified.notes, origin))
-}
-
-/// Refuses values that the sums of squares can't hold.
-fn check_values(signals: &[Signal]) -> Result<(), FitError> {
-    /// Well below the residual of a refused motion, and its square is finite.
-    const MAX_SIZE: f64 = 1e25;
-    for signal in signals {
-        for (at, value) in signal.values.iter().enumerate() {
-            let size = value.abs().max((value / signal.sigmas[at]).abs());
-            if size.is_nan() || size > MAX_SIZE {
-                return Err(FitError::Size {
-                    field: signal.field.to_string(),
-                    time: signal.times[at],
-                    value: *value,
-                    sigma: signal.sigmas[at],
-                });
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Refuses signals of the first file without a value in the time that is fitted.
-fn check_range(problem: &Problem, origin: f64, until: Option<f64>) -> Result<(), FitError> {
-    for (index, signal) in problem.signals.iter().enumerate() {
-        let mut points = problem.points.iter();
-        if signal.file == 0 && !points.any(|point| point.signal == index) {
-            return Err(FitError::OutOfRange {
-                field: signal.field.to_string(),
-                first: signal.times.first().copied().unwrap_or(f64::NAN),
-                last: signal.times.last().copied().unwrap_or(f64::NAN),
-                origin,
-                until: until.map(|until| origin + until),
-            });
-        }
-    }
-    Ok(())
-}
-
-/// Fits all signals; estimates standard deviations that are not given.
-fn solve_all(
-    problem: &mut Problem,
-    request: &Request,
-    watch: &Watch<'_>,
-) -> Result<(Solution, Split), FitError> {
-    let mut split = split_first_file(problem, request.holdout);
-    let has_offsets = request.data.files > 1;
-    let start = problem.start();
-    let mut solution = solve::grow(problem, &split.fitted, &start, has_offsets, watch)?;
-    if has_offsets {
-        let end = split.end;
-        let (joint, points) = offset::fit_offsets(problem, solution.values, end, watch)?;
-        solution = joint;
-        split.fitted = points;
-    }
-    let fixed = vec![false; start.len()];
-    for _ in 0..MAX_SIGMA_ROUNDS {
-        if !estimate_sigmas(problem, &mut split, &solution) {
-            break;
-        }
-        let values = solution.values.clone();
-        solution = solve::minimise(problem, &split.fitted, &values, None, &fixed, watch)?;
-    }
-    Ok((solution, split))
-}
-
-/// The points of the first file, whose clock is the model's.
-fn split_first_file(problem: &Problem, holdout: f64) -> Split {
-    let mut first: Vec<Point> = Vec::new();
-    for point in &problem.points {
-        if problem.signals[point.signal].file == 0 {
-            first.push(*point);
-        }
-    }
-    let last = first.iter().map(|point| point.time).fold(0.0, f64::max);
-    let end = last * (1.0 - holdout);
-    let (fitted, held_out) = first.into_iter().partition(|point| point.time <= end);
-    Split {
-        fitted,
-        held_out,
-        end,
-    }
-}
-
-/// Sets the standard deviations that were not given to those of the residuals. Returns whether one has changed.
-fn estimate_sigmas(problem: &mut Problem, split: &mut Split, solution: &Solution) -> bool {
-    let mut has_changed = false;
-    let all = split.fitted.len() as f64;
-    let lost = problem.parameters.len() as f64 / all;
-    for index in 0..problem.signals.len() {
-        if !problem.signals[index].is_sigma_estimated {
-            continue;
-        }
-        let (mut sum, mut count, mut before) = (0.0, 0.0, 1.0);
-        for (point, residual) in split.fitted.iter().zip(&solution.residuals) {
-            if point.signal == index {
-                sum += residual * residual * point.sigma * point.sigma;
-                count += 1.0;
-                before = point.sigma;
-            }
-        }
-        // Each signal loses its share of the degrees of freedom.
-        let freedom: f64 = count * (1.0 - lost);
-        let estimate = (sum / freedom.max(1.0)).sqrt();
-        let sigma = estimate.max(problem.signals[index].rounding());
-        has_changed |= (sigma / before - 1.0).abs() > SIGMA_CHANGE;
-        problem.set_sigma(index, sigma);
-        let points = split.fitted.iter_mut().chain(&mut split.held_out);
-        for point in points.filter(|point| point.signal == index) {
-            point.sigma = sigma;
-        }
-    }
-    has_changed
 }
 
 /// All measured values with their residuals, in time order.

@@ -1,124 +1,96 @@
 //! Comparison of friction laws.
 
 use super::error::FitError;
-use super::estimate::{REJECTED, estimates, lowest_p, quality, signals, verdict};
+use super::estimate::{REJECTED, estimates, lowest_p, signals, verdict};
 use super::extension::extensions;
+use super::law::{find_laws, problem_for, slip_speed, speeds};
 use super::model::{Effort, Point, Problem};
 use super::modes::{Modes, modes};
-use super::parameter::{self, Parameter, Target};
-use super::report::{Comparison, LawFit, Mode, Verdict};
-use super::solve::{Solution, Watch, complete, grow, minimise};
-use super::statistics::rms;
-use super::{Request, Split};
-use crate::run::scenario::{KEYS, LAWS, Law, Scenario, ScenarioError, Values};
+use super::report::{Comparison, LawFit, Quality, Verdict};
+use super::sigma::settle;
+use super::solve::{Solution, Watch, complete, error_from, grow, minimise, refused_step};
+use super::statistics::{median_size, rms};
+use super::{Fitted, Request};
+use crate::run::scenario::Law;
 use rayon::prelude::*;
 
 /// A law is clearly better if AIC and BIC are both lower by this: the other is 20 times less likely (Burnham & Anderson).
 const DECISIVE: f64 = 6.0;
 
-/// Relative change of χ² that counts as none in a comparison: superfluous parameters run away in many small steps.
-const PRECISION: f64 = 1e-7;
-
 /// χ² of a law, relative to that of the scenario's own, above which another start is tried if it has not converged.
 const MUCH_WORSE: f64 = 1.5;
 
-/// The fit of the scenario's own law.
-pub(super) struct Fitted<'a> {
-    pub problem: &'a Problem,
-    pub solution: &'a Solution,
-    pub split: &'a Split,
-}
-
-/// The fit of another law.
-#[derive(Clone)]
-pub(super) struct Candidate {
+/// A law that has no complete motion near its minimum, or can't be fitted, and why.
+pub(super) struct Refused {
     pub law: &'static str,
-    pub problem: Problem,
-    pub solution: Solution,
+    pub reason: String,
 }
 
-/// A comparison, and the fit of the law that it prefers, with its other minima.
+/// A comparison, and the fit of the law that it prefers if that is another one.
 pub(super) struct Compared {
     pub comparison: Comparison,
-    pub preferred: Option<(Candidate, Vec<Mode>)>,
+    pub preferred: Option<Fitted>,
 }
 
-/// Fits the laws that a request names and ranks them.
+/// Fits the laws that a request names and ranks them. `own` is the fit of one of them, or of the scenario's law;
+/// `refused` ones are listed, not tried again.
 pub(super) fn compare(
     request: &Request,
-    fitted: &Fitted<'_>,
+    own: &Fitted,
+    refused: Vec<Refused>,
     watch: &Watch<'_>,
 ) -> Result<Compared, FitError> {
-    let mut laws: Vec<&'static Law> = Vec::new();
-    for name in &request.compare {
-        let law = LAWS.iter().find(|law| law.name == name && law.is_sliding());
-        let law = law.ok_or_else(|| unknown_law(name))?;
-        if !laws.iter().any(|known| known.name == law.name) {
-            laws.push(law);
-        }
-    }
+    let mut laws = find_laws(&request.compare)?;
+    laws.retain(|law| !refused.iter().any(|refused| refused.law == law.name));
     // Threads don't report progress: their order would be seen. Their simulations are counted afterwards.
     let results: Vec<_> = laws
         .par_iter()
         .map(|law| {
             let silent = Watch::new(&|_| {});
-            let candidate = fit_law(request, fitted, law, &silent);
+            let candidate = fit_law(request, own, law, &silent);
             (law.name, candidate, silent.evaluations())
         })
         .collect();
-    let (mut candidates, mut failures) = (Vec::new(), Vec::new());
+    let (mut candidates, mut failures) = (Vec::new(), refused);
     for (law, candidate, evaluations) in results {
         watch.add(evaluations);
         match candidate {
             Ok(candidate) => candidates.push(candidate),
-            Err(error) => failures.push((law, error.to_string())),
+            Err(error) => failures.push(Refused {
+                law,
+                reason: error.to_string(),
+            }),
         }
     }
-    let points = &fitted.split.fitted;
-    candidates.sort_by(|a, b| {
-        let [a, b] = [a, b].map(|c| quality(&c.problem, points, &c.solution).bic);
-        a.total_cmp(&b)
-    });
-    // The other minima of the scenario's own law are known already.
-    let own = fitted.problem.scenario.word("friction.law");
-    let mut other_modes = Vec::new();
-    if let Some(best) = candidates.first_mut().filter(|best| best.law != own) {
+    candidates.sort_by(|a, b| a.quality().bic.total_cmp(&b.quality().bic));
+    // The other minima of `own` are known already.
+    if let Some(best) = candidates.first_mut()
+        && best.law() != own.law()
+    {
         let Modes {
             best: found,
             others,
-        } = modes(&best.problem, points, &best.solution, watch)?;
+        } = modes(&best.problem, &best.split.fitted, &best.solution, watch)?;
         best.solution = found;
-        other_modes = others;
+        best.modes = others;
     }
     let mut fits: Vec<LawFit> = Vec::new();
     for candidate in &candidates {
-        fits.push(law_fit(candidate, fitted.split, request));
+        fits.push(law_fit(candidate, request));
     }
-    let lowest_aic = fits
-        .iter()
-        .map(|fit| fit.quality.aic)
-        .fold(f64::INFINITY, f64::min);
-    let lowest_bic = fits
-        .iter()
-        .map(|fit| fit.quality.bic)
-        .fold(f64::INFINITY, f64::min);
-    for fit in &mut fits {
-        fit.delta_aic = fit.quality.aic - lowest_aic;
-        fit.delta_bic = fit.quality.bic - lowest_bic;
-    }
+    set_differences(&mut fits);
     let (is_decided, sentence) = conclusion(&fits);
     let mut extended = Vec::new();
     if let [best, rival, ..] = &candidates[..]
         && !is_decided
         && fits[0].verdict == Verdict::Fitted
     {
-        extended = extensions(best, rival, fitted.split, watch)?;
+        extended = extensions(best, rival, watch)?;
     }
-    for (law, failure) in failures {
-        fits.push(failed(law, failure, &fits));
+    for refused in failures {
+        fits.push(failed(refused, &fits));
     }
     let best = candidates.into_iter().next();
-    let preferred = best.filter(|best| is_decided && best.law != own);
     Ok(Compared {
         comparison: Comparison {
             laws: fits,
@@ -126,8 +98,22 @@ pub(super) fn compare(
             sentence,
             extensions: extended,
         },
-        preferred: preferred.map(|candidate| (candidate, other_modes)),
+        preferred: best.filter(|best| is_decided && best.law() != own.law()),
     })
+}
+
+/// Sets the criteria of laws relative to the lowest.
+fn set_differences(fits: &mut [LawFit]) {
+    // The lowest AIC and the lowest BIC may belong to different laws.
+    let (mut lowest_aic, mut lowest_bic) = (f64::INFINITY, f64::INFINITY);
+    for fit in &*fits {
+        lowest_aic = lowest_aic.min(fit.quality.aic);
+        lowest_bic = lowest_bic.min(fit.quality.bic);
+    }
+    for fit in fits {
+        fit.delta_aic = fit.quality.aic - lowest_aic;
+        fit.delta_bic = fit.quality.bic - lowest_bic;
+    }
 }
 
 impl Comparison {
@@ -146,23 +132,14 @@ impl Comparison {
     }
 }
 
-fn unknown_law(name: &str) -> FitError {
-    let sliding = LAWS.iter().filter(|law| law.is_sliding());
-    let names: Vec<&str> = sliding.map(|law| law.name).collect();
-    FitError::UnknownLaw {
-        name: name.to_owned(),
-        known: names.join(", "),
-    }
-}
-
 /// A law that could not be fitted. Its numbers are those of no fit at all.
-fn failed(law: &str, failure: String, fits: &[LawFit]) -> LawFit {
+fn failed(refused: Refused, fits: &[LawFit]) -> LawFit {
     let freedom = fits.first().map_or(0, |fit| fit.quality.freedom);
     LawFit {
-        law: law.to_owned(),
+        law: refused.law.to_owned(),
         verdict: Verdict::NotConverged,
         residual_p_value: None,
-        quality: super::report::Quality {
+        quality: Quality {
             chi2: f64::MAX,
             freedom,
             p_value: None,
@@ -172,36 +149,38 @@ fn failed(law: &str, failure: String, fits: &[LawFit]) -> LawFit {
         },
         delta_aic: f64::MAX,
         delta_bic: f64::MAX,
+        sigmas: Vec::new(),
         held_out_rms: None,
         parameters: Vec::new(),
-        failure: Some(failure),
+        failure: Some(refused.reason),
     }
 }
 
-fn law_fit(candidate: &Candidate, split: &Split, request: &Request) -> LawFit {
-    let Candidate {
-        law,
+fn law_fit(candidate: &Fitted, request: &Request) -> LawFit {
+    let Fitted {
         problem,
         solution,
+        split,
+        ..
     } = candidate;
-    let quality = quality(problem, &split.fitted, solution);
+    let quality = candidate.quality();
     let rescale = if request.rescale {
         quality.chi2 / quality.freedom as f64
     } else {
         1.0
     };
-    let held_out = problem
-        .residuals(Effort::Final, &solution.values, &split.held_out)
-        .ok();
+    let held_out = problem.residuals(Effort::Final, &solution.values, &split.held_out);
     let signals = signals(problem, (&split.fitted, &solution.residuals), None);
+    let sigmas = problem.signals.iter().map(|s| median_size(&s.sigmas));
     LawFit {
-        law: (*law).to_owned(),
+        law: candidate.law().to_owned(),
         verdict: verdict(&quality, &signals),
         residual_p_value: lowest_p(&signals),
         quality,
         delta_aic: 0.0,
         delta_bic: 0.0,
-        held_out_rms: held_out.filter(|r| !r.is_empty()).map(|r| rms(&r)),
+        sigmas: sigmas.collect(),
+        held_out_rms: held_out.ok().filter(|r| !r.is_empty()).map(|r| rms(&r)),
         parameters: estimates(problem, solution, rescale),
         failure: None,
     }
@@ -278,39 +257,45 @@ fn flaw(fit: &LawFit) -> String {
     }
 }
 
-/// Fits one law: from the solution of the scenario's own law, and from the start if that fails.
+/// Fits one law: from the solution of `own`, and from the start if that fails. It has standard deviations of its own
+/// where they are estimated: those of a law that misses the data would make the residuals of a better one look small.
 fn fit_law(
     request: &Request,
-    fitted: &Fitted<'_>,
+    own: &Fitted,
     law: &'static Law,
     watch: &Watch<'_>,
-) -> Result<Candidate, FitError> {
-    let own = fitted.problem;
-    if own.scenario.word("friction.law") == law.name {
-        return Ok(Candidate {
-            law: law.name,
-            problem: own.clone(),
-            solution: fitted.solution.clone(),
-        });
+) -> Result<Fitted, FitError> {
+    if own.law() == law.name {
+        return Ok(own.clone());
     }
-    let points = &fitted.split.fitted;
-    let slip = slip_speed(own, fitted.solution, fitted.split.end)?;
-    let mut best: Option<Candidate> = None;
-    for speed in speeds(law, slip) {
-        let problem = problem_for(request, fitted, law, speed)?;
-        let solution = solve_law(&problem, points, fitted.solution.chi2, watch)?;
+    let end = own.split.end;
+    let solved = own.problem.scenario_for(&own.solution.values, end)?;
+    // The points carry the standard deviations, which are this law's own.
+    let mut split = own.split.clone();
+    let mut best: Option<(Problem, Solution)> = None;
+    for speed in speeds(law, slip_speed(&solved, end)?) {
+        let problem = problem_for(request, own, law, speed)?;
+        let solution = solve_law(&problem, &split.fitted, own.solution.chi2, watch)?;
         let is_better = best
             .as_ref()
-            .is_none_or(|b| solution.chi2 < b.solution.chi2);
+            .is_none_or(|(_, known)| solution.chi2 < known.chi2);
         if is_better {
-            best = Some(Candidate {
-                law: law.name,
-                problem,
-                solution,
-            });
+            best = Some((problem, solution));
         }
     }
-    best.ok_or(FitError::NothingFree)
+    let (mut problem, found) = best.ok_or(FitError::NothingFree)?;
+    let solution = settle(&mut problem, &mut split, found, watch)?;
+    if !solution.is_converged
+        && let Some(refusal) = refused_step(&problem, &split.fitted, &solution)
+    {
+        return Err(error_from(refusal));
+    }
+    Ok(Fitted {
+        problem,
+        solution,
+        split,
+        modes: Vec::new(),
+    })
 }
 
 /// Minimises from the solution of another law with this χ²; grows windows if there is no good minimum nearby.
@@ -334,100 +319,4 @@ fn solve_law(
         }
         None => grow(problem, points, &start, false, watch),
     }
-}
-
-/// Start values of a law's speed: parameters of a speed are seen only near the speeds of the motion.
-fn speeds(law: &Law, slip: f64) -> Vec<f64> {
-    if law.name == "stribeck" {
-        vec![slip, 0.3 * slip]
-    } else {
-        vec![slip]
-    }
-}
-
-/// Mean slip speed of the solution, m/s.
-fn slip_speed(problem: &Problem, solution: &Solution, end: f64) -> Result<f64, FitError> {
-    use crate::run::simulation::sample_at;
-    let scenario = problem.scenario_for(&solution.values, end)?;
-    let times: Vec<f64> = (0..100).map(|i| end * f64::from(i) / 100.0).collect();
-    let mut sum = 0.0;
-    sample_at(&scenario, &times, &mut |_, sample| {
-        sum += sample.contact.slip_speed;
-    })?;
-    Ok((sum / times.len() as f64).max(1e-3))
-}
-
-/// The problem of another law, started at the solution of the scenario's own.
-fn problem_for(
-    request: &Request,
-    fitted: &Fitted<'_>,
-    law: &Law,
-    speed: f64,
-) -> Result<Problem, FitError> {
-    let own = fitted.problem;
-    let end = fitted.split.end;
-    let solved = own.scenario_for(&fitted.solution.values, end)?;
-    let scenario = scenario_with(&solved, law, speed)?;
-    let mut parameters: Vec<Parameter> = Vec::new();
-    for (at, parameter) in own.parameters.iter().enumerate() {
-        let is_of_law =
-            matches!(parameter.target, Target::Key(key) if key.path.starts_with("friction."));
-        if !is_of_law {
-            let mut kept = parameter.clone();
-            kept.start = fitted.solution.values[at];
-            parameters.push(kept);
-        }
-    }
-    for key in law.parameters() {
-        // Only k/v_0 is determined, whatever the data.
-        if key.path != "friction.viscous_speed" {
-            let bounds: Vec<_> = request
-                .bounds
-                .iter()
-                .filter(|(name, _)| name == key.path)
-                .cloned()
-                .collect();
-            let names = [key.path.to_owned()];
-            for named in parameter::parameters(&names, &bounds, &scenario, 1)? {
-                parameters.push(named.parameter);
-            }
-        }
-    }
-    let mut problem = own.clone();
-    problem.scenario = scenario;
-    problem.parameters = parameters;
-    problem.precision = PRECISION;
-    Ok(problem)
-}
-
-/// A scenario with another law. Its parameters start at typical values, speeds at `speed`, m/s.
-fn scenario_with(scenario: &Scenario, law: &Law, speed: f64) -> Result<Scenario, ScenarioError> {
-    let k = parameter::value(scenario, "friction.k").filter(|k| *k > 0.0);
-    let k = k.unwrap_or(0.03);
-    let mut values = Values::from_toml(&scenario.to_toml())?;
-    for key in KEYS {
-        if key.path.starts_with("friction.") && key.path != "friction.dissipation" {
-            values.set(key.path, "")?;
-        }
-    }
-    values.set_value("friction.law", law.name)?;
-    if law.name == "none" {
-        values.set("friction.dissipation", "")?;
-    } else if scenario.word("friction.dissipation").is_empty() {
-        values.set_value("friction.dissipation", "full")?;
-    }
-    for key in law.parameters() {
-        let start = match key.path {
-            "friction.k" if law.name == "stribeck" => 0.9 * k,
-            "friction.k" => k,
-            "friction.static_k" => 1.5 * k,
-            "friction.stribeck_speed" | "friction.viscous_speed" => speed,
-            // Close to Coulomb's law, but not so close that nothing depends on it.
-            "friction.smoothing_speed" => 0.1 * speed,
-            "friction.patch_radius" => 1e-4,
-            _ => 0.0,
-        };
-        values.set_value(key.path, start)?;
-    }
-    Scenario::new(values)
 }

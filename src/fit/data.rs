@@ -25,10 +25,21 @@ impl Data {
         if self.starts_with_run {
             return 0.0;
         }
-        let firsts = self.signals.iter().filter(|signal| signal.file == 0);
-        let firsts = firsts.filter_map(|signal| signal.times.first().copied());
-        let origin = firsts.fold(f64::INFINITY, f64::min);
+        let mut origin = f64::INFINITY;
+        for signal in self.signals.iter().filter(|signal| signal.file == 0) {
+            // Times are ascending.
+            origin = origin.min(signal.times.first().copied().unwrap_or(f64::INFINITY));
+        }
         if origin.is_finite() { origin } else { 0.0 }
+    }
+
+    /// The time from the origin to the last sample of the first file, s.
+    pub(super) fn duration(&self) -> f64 {
+        let mut last = self.origin();
+        for signal in self.signals.iter().filter(|signal| signal.file == 0) {
+            last = signal.times.iter().copied().fold(last, f64::max);
+        }
+        last - self.origin()
     }
 }
 

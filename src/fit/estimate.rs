@@ -89,17 +89,12 @@ pub(super) fn correlations(problem: &Problem, solution: &Solution) -> Vec<Correl
 
 /// Goodness of a fit to these points.
 pub(super) fn quality(problem: &Problem, points: &[Point], solution: &Solution) -> Quality {
-    let estimated = problem.signals.iter().filter(|s| s.is_sigma_estimated);
-    let estimated = estimated.count();
+    let signals = problem.signals.iter();
+    let estimated = signals.filter(|s| s.is_sigma_estimated).count();
     let freedom = points.len().saturating_sub(problem.parameters.len());
     let is_tested = estimated == 0 && problem.loss == Loss::Squares;
-    // −2 ln L up to a constant: χ², and the logarithms of the standard deviations that are estimated.
-    let mut deviance = solution.chi2;
-    for point in points {
-        if problem.signals[point.signal].is_sigma_estimated {
-            deviance += 2.0 * ln(point.sigma);
-        }
-    }
+    let deviance = deviance(problem, points, solution);
+    // An estimated σ is a parameter like the others.
     let parameters = (problem.parameters.len() + estimated) as f64;
     Quality {
         chi2: solution.chi2,
@@ -109,6 +104,31 @@ pub(super) fn quality(problem: &Problem, points: &[Point], solution: &Solution) 
         aic: deviance + 2.0 * parameters,
         bic: deviance + parameters * ln(points.len() as f64),
     }
+}
+
+/// −2 ln L up to a constant that all laws share: χ² where σ is given, n ln(RSS/n) + n where it is estimated, that is, at
+/// its most likely value.
+fn deviance(problem: &Problem, points: &[Point], solution: &Solution) -> f64 {
+    let mut deviance = solution.chi2;
+    for (index, signal) in problem.signals.iter().enumerate() {
+        if !signal.is_sigma_estimated {
+            continue;
+        }
+        let (mut loss, mut sigma, mut count) = (0.0, 0.0, 0.0);
+        for (point, residual) in points.iter().zip(&solution.residuals) {
+            if point.signal == index {
+                let deviate = problem.loss.transformed(*residual);
+                loss += deviate * deviate;
+                sigma = point.sigma;
+                count += 1.0;
+            }
+        }
+        if count > 0.0 {
+            let likely = (loss / count).sqrt() * sigma;
+            deviance += count + 2.0 * count * ln(likely.max(signal.rounding())) - loss;
+        }
+    }
+    deviance
 }
 
 /// The signals with their residuals in the fitted and the held-out part.

@@ -1,7 +1,6 @@
 //! Which further data would tell two laws apart.
 
-use super::Split;
-use super::compare::Candidate;
+use super::Fitted;
 use super::error::FitError;
 use super::model::{Point, Problem};
 use super::report::{Extension, ExtensionKind};
@@ -23,15 +22,13 @@ const LONGER: [f64; 6] = [1.25, 1.5, 2.0, 3.0, 4.0, 6.0];
 
 /// The smallest extensions for which the expected Δχ² reaches [`WANTED`], if `best` is the right law.
 pub(super) fn extensions(
-    best: &Candidate,
-    rival: &Candidate,
-    split: &Split,
+    best: &Fitted,
+    rival: &Fitted,
     watch: &Watch<'_>,
 ) -> Result<Vec<Extension>, FitError> {
     let mut found = Vec::new();
-    let mut rival = rival.clone();
-    rival.problem.precision = PRECISION;
-    let rival = &rival;
+    let rival = &coarse(rival);
+    let split = &best.split;
     let points = &split.fitted;
     for factor in LONGER {
         let longer = prolonged(points, factor);
@@ -80,6 +77,13 @@ pub(super) fn extensions(
     Ok(found)
 }
 
+/// A fit whose minima need no more digits than an expectation.
+fn coarse(fitted: &Fitted) -> Fitted {
+    let mut coarse = fitted.clone();
+    coarse.problem.precision = PRECISION;
+    coarse
+}
+
 /// Points with the same spacing over a longer time.
 fn prolonged(points: &[Point], factor: f64) -> Vec<Point> {
     let mut longer = points.to_vec();
@@ -110,7 +114,7 @@ fn prolonged(points: &[Point], factor: f64) -> Vec<Point> {
 
 /// Both fits with a further signal, as precise as the angles measured so far; `None` if it is measured already, or no
 /// angle is.
-fn with_signal(candidates: [&Candidate; 2], field: NumberField) -> Option<[Candidate; 2]> {
+fn with_signal(candidates: [&Fitted; 2], field: NumberField) -> Option<[Fitted; 2]> {
     let signals = &candidates[0].problem.signals;
     if signals.iter().any(|signal| signal.field == field) {
         return None;
@@ -123,10 +127,9 @@ fn with_signal(candidates: [&Candidate; 2], field: NumberField) -> Option<[Candi
     Some(candidates.map(|candidate| {
         let mut problem = candidate.problem.clone();
         problem.signals.push(added.clone());
-        Candidate {
-            law: candidate.law,
+        Fitted {
             problem,
-            solution: candidate.solution.clone(),
+            ..(*candidate).clone()
         }
     }))
 }
@@ -153,8 +156,8 @@ fn with_points(points: &[Point], problem: &Problem) -> Vec<Point> {
 /// The expected Δχ²: that of the rival, fitted to the motion of the best law without noise. `None` if a motion ends
 /// before.
 fn expected(
-    best: &Candidate,
-    rival: &Candidate,
+    best: &Fitted,
+    rival: &Fitted,
     points: &[Point],
     watch: &Watch<'_>,
 ) -> Result<Option<f64>, FitError> {

@@ -258,6 +258,7 @@ impl Problem {
             // A clock's offset may take its first point slightly before the start.
             order.push((self.model_time(values, point).max(0.0), at));
         }
+        // The motion is sampled in order of time, whatever file a point comes from.
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut times: Vec<f64> = order.iter().map(|(time, _)| *time).collect();
         times.dedup();

@@ -245,6 +245,8 @@ pub struct LawFit {
     pub delta_aic: f64,
     /// BIC above the lowest.
     pub delta_bic: f64,
+    /// Standard deviation of each signal; the median if it varies. Estimated ones are those of this law.
+    pub sigmas: Vec<f64>,
     /// Root mean square of the residuals in the held-out part, in σ; absent if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub held_out_rms: Option<f64>,

@@ -95,10 +95,14 @@ impl ScaledGram {
 
     /// The directions along which nothing changes, in units of 1/norm: eigenvectors whose eigenvalue is below a limit.
     pub(super) fn null_directions(&self, limit: f64) -> Vec<Vec<f64>> {
-        let values = self.eigen.eigenvalues.iter().enumerate();
-        let null = values.filter(|(_, value)| **value < limit);
-        null.map(|(at, _)| self.eigen.eigenvectors.column(at).iter().copied().collect())
-            .collect()
+        let mut directions = Vec::new();
+        for (at, value) in self.eigen.eigenvalues.iter().enumerate() {
+            if *value < limit {
+                let direction = self.eigen.eigenvectors.column(at);
+                directions.push(direction.iter().copied().collect());
+            }
+        }
+        directions
     }
 
     /// The inverse of the matrix. A direction without information has a huge variance, a column of zeros has none.

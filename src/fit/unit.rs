@@ -131,8 +131,8 @@ pub(super) fn split_header(header: &str) -> (&str, &str) {
 pub(super) fn split_number(text: &str) -> Option<(f64, &str)> {
     let text = text.trim();
     // The longest beginning that is a number: `1e-3` is one, and `2mrad` has one.
-    let ends = text.char_indices().map(|(at, _)| at).skip(1);
-    let ends = ends.chain([text.len()]);
+    let within = text.char_indices().map(|(at, _)| at).skip(1);
+    let ends = within.chain([text.len()]);
     let mut longest = None;
     for end in ends {
         if let Ok(number) = text[..end].parse::<f64>() {

@@ -13,7 +13,7 @@ fn reference() -> Value {
     serde_json::from_str(&fs::read_to_string("tests/data/fit/reference.json").unwrap()).unwrap()
 }
 
-fn preset(name: &str) -> Scenario {
+pub(crate) fn preset(name: &str) -> Scenario {
     Preset::find(name).unwrap().scenario().unwrap()
 }
 
@@ -35,7 +35,7 @@ impl Noise {
 }
 
 /// Measures fields of a scenario's motion at a rate, Hz, for a time, s, with noise of these standard deviations.
-fn measure(
+pub(crate) fn measure(
     scenario: &Scenario,
     rate: f64,
     duration: f64,
@@ -70,7 +70,7 @@ fn measure(
     }
 }
 
-const THETA_PHI: [(NumberField, f64); 2] = [(state::THETA, 1e-3), (state::PHI, 1e-3)];
+pub(crate) const THETA_PHI: [(NumberField, f64); 2] = [(state::THETA, 1e-3), (state::PHI, 1e-3)];
 
 #[test]
 fn val_derivatives_equal_the_reference() {
@@ -176,7 +176,7 @@ fn val_standard_deviations_equal_cramer_and_rao() {
 }
 
 /// The keys of the data sets that another integrator made; see tests/data/README.md.
-fn data_set(name: &str) -> (Value, Scenario) {
+pub(crate) fn data_set(name: &str) -> (Value, Scenario) {
     let text = fs::read_to_string(format!("tests/data/fit/{name}.json")).unwrap();
     let set: Value = serde_json::from_str(&text).unwrap();
     let truth = set["truth"]["values"].as_object().unwrap();
@@ -194,7 +194,7 @@ fn data_set(name: &str) -> (Value, Scenario) {
 }
 
 /// Reads CSV files of a data set with these signals.
-fn data(files: &[&str], signals: &[&str]) -> Data {
+pub(crate) fn data(files: &[&str], signals: &[&str]) -> Data {
     let files: Vec<_> = files
         .iter()
         .map(|file| format!("tests/data/fit/{file}").into())

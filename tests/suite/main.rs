@@ -26,6 +26,8 @@ mod explain;
 mod figures;
 #[cfg(feature = "fit")]
 mod fit;
+#[cfg(feature = "fit")]
+mod fit_laws;
 mod foreign;
 mod forgeries;
 mod free_peg;

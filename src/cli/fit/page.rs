@@ -70,7 +70,7 @@ fn headline(fit: &Report) -> Section {
     // The verdict on several laws has no χ² of its own.
     if is_comparison && fit.verdict != Verdict::Fitted {
         section.line(format!(
-            "Parameters, signals and remarks are those of the scenario's own law, {law}."
+            "Parameters, signals and remarks are those of {law}."
         ));
     } else {
         section.note = match fit.loss {
@@ -384,7 +384,10 @@ fn laws(fit: &Report, comparison: &Comparison) -> Section {
         "Laws",
     );
     let has_held_out = comparison.laws.iter().any(|law| law.held_out_rms.is_some());
-    let mut header = vec!["", "parameters", "χ²/ν", "p", "white", "ΔAIC", "ΔBIC"];
+    let has_estimated_sigma = fit.signals.iter().any(|signal| signal.is_sigma_estimated);
+    // χ²/ν says nothing where each law has its own estimate of σ: σ does.
+    let size = if has_estimated_sigma { "σ" } else { "χ²/ν" };
+    let mut header = vec!["", "parameters", size, "p", "white", "ΔAIC", "ΔBIC"];
     if has_held_out {
         header.push("held out RMS/σ");
     }
@@ -399,7 +402,12 @@ fn laws(fit: &Report, comparison: &Comparison) -> Section {
         let mut row = vec![
             law.law.clone(),
             law.parameters.len().to_string(),
-            rounded(quality.chi2 / quality.freedom as f64, 5),
+            if has_estimated_sigma {
+                let sigmas: Vec<String> = law.sigmas.iter().map(|s| rounded(*s, 4)).collect();
+                sigmas.join(", ")
+            } else {
+                rounded(quality.chi2 / quality.freedom as f64, 5)
+            },
             cell_of_probability(quality.p_value),
             cell_of_probability(law.residual_p_value),
             number(law.delta_aic, 1),
