@@ -1,5 +1,7 @@
 //! Recordings as files: writing, publishing, reading, replaying and verifying MCAP files.
 
+#[cfg(feature = "sweep")]
+pub(crate) mod caught;
 pub(crate) mod container;
 pub(crate) mod error;
 pub mod format;

@@ -16,6 +16,8 @@ mod modes;
 mod objective;
 mod offset;
 mod parameter;
+#[cfg(feature = "sweep")]
+mod parquet_table;
 mod prepare;
 mod profile;
 mod recorded;
@@ -25,6 +27,7 @@ mod signal;
 mod solve;
 mod statistics;
 mod table;
+mod text_table;
 mod unit;
 
 pub use data::{Data, read};

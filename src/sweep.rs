@@ -7,7 +7,6 @@
 
 mod axis;
 mod base;
-mod caught;
 mod cells;
 mod change;
 mod checksum;
@@ -28,9 +27,9 @@ mod store;
 mod table;
 mod work;
 
+pub use crate::archive::caught::is_catching;
 pub use axis::{Axis, column_name, find_key};
 pub use base::Base;
-pub use caught::is_catching;
 pub use cells::{Cells, cells};
 pub use counts::{Counts, RowError};
 pub use design::Design;

@@ -2,7 +2,7 @@
 
 use super::error::DataError;
 use super::signal::{Signal, SignalSpec};
-use super::{recorded, table};
+use super::{recorded, text_table};
 use crate::archive::publish::is_same_file;
 use std::path::{Path, PathBuf};
 
@@ -62,22 +62,55 @@ pub fn read(
         if files[..index].iter().any(|known| is_same_file(known, path)) {
             return Err(DataError::SameFile { path: path.clone() });
         }
-        if is_recording(path) {
-            let read = recorded::read(path, index, specs)?;
-            data.starts_with_run |= index == 0 && read.is_ours;
-            data.signals.extend(read.signals);
-            for loss in read.losses {
-                data.losses.push(format!("{}: {loss}", path.display()));
+        match Format::from_name(path) {
+            Format::Recording => {
+                let read = recorded::read(path, index, specs)?;
+                data.starts_with_run |= index == 0 && read.is_ours;
+                data.signals.extend(read.signals);
+                for loss in read.losses {
+                    data.losses.push(format!("{}: {loss}", path.display()));
+                }
             }
-        } else {
-            data.signals.extend(table::read(path, index, specs, time)?);
+            Format::Parquet => data.signals.extend(read_parquet(path, index, specs, time)?),
+            Format::Text => data
+                .signals
+                .extend(text_table::read(path, index, specs, time)?),
         }
     }
     Ok(data)
 }
 
-/// Whether a file is an MCAP file, by its name.
-fn is_recording(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|kind| kind == "mcap" || kind == "partial")
+#[cfg(feature = "sweep")]
+use super::parquet_table::read as read_parquet;
+
+/// Stands for the reader in builds without the crate `parquet`.
+#[cfg(not(feature = "sweep"))]
+fn read_parquet(
+    path: &Path,
+    _file: usize,
+    _specs: &[SignalSpec],
+    _time: Option<&str>,
+) -> Result<Vec<Signal>, DataError> {
+    Err(DataError::NoParquet {
+        path: path.to_owned(),
+    })
+}
+
+/// Format of a file of data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Text,
+    Parquet,
+    Recording,
+}
+
+impl Format {
+    /// The format that a name's extension says; text without one that is known.
+    fn from_name(path: &Path) -> Self {
+        match path.extension().and_then(|extension| extension.to_str()) {
+            Some("mcap" | "partial") => Self::Recording,
+            Some("parquet" | "pq") => Self::Parquet,
+            Some(_) | None => Self::Text,
+        }
+    }
 }

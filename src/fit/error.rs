@@ -29,6 +29,22 @@ pub enum DataError {
         #[source]
         reason: RecordingError,
     },
+    /// The Parquet file can't be read.
+    #[cfg(feature = "sweep")]
+    #[error("{}: {reason}", path.display())]
+    Parquet {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        #[source]
+        reason: ParquetError,
+    },
+    /// This build can't read Parquet files.
+    #[error("{}: this build can't read Parquet files (its feature `sweep` is off): convert it to CSV", path.display())]
+    NoParquet {
+        /// The file.
+        path: PathBuf,
+    },
     /// The file has no rows of numbers.
     #[error("{}: no rows of numbers", path.display())]
     Empty {
@@ -161,6 +177,27 @@ pub enum DataError {
         /// Column.
         column: String,
     },
+}
+
+/// Reason why a Parquet file can't be read.
+#[cfg(feature = "sweep")]
+#[derive(Debug, Error)]
+pub enum ParquetError {
+    /// The file is damaged, or no Parquet file.
+    #[error("the file is damaged")]
+    Damaged,
+    /// The file has too many rows to be held in memory.
+    #[error("more than {limit} rows: thin out the data")]
+    TooLong {
+        /// Maximum number of rows.
+        limit: usize,
+    },
+    /// The file can't be decoded.
+    #[error(transparent)]
+    Parquet(#[from] parquet::errors::ParquetError),
+    /// A column can't be converted.
+    #[error(transparent)]
+    Arrow(#[from] arrow_schema::ArrowError),
 }
 
 /// Reason why the description of a signal can't be used.

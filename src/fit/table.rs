@@ -1,139 +1,94 @@
-//! Tables of measured values as text: CSV as video trackers, phones, loggers and spreadsheets write it.
+//! Tables of measured values: their columns as signals.
 
 use super::error::DataError;
 use super::signal::{Row, SigmaSpec, Signal, SignalSpec};
-use super::unit::{Dimension, is_unit, split_header};
-use crate::archive::input::read_file;
+use super::text_table;
+use super::unit::{Dimension, split_header};
 use std::path::Path;
 
 /// Maximum number of rows of a table (held in memory).
 pub(super) const MAX_ROWS: usize = 2_000_000;
 
-/// Maximum size of a text file (held in memory), bytes.
-const MAX_BYTES: u64 = 256 << 20;
-
-/// Texts that stand for a missing value, in lower case.
-const MISSING: &[&str] = &["", "nan", "na", "n/a", "#n/a", "null", "none", "-", "--"];
+/// Maximum number of characters of a cell in an error.
+const MAX_SHOWN: usize = 40;
 
 /// A table of cells with a header.
-struct Table<'a> {
-    path: &'a Path,
-    columns: Vec<String>,
-    /// Cells of each row, and the line in the file.
-    rows: Vec<(u64, csv::StringRecord)>,
-    has_decimal_comma: bool,
+pub(super) struct Table<'a> {
+    pub path: &'a Path,
+    /// Names of the columns, with their units.
+    pub columns: Vec<String>,
+    pub rows: Rows,
 }
 
-/// Reads the signals of a text file. Without `specs`, these are the columns that are named like fields.
-pub(super) fn read(
-    path: &Path,
-    file: usize,
-    specs: &[SignalSpec],
-    time: Option<&str>,
-) -> Result<Vec<Signal>, DataError> {
-    // A file that can't be examined can't be read either, and is reported below.
-    if std::fs::metadata(path).is_ok_and(|file| file.len() > MAX_BYTES) {
-        return Err(DataError::TooLarge {
-            path: path.to_owned(),
-            limit: MAX_BYTES,
-        });
-    }
-    let text = read_file(path).map_err(|reason| DataError::Io {
-        path: path.to_owned(),
-        reason,
-    })?;
-    let table = Table::parse(path, text.trim_start_matches('\u{feff}'))?;
-    let clock = table.time_column(time)?;
-    let named: Vec<SignalSpec> = if specs.is_empty() {
-        table.named_signals()
-    } else {
-        let exists = |spec: &&SignalSpec| table.position(&spec.source).is_some();
-        specs.iter().filter(exists).cloned().collect()
-    };
-    match (named.is_empty(), specs.first()) {
-        (false, _) => {}
-        (true, Some(spec)) => return Err(table.missing(&spec.source)),
-        (true, None) => {
-            return Err(DataError::NoSignals {
-                path: path.to_owned(),
-                columns: table.columns,
-            });
+/// The cells of a table.
+pub(super) enum Rows {
+    /// Cells of text.
+    Text {
+        lines: Vec<Line>,
+        has_decimal_comma: bool,
+    },
+    /// Cells of numbers, by column. Columns that are not needed are empty.
+    #[cfg(feature = "sweep")]
+    Numbers {
+        columns: Vec<Vec<Option<f64>>>,
+        count: usize,
+    },
+}
+
+/// A line of a text table.
+pub(super) struct Line {
+    /// Number of the line in the file, from 1.
+    pub number: u64,
+    pub record: csv::StringRecord,
+}
+
+impl Rows {
+    fn count(&self) -> usize {
+        match self {
+            Self::Text { lines, .. } => lines.len(),
+            #[cfg(feature = "sweep")]
+            Self::Numbers { count, .. } => *count,
         }
     }
-    table.check_duplicates(&named, specs.is_empty())?;
-    let signals = named.iter().map(|spec| table.signal(spec, clock, file));
-    signals.collect()
+
+    /// The number of a row in the file, from 1.
+    fn line(&self, row: usize) -> u64 {
+        match self {
+            Self::Text { lines, .. } => lines[row].number,
+            #[cfg(feature = "sweep")]
+            Self::Numbers { .. } => row as u64 + 1,
+        }
+    }
 }
 
-impl<'a> Table<'a> {
-    fn parse(path: &'a Path, text: &str) -> Result<Self, DataError> {
-        let delimiter = delimiter(text);
-        let has_decimal_comma = delimiter != b',' && has_decimal_comma(text);
-        let mut reader = csv::ReaderBuilder::new()
-            .delimiter(delimiter)
-            .has_headers(false)
-            .flexible(true)
-            .trim(csv::Trim::All)
-            .from_reader(text.as_bytes());
-        let mut table = Self {
-            path,
-            columns: Vec::new(),
-            rows: Vec::new(),
-            has_decimal_comma,
+impl Table<'_> {
+    /// The signals of a file. Without `specs`, these are the columns that are named like fields.
+    pub(super) fn signals(
+        self,
+        file: usize,
+        specs: &[SignalSpec],
+        time: Option<&str>,
+    ) -> Result<Vec<Signal>, DataError> {
+        let clock = self.time_column(time)?;
+        let named: Vec<SignalSpec> = if specs.is_empty() {
+            self.named_signals()
+        } else {
+            let exists = |spec: &&SignalSpec| self.position(&spec.source).is_some();
+            specs.iter().filter(exists).cloned().collect()
         };
-        // The last two lines of text before the first row of numbers.
-        let mut titles = [csv::StringRecord::new(), csv::StringRecord::new()];
-        for record in reader.records() {
-            let record = record.map_err(|error| DataError::Io {
-                path: path.to_owned(),
-                reason: error.into(),
-            })?;
-            let line = record.position().map_or(0, csv::Position::line);
-            if is_comment(&record) {
-                continue;
-            }
-            if table.rows.is_empty() && !table.is_numeric(&record) {
-                titles = [std::mem::take(&mut titles[1]), record];
-                continue;
-            }
-            if table.rows.len() == MAX_ROWS {
-                return Err(DataError::TooLong {
-                    path: path.to_owned(),
-                    limit: MAX_ROWS,
+        match (named.is_empty(), specs.first()) {
+            (false, _) => {}
+            (true, Some(spec)) => return Err(self.missing(&spec.source)),
+            (true, None) => {
+                return Err(DataError::NoSignals {
+                    path: self.path.to_owned(),
+                    columns: self.columns,
                 });
             }
-            table.rows.push((line, record));
         }
-        let Some((_, first)) = table.rows.first() else {
-            return Err(DataError::Empty {
-                path: path.to_owned(),
-            });
-        };
-        table.columns = headers(&titles, first.len());
-        Ok(table)
-    }
-
-    /// Whether the cells are numbers, at least one of them present.
-    fn is_numeric(&self, record: &csv::StringRecord) -> bool {
-        let mut has_number = false;
-        for cell in record {
-            match self.number(cell) {
-                Some(_) => has_number = true,
-                None if is_missing(cell) => {}
-                None => return false,
-            }
-        }
-        has_number
-    }
-
-    /// The number in a cell.
-    fn number(&self, cell: &str) -> Option<f64> {
-        let number = if self.has_decimal_comma {
-            cell.replace(',', ".").parse::<f64>()
-        } else {
-            cell.parse()
-        };
-        number.ok().filter(|number| number.is_finite())
+        self.check_duplicates(&named, specs.is_empty())?;
+        let signals = named.iter().map(|spec| self.signal(spec, clock, file));
+        signals.collect()
     }
 
     fn position(&self, name: &str) -> Option<usize> {
@@ -200,7 +155,7 @@ impl<'a> Table<'a> {
         let mut columns = self.columns.iter();
         let found = columns.position(|column| {
             let (name, _) = split_header(column);
-            ["t", "time", "timestamp", "zeit", "seconds"].contains(&&*name.to_lowercase())
+            is_time(name)
         });
         found.ok_or_else(|| self.missing("of times (name it with --time)"))
     }
@@ -214,11 +169,12 @@ impl<'a> Table<'a> {
 
     fn signal(&self, spec: &SignalSpec, clock: usize, file: usize) -> Result<Signal, DataError> {
         let dimension = Dimension::from_si(spec.field.unit());
-        let time = self.cells(clock, Dimension::Time)?;
-        let at = self.position(&spec.source);
-        let at = at.ok_or_else(|| self.missing(&spec.source))?;
-        let value = self.cells(at, dimension)?;
-        let sigma = match &spec.sigma {
+        let times = self.cells(clock, Dimension::Time)?;
+        let at = self
+            .position(&spec.source)
+            .ok_or_else(|| self.missing(&spec.source))?;
+        let values = self.cells(at, dimension)?;
+        let deviations = match &spec.sigma {
             SigmaSpec::Estimate | SigmaSpec::Number(..) => None,
             SigmaSpec::Column(name) => {
                 let at = self.position(name).ok_or_else(|| self.missing(name))?;
@@ -226,27 +182,19 @@ impl<'a> Table<'a> {
             }
         };
         let (mut rows, mut missing) = (Vec::new(), 0);
-        for (line, record) in &self.rows {
-            let cells = [Some(&time), Some(&value), sigma.as_ref()];
-            let [time, value, sigma] = [
-                self.cell(cells[0], record, *line)?,
-                self.cell(cells[1], record, *line)?,
-                self.cell(cells[2], record, *line)?,
-            ];
-            if let (Some(cells), Some(value)) = (cells[2], sigma)
-                && value <= 0.0
-            {
-                return Err(DataError::Sigma {
-                    path: self.path.to_owned(),
-                    line: *line,
-                    column: cells.name.to_owned(),
-                    value,
-                });
-            }
-            match (time, value) {
-                (Some(time), Some(value)) if cells[2].is_none() || sigma.is_some() => {
-                    rows.push(Row { time, value, sigma });
+        for row in 0..self.rows.count() {
+            let sigma = match &deviations {
+                Some(cells) => {
+                    let Some(sigma) = self.cell(cells, row)? else {
+                        missing += 1;
+                        continue;
+                    };
+                    Some(self.check_sigma(cells, row, sigma)?)
                 }
+                None => None,
+            };
+            match (self.cell(&times, row)?, self.cell(&values, row)?) {
+                (Some(time), Some(value)) => rows.push(Row { time, value, sigma }),
                 (Some(_) | None, Some(_) | None) => missing += 1,
             }
         }
@@ -267,26 +215,41 @@ impl<'a> Table<'a> {
     }
 
     /// The value of a cell in SI units; `None` if it is missing.
-    fn cell(
-        &self,
-        column: Option<&Cells<'_>>,
-        record: &csv::StringRecord,
-        line: u64,
-    ) -> Result<Option<f64>, DataError> {
-        let Some(column) = column else {
-            return Ok(None);
+    fn cell(&self, column: &Cells<'_>, row: usize) -> Result<Option<f64>, DataError> {
+        let number = match &self.rows {
+            Rows::Text {
+                lines,
+                has_decimal_comma,
+            } => {
+                let text = lines[row].record.get(column.at).unwrap_or_default();
+                match text_table::number(text, *has_decimal_comma) {
+                    None if !text_table::is_missing(text) => {
+                        return Err(DataError::NotANumber {
+                            path: self.path.to_owned(),
+                            line: self.rows.line(row),
+                            column: column.name.to_owned(),
+                            text: text.chars().take(MAX_SHOWN).collect(),
+                        });
+                    }
+                    number => number,
+                }
+            }
+            #[cfg(feature = "sweep")]
+            Rows::Numbers { columns, .. } => columns[column.at].get(row).copied().flatten(),
         };
-        let text = record.get(column.at).unwrap_or_default();
-        match self.number(text) {
-            Some(number) => Ok(Some(number * column.factor)),
-            None if is_missing(text) => Ok(None),
-            None => Err(DataError::NotANumber {
-                path: self.path.to_owned(),
-                line,
-                column: column.name.to_owned(),
-                text: text.chars().take(40).collect(),
-            }),
+        Ok(number.map(|number| number * column.factor))
+    }
+
+    fn check_sigma(&self, column: &Cells<'_>, row: usize, value: f64) -> Result<f64, DataError> {
+        if value > 0.0 {
+            return Ok(value);
         }
+        Err(DataError::Sigma {
+            path: self.path.to_owned(),
+            line: self.rows.line(row),
+            column: column.name.to_owned(),
+            value,
+        })
     }
 }
 
@@ -297,155 +260,25 @@ struct Cells<'a> {
     factor: f64,
 }
 
-/// The names of the columns from the lines before the numbers: header, or header and units.
-fn headers(titles: &[csv::StringRecord; 2], width: usize) -> Vec<String> {
-    let [before, last] = titles;
-    let is_unit_row = before.len() == last.len()
-        && last.iter().any(is_unit)
-        && last.iter().all(|cell| cell.is_empty() || is_unit(cell));
-    let mut names = Vec::new();
-    for at in 0..width.max(last.len()) {
-        let name = match (is_unit_row, last.get(at).unwrap_or_default()) {
-            (true, "") => before.get(at).unwrap_or_default().to_owned(),
-            (true, unit) => format!("{} ({unit})", before.get(at).unwrap_or_default()),
-            (false, name) => name.to_owned(),
-        };
-        if name.is_empty() {
-            names.push((at + 1).to_string());
-        } else {
-            names.push(name);
+/// Whether a column of this name, without unit, has the times.
+fn is_time(name: &str) -> bool {
+    ["t", "time", "timestamp", "zeit", "seconds"].contains(&&*name.to_lowercase())
+}
+
+/// Whether a column is needed for these signals.
+#[cfg(feature = "sweep")]
+pub(super) fn is_needed(column: &str, specs: &[SignalSpec], time: Option<&str>) -> bool {
+    let (name, _) = split_header(column);
+    let is_clock = match time {
+        Some(time) => [column, name].contains(&time),
+        None => is_time(name),
+    };
+    let mut is_named = specs.is_empty() && SignalSpec::from_column(column, name).is_some();
+    for spec in specs {
+        is_named |= [column, name].contains(&spec.source.as_str());
+        if let SigmaSpec::Column(sigma) = &spec.sigma {
+            is_named |= [column, name].contains(&sigma.as_str());
         }
     }
-    names
-}
-
-fn is_missing(cell: &str) -> bool {
-    MISSING.contains(&&*cell.to_lowercase())
-}
-
-fn is_comment(record: &csv::StringRecord) -> bool {
-    let first = record.get(0).unwrap_or_default();
-    first.starts_with(['#', '%']) && !is_missing(first) || record.iter().all(str::is_empty)
-}
-
-/// The delimiter of the first lines: tab or semicolon if they have any, else comma.
-fn delimiter(text: &str) -> u8 {
-    let mut lines = beginning(text);
-    if lines.clone().any(|line| line.contains('\t')) {
-        b'\t'
-    } else if lines.any(|line| line.contains(';')) {
-        b';'
-    } else {
-        b','
-    }
-}
-
-/// Whether numbers are written with a comma.
-fn has_decimal_comma(text: &str) -> bool {
-    let is_digit = |c: Option<&u8>| c.is_some_and(u8::is_ascii_digit);
-    beginning(text).any(|line| {
-        let bytes = line.as_bytes();
-        let mut commas = line.match_indices(',').map(|(at, _)| at);
-        commas.any(|at| at > 0 && is_digit(bytes.get(at - 1)) && is_digit(bytes.get(at + 1)))
-    })
-}
-
-/// The first lines that are not comments.
-fn beginning(text: &str) -> impl Iterator<Item = &str> + Clone {
-    let lines = text.lines().filter(|line| !line.starts_with(['#', '%']));
-    lines.take(20)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::telemetry::fields::{pose, state};
-    use std::io::Write as _;
-
-    fn read_text(text: &str, specs: &[&str]) -> Result<Vec<Signal>, DataError> {
-        let mut file = tempfile::NamedTempFile::new().unwrap();
-        file.write_all(text.as_bytes()).unwrap();
-        let specs: Result<Vec<_>, _> = specs.iter().map(|text| SignalSpec::parse(text)).collect();
-        read(file.path(), 0, &specs?, None)
-    }
-
-    #[test]
-    fn reads_the_dialects_of_common_programs() {
-        for (name, text) in [
-            ("plain", "t,theta\n0,0.5\n0.1,0.25\n"),
-            (
-                "byte order mark",
-                "\u{feff}t,theta\r\n0,0.5\r\n0.1,0.25\r\n",
-            ),
-            ("Tracker", "mass_A\nt,θ\n0.0,5.0E-1\n1.0E-1,2.5E-1\n"),
-            ("German", "Zeit (s);Tilt (rad)\n0,0;0,5\n0,1;0,25\n"),
-            (
-                "phyphox",
-                "\"Time (s)\"\t\"Theta (mrad)\"\n0\t500\n0.1\t250\n",
-            ),
-            ("units below", "Time,Theta\nms,mrad\n0,500\n100,250\n"),
-            (
-                "comments",
-                "# made by hand\nt, theta\n# start\n0, 0.5\n\n0.1, 0.25\n",
-            ),
-        ] {
-            let [signal] = &read_text(text, &[]).unwrap()[..] else {
-                panic!("{name}: not one signal");
-            };
-            assert_eq!(signal.field, state::THETA, "{name}");
-            assert_eq!(signal.times, [0.0, 0.1], "{name}");
-            assert_eq!(signal.values, [0.5, 0.25], "{name}");
-        }
-    }
-
-    #[test]
-    fn sorts_rows_and_counts_missing_values() {
-        let text = "t,theta,Gyroscope z (rpm)\n0.2,1,60\n0,,60\n0.1,3,NaN\n";
-        let [theta, gyro] = &read_text(text, &[]).unwrap()[..] else {
-            panic!("not two signals");
-        };
-        assert_eq!(
-            (&theta.times[..], &theta.values[..]),
-            (&[0.1, 0.2][..], &[3.0, 1.0][..])
-        );
-        assert_eq!((theta.missing, theta.out_of_order), (1, 1));
-        assert_eq!(gyro.field, pose::OMEGA_BODY.z());
-        assert!((gyro.values[0] - std::f64::consts::TAU).abs() < 1e-12);
-        assert_eq!(gyro.missing, 1);
-    }
-
-    #[test]
-    fn names_file_line_and_column_of_errors() {
-        for (text, signal, expected) in [
-            (
-                "t,theta\n0,0.5\n1,abc\n",
-                "theta",
-                ":3: column theta: \"abc\" is not a number",
-            ),
-            ("t,x\n0,0.5\n", "theta", "no column theta; there are: t, x"),
-            (
-                "a,theta\n0,0.5\n",
-                "theta",
-                "no column of times (name it with --time)",
-            ),
-            (
-                "t,theta (rpm)\n0,0.5\n",
-                "theta",
-                "\"rpm\" is not a unit of angle",
-            ),
-            (
-                "t,theta,sd\n0,0.5,1\n1,1,0\n",
-                "theta:sd",
-                ":3: column sd: the standard deviation 0 is not",
-            ),
-            ("", "theta", "no rows of numbers"),
-            ("t,theta\n", "theta", "no rows of numbers"),
-            ("t,theta\n0,\n1,\n", "theta", "column theta has no values"),
-        ] {
-            let error = read_text(text, &[signal]).unwrap_err().to_string();
-            assert!(error.contains(expected), "{text:?}: {error}");
-        }
-        let error = read_text("t,x\n0,1\n", &[]).unwrap_err().to_string();
-        assert!(error.contains("--signal theta=x"), "{error}");
-    }
+    is_clock || is_named
 }

@@ -1,7 +1,7 @@
 //! Reading Parquet files.
 
-use super::caught::catch;
 use super::error::{SweepError, TableError};
+use crate::archive::caught::catch;
 use crate::archive::input::open_file;
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};

@@ -1,6 +1,6 @@
 //! Computes one row of a sweep.
 
-use super::caught::{Panic, catch};
+use crate::archive::caught::{Panic, catch};
 use crate::run::outcome::Outcome;
 use crate::run::scenario::{Scenario, ScenarioError};
 use crate::run::simulation::{SimulationError, StopReason};

@@ -17,10 +17,10 @@ pub fn is_catching() -> bool {
 /// Message of a panic.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("panic: {0}")]
-pub(super) struct Panic(String);
+pub(crate) struct Panic(String);
 
 /// The result of a task, or the message of its panic.
-pub(super) fn catch<T>(task: impl FnOnce() -> T) -> Result<T, Panic> {
+pub(crate) fn catch<T>(task: impl FnOnce() -> T) -> Result<T, Panic> {
     let before = IS_CATCHING.replace(true);
     // Nothing that a panic may leave half changed is used again: the callers drop the task with all that it has
     // borrowed.

@@ -1,0 +1,262 @@
+//! Text tables: CSV as video trackers, phones, loggers and spreadsheets write it.
+
+use super::error::DataError;
+use super::signal::{Signal, SignalSpec};
+use super::table::{Line, MAX_ROWS, Rows, Table};
+use super::unit::is_unit;
+use crate::archive::input::read_file;
+use csv::StringRecord;
+use std::path::Path;
+
+/// Maximum size of a text file (held in memory), bytes.
+const MAX_BYTES: u64 = 256 << 20;
+
+/// Texts that stand for a missing value, in lower case.
+const MISSING: &[&str] = &["", "nan", "na", "n/a", "#n/a", "null", "none", "-", "--"];
+
+/// Reads the signals of a text file.
+pub(super) fn read(
+    path: &Path,
+    file: usize,
+    specs: &[SignalSpec],
+    time: Option<&str>,
+) -> Result<Vec<Signal>, DataError> {
+    // A file that can't be examined can't be read either, and is reported below.
+    if std::fs::metadata(path).is_ok_and(|file| file.len() > MAX_BYTES) {
+        return Err(DataError::TooLarge {
+            path: path.to_owned(),
+            limit: MAX_BYTES,
+        });
+    }
+    let text = read_file(path).map_err(|reason| DataError::Io {
+        path: path.to_owned(),
+        reason,
+    })?;
+    parse(path, text.trim_start_matches('\u{feff}'))?.signals(file, specs, time)
+}
+
+/// Parses a table: lines before the first row of numbers are its header.
+fn parse<'a>(path: &'a Path, text: &str) -> Result<Table<'a>, DataError> {
+    let delimiter = delimiter(text);
+    let has_decimal_comma = delimiter != b',' && has_decimal_comma(text);
+    let mut reader = csv::ReaderBuilder::new()
+        .delimiter(delimiter)
+        .has_headers(false)
+        .flexible(true)
+        .trim(csv::Trim::All)
+        .from_reader(text.as_bytes());
+    let mut lines: Vec<Line> = Vec::new();
+    // The last two lines of text before the first row of numbers.
+    let mut titles = [StringRecord::new(), StringRecord::new()];
+    for record in reader.records() {
+        let record = record.map_err(|error| DataError::Io {
+            path: path.to_owned(),
+            reason: error.into(),
+        })?;
+        if is_comment(&record) {
+            continue;
+        }
+        if lines.is_empty() && !is_numeric(&record, has_decimal_comma) {
+            titles = [std::mem::take(&mut titles[1]), record];
+            continue;
+        }
+        if lines.len() == MAX_ROWS {
+            return Err(DataError::TooLong {
+                path: path.to_owned(),
+                limit: MAX_ROWS,
+            });
+        }
+        let number = record.position().map_or(0, csv::Position::line);
+        lines.push(Line { number, record });
+    }
+    let Some(first) = lines.first() else {
+        return Err(DataError::Empty {
+            path: path.to_owned(),
+        });
+    };
+    Ok(Table {
+        path,
+        columns: headers(&titles, first.record.len()),
+        rows: Rows::Text {
+            lines,
+            has_decimal_comma,
+        },
+    })
+}
+
+/// Whether the cells are numbers, at least one of them present.
+fn is_numeric(record: &StringRecord, has_decimal_comma: bool) -> bool {
+    let mut has_number = false;
+    for cell in record {
+        match number(cell, has_decimal_comma) {
+            Some(_) => has_number = true,
+            None if is_missing(cell) => {}
+            None => return false,
+        }
+    }
+    has_number
+}
+
+/// The number in a cell.
+pub(super) fn number(cell: &str, has_decimal_comma: bool) -> Option<f64> {
+    let number = if has_decimal_comma {
+        cell.replace(',', ".").parse::<f64>()
+    } else {
+        cell.parse()
+    };
+    number.ok().filter(|number| number.is_finite())
+}
+
+/// Whether a cell stands for a missing value.
+pub(super) fn is_missing(cell: &str) -> bool {
+    MISSING.contains(&&*cell.to_lowercase())
+}
+
+/// The names of the columns from the lines before the numbers: header, or header and units.
+fn headers(titles: &[StringRecord; 2], width: usize) -> Vec<String> {
+    let [before, last] = titles;
+    let is_unit_row = before.len() == last.len()
+        && last.iter().any(is_unit)
+        && last.iter().all(|cell| cell.is_empty() || is_unit(cell));
+    let mut names = Vec::new();
+    for at in 0..width.max(last.len()) {
+        let name = match (is_unit_row, last.get(at).unwrap_or_default()) {
+            (true, "") => before.get(at).unwrap_or_default().to_owned(),
+            (true, unit) => format!("{} ({unit})", before.get(at).unwrap_or_default()),
+            (false, name) => name.to_owned(),
+        };
+        if name.is_empty() {
+            names.push((at + 1).to_string());
+        } else {
+            names.push(name);
+        }
+    }
+    names
+}
+
+fn is_comment(record: &StringRecord) -> bool {
+    let first = record.get(0).unwrap_or_default();
+    first.starts_with(['#', '%']) && !is_missing(first) || record.iter().all(str::is_empty)
+}
+
+/// The delimiter of the first lines: tab or semicolon if they have any, else comma.
+fn delimiter(text: &str) -> u8 {
+    let mut lines = beginning(text);
+    if lines.clone().any(|line| line.contains('\t')) {
+        b'\t'
+    } else if lines.any(|line| line.contains(';')) {
+        b';'
+    } else {
+        b','
+    }
+}
+
+/// Whether numbers are written with a comma.
+fn has_decimal_comma(text: &str) -> bool {
+    let is_digit = |c: Option<&u8>| c.is_some_and(u8::is_ascii_digit);
+    beginning(text).any(|line| {
+        let bytes = line.as_bytes();
+        let mut commas = line.match_indices(',').map(|(at, _)| at);
+        commas.any(|at| at > 0 && is_digit(bytes.get(at - 1)) && is_digit(bytes.get(at + 1)))
+    })
+}
+
+/// The first lines that are not comments.
+fn beginning(text: &str) -> impl Iterator<Item = &str> + Clone {
+    let lines = text.lines().filter(|line| !line.starts_with(['#', '%']));
+    lines.take(20)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::telemetry::fields::{pose, state};
+    use std::io::Write as _;
+
+    fn read_text(text: &str, specs: &[&str]) -> Result<Vec<Signal>, DataError> {
+        let mut file = tempfile::NamedTempFile::new().unwrap();
+        file.write_all(text.as_bytes()).unwrap();
+        let specs: Result<Vec<_>, _> = specs.iter().map(|text| SignalSpec::parse(text)).collect();
+        read(file.path(), 0, &specs?, None)
+    }
+
+    #[test]
+    fn reads_the_dialects_of_common_programs() {
+        for (name, text) in [
+            ("plain", "t,theta\n0,0.5\n0.1,0.25\n"),
+            (
+                "byte order mark",
+                "\u{feff}t,theta\r\n0,0.5\r\n0.1,0.25\r\n",
+            ),
+            ("Tracker", "mass_A\nt,θ\n0.0,5.0E-1\n1.0E-1,2.5E-1\n"),
+            ("German", "Zeit (s);Tilt (rad)\n0,0;0,5\n0,1;0,25\n"),
+            (
+                "phyphox",
+                "\"Time (s)\"\t\"Theta (mrad)\"\n0\t500\n0.1\t250\n",
+            ),
+            ("units below", "Time,Theta\nms,mrad\n0,500\n100,250\n"),
+            (
+                "comments",
+                "# made by hand\nt, theta\n# start\n0, 0.5\n\n0.1, 0.25\n",
+            ),
+        ] {
+            let [signal] = &read_text(text, &[]).unwrap()[..] else {
+                panic!("{name}: not one signal");
+            };
+            assert_eq!(signal.field, state::THETA, "{name}");
+            assert_eq!(signal.times, [0.0, 0.1], "{name}");
+            assert_eq!(signal.values, [0.5, 0.25], "{name}");
+        }
+    }
+
+    #[test]
+    fn sorts_rows_and_counts_missing_values() {
+        let text = "t,theta,Gyroscope z (rpm)\n0.2,1,60\n0,,60\n0.1,3,NaN\n";
+        let [theta, gyro] = &read_text(text, &[]).unwrap()[..] else {
+            panic!("not two signals");
+        };
+        assert_eq!(
+            (&theta.times[..], &theta.values[..]),
+            (&[0.1, 0.2][..], &[3.0, 1.0][..])
+        );
+        assert_eq!((theta.missing, theta.out_of_order), (1, 1));
+        assert_eq!(gyro.field, pose::OMEGA_BODY.z());
+        assert!((gyro.values[0] - std::f64::consts::TAU).abs() < 1e-12);
+        assert_eq!(gyro.missing, 1);
+    }
+
+    #[test]
+    fn names_file_line_and_column_of_errors() {
+        for (text, signal, expected) in [
+            (
+                "t,theta\n0,0.5\n1,abc\n",
+                "theta",
+                ":3: column theta: \"abc\" is not a number",
+            ),
+            ("t,x\n0,0.5\n", "theta", "no column theta; there are: t, x"),
+            (
+                "a,theta\n0,0.5\n",
+                "theta",
+                "no column of times (name it with --time)",
+            ),
+            (
+                "t,theta (rpm)\n0,0.5\n",
+                "theta",
+                "\"rpm\" is not a unit of angle",
+            ),
+            (
+                "t,theta,sd\n0,0.5,1\n1,1,0\n",
+                "theta:sd",
+                ":3: column sd: the standard deviation 0 is not",
+            ),
+            ("", "theta", "no rows of numbers"),
+            ("t,theta\n", "theta", "no rows of numbers"),
+            ("t,theta\n0,\n1,\n", "theta", "column theta has no values"),
+        ] {
+            let error = read_text(text, &[signal]).unwrap_err().to_string();
+            assert!(error.contains(expected), "{text:?}: {error}");
+        }
+        let error = read_text("t,x\n0,1\n", &[]).unwrap_err().to_string();
+        assert!(error.contains("--signal theta=x"), "{error}");
+    }
+}
