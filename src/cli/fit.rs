@@ -8,18 +8,14 @@ use super::progress::Progress;
 use super::report::{self, WrittenFile};
 use super::status::Status;
 use crate::archive::input::values;
-use crate::archive::pipeline::McapSink;
 use crate::archive::publish::{Draft, Drafts, Existing, is_same_file, refuse_inputs};
-use crate::archive::sink::{RecordedRun, record_all};
-use crate::archive::writer::{Form, Header};
 use crate::fit::{self, Data, Fit, FitError, Loss, Report, Request, SignalSpec, Verdict};
 use crate::run::scenario::Scenario;
-use crate::telemetry::{RunMessages, Topics};
 use anyhow::Context as _;
 use clap::{Args, ValueEnum};
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::io::Write as _;
+use std::io::{BufWriter, IntoInnerError, Write as _};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -88,7 +84,7 @@ pub(super) struct FitArguments {
     #[arg(long)]
     all: bool,
 
-    /// Record the best fit, with the preferred law, as an MCAP file
+    /// Record the best fit, with the preferred law, as an MCAP file, with the data and residuals
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
@@ -247,13 +243,11 @@ impl FitPlan {
         }
         if let Some(path) = &self.output {
             let draft = self.create(drafts, path)?;
-            written.push(write_recording(draft, &fitted.scenario)?);
+            written.push(write_recording(draft, fitted, &self.request)?);
         }
         Ok(written)
     }
-}
 
-impl FitPlan {
     /// Creates the draft of a file. The inputs are checked again, because links may have changed since.
     fn create(&self, drafts: &Drafts, path: &Path) -> Result<Draft, anyhow::Error> {
         refuse_inputs(path, self.inputs.iter().map(PathBuf::as_path))?;
@@ -269,17 +263,18 @@ fn write_scenario(mut draft: Draft, scenario: &Scenario) -> Result<WrittenFile, 
     Ok(WrittenFile::publish(draft)?)
 }
 
-/// Records the run of the best fit.
-fn write_recording(draft: Draft, scenario: &Scenario) -> Result<WrittenFile, anyhow::Error> {
-    let mut run = RunMessages::new(scenario, &Topics::All)?;
-    let header = Header::new(scenario, run.telemetry(), Form::default());
-    let mut sink = McapSink::open(draft, &header)?;
-    let RecordedRun { end, error } = record_all(&mut run, &mut [&mut sink])?;
-    if let Some(error) = error {
-        return Err(error.into());
-    }
-    let archived = sink.finish(&end)?;
-    Ok(WrittenFile::new(&archived.path, archived.bytes))
+/// Records the best fit with its data.
+fn write_recording(
+    draft: Draft,
+    fitted: &Fit,
+    request: &Request,
+) -> Result<WrittenFile, anyhow::Error> {
+    let path = draft.path().to_owned();
+    let recorded = fit::record(fitted, request, BufWriter::new(draft));
+    let buffer = recorded.with_context(|| format!("cannot write {}", path.display()))?;
+    let draft = buffer.into_inner().map_err(IntoInnerError::into_error);
+    let draft = draft.with_context(|| format!("cannot write {}", path.display()))?;
+    Ok(WrittenFile::publish(draft)?)
 }
 
 fn parse_signal(text: &str) -> Result<SignalSpec, fit::DataError> {

@@ -613,9 +613,16 @@ fn fits_a_recording_and_records_the_best_fit() {
     let report: Value = serde_json::from_str(&folder.toprise(line, 0).stdout).unwrap();
     let k = report["parameters"][0]["value"].as_f64().unwrap();
     assert!((k / 0.03 - 1.0).abs() < 1e-8, "{k}");
-    folder.toprise("verify fit.mcap", 0);
+    let verified = folder.toprise("verify fit.mcap", 0);
+    assert_contains(&verified.stdout, "/fit/data (301 messages)");
+    assert_contains(&verified.stdout, "/fit/residual (301 messages)");
+    assert_contains(&verified.stdout, "fit-report.json");
     folder.toprise("run best.toml -o b.mcap", 0);
     folder.toprise("diff fit.mcap b.mcap", 0);
+    // The recorded data can be fitted again.
+    let again =
+        "fit full-coulomb fit.mcap --free friction.k --signal /top/state.theta:1mrad --until 3";
+    folder.toprise(again, 0);
 }
 
 #[test]
