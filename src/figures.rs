@@ -21,6 +21,8 @@
 mod channel;
 mod data;
 mod error;
+#[cfg(feature = "fit")]
+pub mod fit;
 mod locus;
 mod map;
 mod plot;

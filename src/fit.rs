@@ -41,9 +41,11 @@ pub use signal::{Signal, SignalSpec};
 pub use solve::Progress;
 
 use crate::run::scenario::Scenario;
+use crate::telemetry::fields::NumberField;
 use estimate::{correlations, estimates, signals, verdict};
 use fitted::{First, Fitted, Split};
 use model::Effort;
+use nalgebra::DMatrix;
 use solve::{Solution, Watch};
 
 /// What to fit, and how.
@@ -102,6 +104,18 @@ pub struct Fit {
     pub scenario: Scenario,
     /// The measured values and their residuals, in time order.
     pub residuals: Vec<Residual>,
+    /// The fields of the signals.
+    pub fields: Vec<NumberField>,
+    /// Covariance of the parameters, not rescaled.
+    covariance: DMatrix<f64>,
+}
+
+impl Fit {
+    /// The correlation of two estimates, by their indices in the report; `None` if one of them has no standard deviation.
+    pub fn correlation(&self, a: usize, b: usize) -> Option<f64> {
+        let scale = (self.covariance[(a, a)] * self.covariance[(b, b)]).sqrt();
+        (scale > 0.0).then(|| self.covariance[(a, b)] / scale)
+    }
 }
 
 /// A measured value and its residual.
@@ -205,6 +219,8 @@ pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitErr
         report,
         scenario: problem.scenario_for(&solution.values, end)?,
         residuals: residuals(problem, solution, split, held_out.as_deref()),
+        fields: problem.signals.iter().map(|signal| signal.field).collect(),
+        covariance: solution.covariance.clone(),
     })
 }
 

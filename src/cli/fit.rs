@@ -9,6 +9,7 @@ use super::report::{self, WrittenFile};
 use super::status::Status;
 use crate::archive::input::values;
 use crate::archive::publish::{Draft, Drafts, Existing, is_same_file, refuse_inputs};
+use crate::figures;
 use crate::fit::{self, Data, Fit, FitError, Loss, Report, Request, SignalSpec, Verdict};
 use crate::run::scenario::Scenario;
 use anyhow::Context as _;
@@ -92,10 +93,17 @@ pub(super) struct FitArguments {
     #[arg(long = "scenario", value_name = "FILE")]
     best: Option<PathBuf>,
 
+    /// Draw data, residuals, profiles and correlations as SVG files in this directory
+    #[arg(long, value_name = "DIRECTORY")]
+    figures: Option<PathBuf>,
+
     /// Overwrite existing files
     #[arg(long)]
     force: bool,
 }
+
+/// Width of figures, mm: two columns of plots.
+const FIGURE_WIDTH: f64 = 170.0;
 
 /// How residuals count, on the command line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -123,6 +131,7 @@ struct FitPlan {
     inputs: Vec<PathBuf>,
     output: Option<PathBuf>,
     best: Option<PathBuf>,
+    figures: Option<PathBuf>,
     existing: Existing,
 }
 
@@ -205,6 +214,7 @@ impl FitArguments {
             inputs,
             output: self.output.clone(),
             best: self.best.clone(),
+            figures: self.figures.clone(),
             existing: Existing::forced(self.force),
         })
     }
@@ -244,6 +254,28 @@ impl FitPlan {
         if let Some(path) = &self.output {
             let draft = self.create(drafts, path)?;
             written.push(write_recording(draft, fitted, &self.request)?);
+        }
+        if let Some(directory) = &self.figures {
+            written.extend(self.write_figures(fitted, drafts, directory)?);
+        }
+        Ok(written)
+    }
+
+    fn write_figures(
+        &self,
+        fitted: &Fit,
+        drafts: &Drafts,
+        directory: &Path,
+    ) -> Result<Vec<WrittenFile>, anyhow::Error> {
+        let created = std::fs::create_dir_all(directory);
+        created.with_context(|| format!("cannot create {}", directory.display()))?;
+        let mut written = Vec::new();
+        for (name, drawing) in figures::fit::draw(fitted, FIGURE_WIDTH)? {
+            let path = directory.join(format!("{name}.svg"));
+            let mut draft = self.create(drafts, &path)?;
+            let result = draft.write_all(drawing.svg().as_bytes());
+            result.with_context(|| format!("cannot write {}", path.display()))?;
+            written.push(WrittenFile::publish(draft)?);
         }
         Ok(written)
     }

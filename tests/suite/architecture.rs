@@ -15,7 +15,10 @@ const ROOMS: [(&str, &str); 9] = [
     ("sweep", "physics run telemetry archive"),
     ("analysis", "physics run telemetry archive"),
     ("fit", "physics run telemetry archive"),
-    ("figures", "physics run telemetry archive sweep analysis"),
+    (
+        "figures",
+        "physics run telemetry archive sweep analysis fit",
+    ),
     ("rerun", "physics run telemetry archive analysis"),
 ];
 

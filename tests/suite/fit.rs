@@ -609,7 +609,8 @@ fn fits_a_recording_and_records_the_best_fit() {
         0,
     );
     let line = "fit full-coulomb a.mcap --set friction.k=0.06 --free friction.k \
-        --signal /top/state.theta:1mrad -o fit.mcap --scenario best.toml --format json";
+        --signal /top/state.theta:1mrad -o fit.mcap --scenario best.toml \
+        --profile friction.k --figures figures --format json";
     let report: Value = serde_json::from_str(&folder.toprise(line, 0).stdout).unwrap();
     let k = report["parameters"][0]["value"].as_f64().unwrap();
     assert!((k / 0.03 - 1.0).abs() < 1e-8, "{k}");
@@ -619,6 +620,10 @@ fn fits_a_recording_and_records_the_best_fit() {
     assert_contains(&verified.stdout, "fit-report.json");
     folder.toprise("run best.toml -o b.mcap", 0);
     folder.toprise("diff fit.mcap b.mcap", 0);
+    for figure in ["data", "profile-friction.k"] {
+        let svg = fs::read_to_string(folder.path().join(format!("figures/{figure}.svg"))).unwrap();
+        assert_contains(&svg, "full-coulomb");
+    }
     // The recorded data can be fitted again.
     let again =
         "fit full-coulomb fit.mcap --free friction.k --signal /top/state.theta:1mrad --until 3";

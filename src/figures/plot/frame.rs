@@ -13,6 +13,9 @@ use std::borrow::Cow;
 const TICK: f64 = 1.1;
 const MINOR_TICK: f64 = 0.6;
 
+/// The radius of the dots of values, mm.
+const DOT: f64 = 0.25;
+
 /// The distance from a frame to the labels of its ticks, and from these to the label of the axis, mm.
 const GAP: f64 = 1.0;
 
@@ -133,6 +136,26 @@ impl Frame {
         // Half a pixel, so that small loops stay round.
         let thinned = decimate::by_distance(&places, 0.5 / RESOLUTION);
         Shape::lines(self.bounds.clip_line(&thinned), stroke)
+    }
+
+    /// The shapes of values as dots. Of dots that cover each other one is drawn, so that their number is bounded.
+    pub(crate) fn dots(&self, points: &[Point], stroke: Stroke) -> Vec<Shape> {
+        let Bounds { top, bottom, .. } = self.bounds;
+        let mut places: Vec<Point> = points.iter().map(|point| self.place(*point)).collect();
+        places.retain(|(_, y)| (top..=bottom).contains(y));
+        let cell = |length: f64| (length / DOT).floor() as i64;
+        places.sort_by_key(|(x, y)| (cell(*x), cell(*y)));
+        places.dedup_by_key(|(x, y)| (cell(*x), cell(*y)));
+        let mut dots = Vec::new();
+        for centre in places {
+            dots.push(Shape::Dot {
+                centre,
+                radius: DOT,
+                fill: stroke.colour,
+                stroke: style::line(stroke.colour, 0.1),
+            });
+        }
+        dots
     }
 
     /// The shapes of a shaded region: one for each part whose ends are numbers.

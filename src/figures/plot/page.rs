@@ -44,6 +44,8 @@ pub(crate) struct Panel {
     pub(crate) envelopes: Vec<Band>,
     /// The curves in the order of drawing.
     pub(crate) curves: Vec<Curve>,
+    /// Values that are drawn as dots below the curves.
+    pub(crate) dots: Vec<Curve>,
     /// The legend above the panel.
     pub(crate) legend: Vec<Entry>,
     /// The height relative to that of a normal panel.
@@ -65,6 +67,7 @@ impl Panel {
             bands: Vec::new(),
             envelopes: Vec::new(),
             curves: Vec::new(),
+            dots: Vec::new(),
             legend: Vec::new(),
             height: 1.0,
             is_broken: false,
@@ -83,6 +86,15 @@ impl Panel {
         });
     }
 
+    /// Adds values as dots.
+    pub(crate) fn dots(&mut self, meaning: impl Into<String>, points: Vec<Point>, stroke: Stroke) {
+        self.dots.push(Curve {
+            meaning: meaning.into(),
+            points,
+            stroke,
+        });
+    }
+
     /// Whether nothing is drawn.
     pub(crate) fn is_empty(&self) -> bool {
         self.range() == range::EMPTY
@@ -93,10 +105,10 @@ impl Panel {
         self.range() == (0.0, 0.0)
     }
 
-    /// All lines that determine the range: those of curves and the edges of envelopes.
+    /// All lines that determine the range: curves, dots, and the edges of envelopes.
     fn lines(&self) -> Vec<&[Point]> {
         let mut lines: Vec<&[Point]> = Vec::new();
-        for curve in &self.curves {
+        for curve in self.curves.iter().chain(&self.dots) {
             lines.push(&curve.points);
         }
         for envelope in &self.envelopes {
@@ -311,6 +323,9 @@ impl Page {
         let panel = &self.panels[index];
         for band in panel.bands.iter().chain(&panel.envelopes) {
             drawing.group(&band.meaning, frame.areas(band));
+        }
+        for values in &panel.dots {
+            drawing.group(&values.meaning, frame.dots(&values.points, values.stroke));
         }
         for curve in &panel.curves {
             drawing.group(&curve.meaning, frame.line(&curve.points, curve.stroke));
