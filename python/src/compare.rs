@@ -165,6 +165,6 @@ pub fn presets() -> Vec<(&'static str, &'static str)> {
         .collect()
 }
 
-fn json(answer: &impl Serialize) -> PyResult<String> {
+pub fn json(answer: &impl Serialize) -> PyResult<String> {
     serde_json::to_string(answer).map_err(|error| RecordingError::new_err(error.to_string()))
 }

@@ -10,6 +10,7 @@ use toprise::run::scenario::ScenarioError as WrongScenario;
 use toprise::sweep::{SweepError as WrongSweep, TableError};
 
 import_exception!(toprise._errors, DiffError);
+import_exception!(toprise._errors, FitError);
 import_exception!(toprise._errors, InternalError);
 import_exception!(toprise._errors, RecordingError);
 import_exception!(toprise._errors, RecordingWarning);
@@ -83,7 +84,7 @@ fn of_recording(error: &CannotRead, text: String) -> PyErr {
 }
 
 /// An I/O error, as the matching subclass of OSError if Python has one.
-fn io(reason: &io::Error, text: String) -> PyErr {
+pub fn io(reason: &io::Error, text: String) -> PyErr {
     match reason.kind() {
         io::ErrorKind::NotFound => PyFileNotFoundError::new_err(text),
         io::ErrorKind::PermissionDenied => PyPermissionError::new_err(text),

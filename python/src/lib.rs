@@ -8,6 +8,7 @@
 mod compare;
 mod errors;
 mod figures;
+mod fit;
 mod guard;
 mod outcome;
 mod run;
@@ -24,6 +25,8 @@ mod _toprise {
     use crate::compare::{diff, explain, presets, verify};
     #[pymodule_export]
     use crate::figures::{Figure, figures, map};
+    #[pymodule_export]
+    use crate::fit::fit;
     #[pymodule_export]
     use crate::outcome::outcome;
     #[pymodule_export]

@@ -12,6 +12,7 @@ Units are SI and radians throughout.
 from ._errors import (
     DiffError,
     Error,
+    FitError,
     InternalError,
     RecordingError,
     RecordingWarning,
@@ -20,6 +21,7 @@ from ._errors import (
     SweepError,
 )
 from ._figures import figures, map
+from ._fit import Fit, fit
 from ._outcome import Outcome
 from ._reports import (
     AnyRun,
@@ -41,6 +43,8 @@ __all__ = [
     "DiffError",
     "DiffReport",
     "Error",
+    "Fit",
+    "FitError",
     "InternalError",
     "Outcome",
     "Outcomes",
@@ -59,6 +63,7 @@ __all__ = [
     "diff",
     "explain",
     "figures",
+    "fit",
     "map",
     "outcome",
     "outcomes",

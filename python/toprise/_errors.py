@@ -35,6 +35,10 @@ class DiffError(Error, ValueError):
     """The runs can't be compared or explained."""
 
 
+class FitError(Error, ValueError):
+    """The data can't be read, or can't determine the parameters."""
+
+
 class SweepError(Error, ValueError):
     """The sweep can't be started or its table can't be written."""
 

@@ -17,6 +17,7 @@ __all__ = [
     "diff",
     "explain",
     "figures",
+    "fit",
     "map",
     "outcome",
     "outcome_columns",
@@ -161,6 +162,12 @@ def figures(
     width: float,
 ) -> list[tuple[str, Figure]]: ...
 def map(table: object, x: str, y: str | None, show: str, width: float) -> Figure: ...
+def fit(
+    scenario: Scenario | str | os.PathLike[str],
+    overrides: Mapping[str, Any] | None,
+    measured: Mapping[str, Any],
+    options: Mapping[str, Any],
+) -> tuple[str, Scenario, list[tuple[int, float, float, float, float, bool]]]: ...
 def presets() -> list[tuple[str, str]]: ...
 def outcomes(
     table: object,

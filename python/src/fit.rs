@@ -1,0 +1,139 @@
+//! Fits of measured motions.
+
+use crate::compare::json;
+use crate::errors::{self, FitError};
+use crate::guard::compute;
+use crate::scenario::{Base, Scenario};
+use pyo3::prelude::*;
+use pyo3::types::PyMapping;
+use std::path::PathBuf;
+use toprise::fit::{Data, DataError, FitError as Failed, Loss, Request, Signal, SignalSpec};
+
+/// The measured values: arrays, or files.
+#[derive(FromPyObject)]
+pub struct Measured {
+    /// Times, s.
+    #[pyo3(item)]
+    time: Vec<f64>,
+    /// Names of fields, values in SI units, and the standard deviation if it is known.
+    #[pyo3(item)]
+    arrays: Vec<(String, Vec<f64>, Option<f64>)>,
+    /// Files, as for `toprise fit`.
+    #[pyo3(item)]
+    files: Vec<PathBuf>,
+    /// Descriptions of their signals, as for `--signal`.
+    #[pyo3(item)]
+    columns: Vec<String>,
+    /// Name of their columns of times.
+    #[pyo3(item)]
+    time_column: Option<String>,
+}
+
+/// What to fit, and how; see `toprise.fit`.
+#[derive(FromPyObject)]
+pub struct Options {
+    #[pyo3(item)]
+    free: Vec<String>,
+    #[pyo3(item)]
+    bounds: Vec<(String, [f64; 2])>,
+    #[pyo3(item)]
+    robust: bool,
+    #[pyo3(item)]
+    start: Option<f64>,
+    #[pyo3(item)]
+    until: Option<f64>,
+    #[pyo3(item)]
+    holdout: f64,
+    #[pyo3(item)]
+    compare: Vec<String>,
+    #[pyo3(item)]
+    profile: Vec<String>,
+    #[pyo3(item)]
+    rescale: bool,
+}
+
+/// Index of the signal, time (s), value, standard deviation, residual (σ), and whether the value was held out.
+type Residual = (usize, f64, f64, f64, f64, bool);
+
+/// Fits a scenario to measured values; see `toprise.fit`. Returns the report as JSON, the best scenario and the residuals.
+#[pyfunction]
+pub fn fit(
+    py: Python<'_>,
+    scenario: Base<'_>,
+    overrides: Option<&Bound<'_, PyMapping>>,
+    measured: Measured,
+    options: Options,
+) -> PyResult<(String, Scenario, Vec<Residual>)> {
+    let request = Request {
+        scenario: scenario.scenario(overrides)?,
+        data: measured.data().map_err(data_error)?,
+        free: options.free,
+        bounds: options.bounds,
+        loss: if options.robust {
+            Loss::Huber
+        } else {
+            Loss::Squares
+        },
+        origin: options.start,
+        until: options.until,
+        holdout: options.holdout,
+        compare: options.compare,
+        profile: options.profile,
+        rescale: options.rescale,
+    };
+    let fitted = compute(py, move |interrupt| {
+        toprise::fit::fit(&request, &|_| interrupt.end_if_asked())
+    })?;
+    let fitted = fitted.map_err(fit_error)?;
+    let mut residuals = Vec::new();
+    for value in &fitted.residuals {
+        residuals.push((
+            value.signal,
+            value.time,
+            value.value,
+            value.sigma,
+            value.residual,
+            value.is_held_out,
+        ));
+    }
+    Ok((json(&fitted.report)?, Scenario(fitted.scenario), residuals))
+}
+
+impl Measured {
+    fn data(self) -> Result<Data, DataError> {
+        if !self.files.is_empty() {
+            let mut specs = Vec::new();
+            for column in &self.columns {
+                specs.push(SignalSpec::parse(column)?);
+            }
+            return toprise::fit::read(&self.files, &specs, self.time_column.as_deref());
+        }
+        let mut signals = Vec::new();
+        for (name, values, sigma) in &self.arrays {
+            let field = SignalSpec::parse(name)?.field;
+            signals.push(Signal::from_values(field, &self.time, values, *sigma)?);
+        }
+        Ok(Data {
+            signals,
+            files: 1,
+            starts_with_run: false,
+            losses: Vec::new(),
+        })
+    }
+}
+
+fn data_error(error: DataError) -> PyErr {
+    let text = error.to_string();
+    match error {
+        DataError::Io { reason, .. } => errors::io(&reason, text),
+        _ => FitError::new_err(text),
+    }
+}
+
+fn fit_error(error: Failed) -> PyErr {
+    match error {
+        Failed::Data(error) => data_error(error),
+        Failed::Scenario(error) => errors::scenario(error),
+        error => FitError::new_err(error.to_string()),
+    }
+}
