@@ -9,9 +9,10 @@ use crate::figures::plot::page::{Page, Panel};
 use crate::figures::plot::shape::Point;
 use crate::figures::plot::style::{BLACK, DASHED, HAIRLINE, MEDIUM, SKY, THIN, VERMILION, line};
 use crate::figures::style::SHADE;
-use crate::fit::report::{Profile, SignalReport};
+use crate::fit::report::Profile;
 use crate::fit::{Fit, Residual};
 use crate::run::simulation::{SimulationError, sample_at};
+use crate::telemetry::fields::{NumberField, pose, state};
 use std::borrow::Cow;
 
 /// Number of samples of the model's curve: several for each pixel of a column.
@@ -52,14 +53,14 @@ pub fn draw(fit: &Fit, width: f64) -> Result<Vec<(String, Drawing)>, SimulationE
 fn data(fit: &Fit, width: f64) -> Result<Drawing, SimulationError> {
     let curves = curves(fit)?;
     let mut panels = Vec::new();
-    for (index, signal) in fit.report.signals.iter().enumerate() {
+    for (index, field) in fit.fields.iter().enumerate() {
         let of_signal: Vec<&Residual> = fit
             .residuals
             .iter()
             .filter(|value| value.signal == index)
             .collect();
         let mut values = Panel::new("", "");
-        values.quantity = quantity(signal);
+        values.quantity = quantity(*field);
         values.curve("best fit", curves[index].clone(), line(BLACK, THIN));
         let points = of_signal.iter().map(|value| (value.time, value.value));
         values.dots("measured", points.collect(), line(SKY, THIN));
@@ -141,22 +142,27 @@ fn curves(fit: &Fit) -> Result<Vec<Vec<Point>>, SimulationError> {
     Ok(curves)
 }
 
-/// The quantity of a signal, by the last part of its field's name.
-fn quantity(signal: &SignalReport) -> Quantity {
-    let name = signal.field.rsplit('/').next().unwrap_or(&signal.field);
-    let symbol = match name {
-        "state.theta" => "*θ*".to_owned(),
-        "state.phi" => "*φ*".to_owned(),
-        "state.psi" => "*ψ*".to_owned(),
-        "state.theta_dot" => "*θ̇*".to_owned(),
-        "state.phi_dot" => "*φ̇*".to_owned(),
-        "state.psi_dot" => "*ψ̇*".to_owned(),
-        "pose.omega_body.z" => "*ω*_{*n*}".to_owned(),
-        other => other.to_owned(),
+/// The symbols of fields that have one.
+const SYMBOLS: [(NumberField, &str); 7] = [
+    (state::THETA, "*θ*"),
+    (state::PHI, "*φ*"),
+    (state::PSI, "*ψ*"),
+    (state::THETA_DOT, "*θ̇*"),
+    (state::PHI_DOT, "*φ̇*"),
+    (state::PSI_DOT, "*ψ̇*"),
+    (pose::OMEGA_BODY.z(), "*ω*_{*n*}"),
+];
+
+/// The quantity of a field: its symbol, or its path.
+fn quantity(field: NumberField) -> Quantity {
+    let mut known = SYMBOLS.iter();
+    let symbol = match known.find(|(other, _)| *other == field) {
+        Some((_, symbol)) => Cow::Borrowed(*symbol),
+        None => Cow::Owned(field.path().to_owned()),
     };
     Quantity {
-        symbol: Cow::Owned(symbol),
-        unit: Cow::Owned(signal.unit.clone()),
+        symbol,
+        unit: Cow::Borrowed(field.unit()),
     }
 }
 
