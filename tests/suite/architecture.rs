@@ -72,7 +72,7 @@ fn only_cli_uses_clap() {
 
 #[test]
 fn only_the_table_names_topics() {
-    let tables = ["telemetry/table.rs", "telemetry/views/table.rs"];
+    let tables = ["telemetry/table.rs", "telemetry/supplement.rs"];
     for (file, text) in code() {
         let named = channels().iter().find(|info| text.contains(info.topic));
         assert!(named.is_none() || tables.contains(&file.as_str()), "{file}");
