@@ -1,9 +1,10 @@
 //! `toprise run`.
 
 mod arguments;
+pub(super) mod file_plan;
 mod files;
 mod pace;
-pub(super) mod plan;
+mod plan;
 mod report;
 
 pub(super) use self::arguments::RunArguments;
@@ -40,7 +41,14 @@ pub(super) fn run(arguments: &RunArguments, drafts: &Drafts) -> Result<Status, E
         .continue_while(|| !interrupt::is_requested());
     let header = Header::new(&plan.scenario, run.telemetry(), plan.form);
     let (mut archive, earlier) = plan.files.start(drafts, &header)?;
-    let viewer = RunViewer::open(&plan, drafts, archive.path(), run.telemetry())?;
+    let viewer = RunViewer::open(
+        &plan.show,
+        &plan.files,
+        &plan.scenario,
+        run.telemetry(),
+        archive.path(),
+        drafts,
+    )?;
     // Until here nothing is lost with the file.
     archive.keep();
     let (outcome, recorded) = record_run(&plan, &mut run, archive, viewer, &earlier)?;

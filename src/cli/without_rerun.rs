@@ -11,8 +11,9 @@ pub(super) mod run {
     use crate::archive::publish::Drafts;
     use crate::archive::sink::Sink;
     use crate::cli::report::{Completed, WrittenFile};
-    use crate::cli::run::plan::RunPlan;
+    use crate::cli::run::file_plan::FilePlan;
     use crate::run::outcome::Outcome;
+    use crate::run::scenario::Scenario;
     use crate::telemetry::Telemetry;
     use anyhow::Error;
     use clap::Args;
@@ -43,10 +44,12 @@ pub(super) mod run {
 
     impl RunViewer {
         pub(in crate::cli) fn open(
-            _plan: &RunPlan,
-            _drafts: &Drafts,
-            _mcap: &Path,
+            _plan: &ShowPlan,
+            _files: &FilePlan,
+            _scenario: &Scenario,
             _telemetry: &Telemetry,
+            _mcap: &Path,
+            _drafts: &Drafts,
         ) -> Result<Option<Self>, Error> {
             Ok(None)
         }

@@ -6,9 +6,10 @@ use crate::archive::sink::Sink;
 use crate::cli::arguments::OUTPUT;
 use crate::cli::file_kind::FileKind;
 use crate::cli::report::{Completed, WrittenFile};
-use crate::cli::run::plan::RunPlan;
+use crate::cli::run::file_plan::FilePlan;
 use crate::rerun::{Destinations, ExplainedSink, Identity, Live, Playback};
 use crate::run::outcome::Outcome;
+use crate::run::scenario::Scenario;
 use crate::telemetry::{Telemetry, Topic};
 use anyhow::Error;
 use clap::Args;
@@ -89,12 +90,14 @@ pub(in crate::cli) struct RunViewer {
 impl RunViewer {
     /// Opens the requested outputs; `None` if there are none. An unreachable viewer is only a warning.
     pub(in crate::cli) fn open(
-        plan: &RunPlan,
-        drafts: &Drafts,
-        mcap: &Path,
+        plan: &ShowPlan,
+        files: &FilePlan,
+        scenario: &Scenario,
         telemetry: &Telemetry,
+        mcap: &Path,
+        drafts: &Drafts,
     ) -> Result<Option<Self>, Error> {
-        let path = match &plan.show.rrd {
+        let path = match &plan.rrd {
             RrdFile::None => None,
             RrdFile::Adjacent => Some(mcap.with_extension("rrd")),
             RrdFile::At(path) => Some(path.clone()),
@@ -103,20 +106,17 @@ impl RunViewer {
         if let Some(path) = path {
             FileKind::Rrd.check("--rrd", &path)?;
             refuse_inputs(&path, [mcap])?;
-            draft = Some(plan.files.create(drafts, &path)?.make_partial()?);
+            draft = Some(files.create(drafts, &path)?.make_partial()?);
         }
         let destinations = Destinations {
             file: draft.as_ref().map(Draft::file).transpose()?,
-            live: plan.show.live.clone(),
+            live: plan.live.clone(),
         };
         if destinations.file.is_none() && destinations.live.is_none() {
             return Ok(None);
         }
-        let mut sink = ExplainedSink::new(
-            &plan.scenario,
-            &identity(plan, mcap, telemetry),
-            destinations,
-        );
+        let identity = identity(scenario, telemetry, mcap, plan.playback);
+        let mut sink = ExplainedSink::new(scenario, &identity, destinations);
         let is_viewer_lost = warn_all(&sink.take_warnings());
         if let Some(draft) = &mut draft {
             draft.keep();
@@ -124,7 +124,7 @@ impl RunViewer {
         Ok(Some(Self {
             sink,
             draft,
-            rrd: plan.show.rrd.clone(),
+            rrd: plan.rrd.clone(),
             is_viewer_lost,
         }))
     }
@@ -175,15 +175,15 @@ fn adjacent_rrd(mcap: &WrittenFile) -> Option<WrittenFile> {
 }
 
 /// Identity of the run, as shown in the viewer.
-fn identity(plan: &RunPlan, mcap: &Path, telemetry: &Telemetry) -> Identity {
+fn identity(
+    scenario: &Scenario,
+    telemetry: &Telemetry,
+    mcap: &Path,
+    playback: Playback,
+) -> Identity {
     let stem = mcap.file_stem().unwrap_or_default();
-    let topics = Topic::all_with(plan.scenario.model.support)
+    let topics = Topic::all_with(scenario.model.support)
         .filter(|topic| telemetry.is_enabled(*topic))
         .collect();
-    Identity::new(
-        &stem.to_string_lossy(),
-        &plan.scenario,
-        topics,
-        plan.show.playback,
-    )
+    Identity::new(&stem.to_string_lossy(), scenario, topics, playback)
 }

@@ -1,6 +1,7 @@
 //! The arguments of `toprise run`.
 
-use super::plan::{FilePlan, RunPlan};
+use super::file_plan::FilePlan;
+use super::plan::RunPlan;
 use crate::archive::input::{self, RunInput, has_extension};
 use crate::archive::publish::Existing;
 use crate::cli::arguments::{OUTPUT, Override, VIEWER, parse_override, parse_positive};
