@@ -55,6 +55,15 @@ pub enum Equality {
     SameValues,
 }
 
+/// What is compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Scope {
+    /// All bytes of messages, schemas and attachments.
+    Bytes,
+    /// The values in messages, and whether the rest is there: words belong to the version that recorded them.
+    Values,
+}
+
 /// How the schemas of a recording of another version are checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -186,9 +195,12 @@ fn compare(
     report: &mut Report,
     progress: &dyn Fn(u64),
 ) -> Result<(), VerifyError> {
-    let is_by_value = report.recorded_by.is_some();
+    let scope = match report.recorded_by {
+        Some(_) => Scope::Values,
+        None => Scope::Bytes,
+    };
     let header = rerun.header;
-    let (compared, end) = Comparison::new(recording, rerun, is_by_value).run(progress);
+    let (compared, end) = Comparison::new(recording, rerun, scope).run(progress);
     report.losses = compared.losses.list().to_vec();
     report.more_losses = compared.losses.unlisted();
     // Damage inside of chunks is only found on reading.
@@ -201,12 +213,12 @@ fn compare(
         report.state = Condition::Damaged;
     }
     let is_part = report.state != Condition::Whole || compared.missing > 0;
-    let is_exact = !is_by_value && !is_part;
+    let is_exact = scope == Scope::Bytes && !is_part;
     report.difference = compared
         .difference
-        .or_else(|| container::difference(recording, header, &end, is_part, is_by_value))
+        .or_else(|| container::difference(recording, header, &end, is_part, scope))
         .or(compared.out_of_order.filter(|_| is_exact));
-    if is_by_value {
+    if scope == Scope::Values {
         let (check, difference) = check_schemas(recording, releases);
         report.schemas = Some(check);
         report.difference = report.difference.take().or(difference);
@@ -223,10 +235,9 @@ fn compare(
     } else if is_part || !report.unknown.is_empty() {
         Verdict::Incomplete
     } else {
-        report.equality = Some(if is_by_value {
-            Equality::SameValues
-        } else {
-            Equality::PackedOtherwise
+        report.equality = Some(match scope {
+            Scope::Bytes => Equality::PackedOtherwise,
+            Scope::Values => Equality::SameValues,
         });
         Verdict::Verified
     };

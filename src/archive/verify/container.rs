@@ -1,5 +1,6 @@
 //! Content of a recording except its messages: header, metadata, attachments, channels.
 
+use super::Scope;
 use super::difference::Difference;
 use super::supplements::is_supplementary;
 use crate::archive::container::record::AttachmentHeader;
@@ -13,10 +14,27 @@ use crate::telemetry::supplement::supplements;
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
 
-const AN_ATTACHMENT: &str = "an attachment";
+/// What a fact is about. In their order, the first difference is that of a whole item before those of its fields.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Subject {
+    /// The header, a metadata record, an attachment or a topic.
+    item: String,
+    /// A field of the item; `None` for all of it.
+    field: Option<String>,
+}
 
-/// Values by location and field; the field is empty for a value described as a whole.
-type Facts = BTreeMap<(String, String), String>;
+impl Subject {
+    /// Whether this is an entry of the end record.
+    fn is_end_entry(&self) -> bool {
+        self.item == END_RECORD && self.field.is_some()
+    }
+}
+
+/// Facts about a file, as texts that are shown where two files differ.
+struct Facts {
+    scope: Scope,
+    texts: BTreeMap<Subject, String>,
+}
 
 /// The first entry in which a recording differs from its run. A partial run may lack some entries. A recording of another
 /// version may have other words and fewer entries, but no further records or topics.
@@ -25,10 +43,10 @@ pub(super) fn difference(
     header: &Header,
     end: &Entries,
     is_part: bool,
-    is_by_value: bool,
+    scope: Scope,
 ) -> Option<Difference> {
-    let mut recorded = recorded(recording, is_by_value);
-    let mut simulated = simulated(header, end, is_by_value);
+    let mut recorded = Facts::from_recording(recording, scope).texts;
+    let mut simulated = Facts::from_run(header, end, scope);
     for supplement in supplements() {
         let channel = RegisteredChannel::supplement(supplement);
         if recording
@@ -36,42 +54,51 @@ pub(super) fn difference(
             .iter()
             .any(|c| c.topic == channel.topic)
         {
-            add_channel(&mut simulated, &channel, is_by_value);
+            simulated.add_registered(&channel);
         }
     }
+    let mut simulated = simulated.texts;
     if recording.is_interrupted() {
         // The run continues after the end of the recording.
-        recorded.retain(|key, _| !is_of_end(key));
-        simulated.retain(|key, _| !is_of_end(key));
+        recorded.retain(|subject, _| !subject.is_end_entry());
+        simulated.retain(|subject, _| !subject.is_end_entry());
     }
-    if is_by_value {
+    if scope == Scope::Values {
         let has_same_fields = recording.differences().is_empty();
-        for facts in [&mut recorded, &mut simulated] {
-            keep_values(facts, has_same_fields);
-        }
-        recorded.retain(|(place, _), _| !is_view(recording, place));
-        simulated.retain(|key, _| recorded.contains_key(key));
-        recorded.retain(|key, _| {
+        recorded.retain(|subject, _| is_comparable(subject, has_same_fields));
+        simulated.retain(|subject, _| is_comparable(subject, has_same_fields));
+        recorded.retain(|subject, _| !is_view(recording, &subject.item));
+        simulated.retain(|subject, _| recorded.contains_key(subject));
+        recorded.retain(|subject, _| {
             // The only entry of this version that some runs lack.
-            key.1.is_empty() || key.1 == INVERSION_TIME || simulated.contains_key(key)
+            subject
+                .field
+                .as_deref()
+                .is_none_or(|field| field == INVERSION_TIME)
+                || simulated.contains_key(subject)
         });
     }
     if is_part {
-        simulated.retain(|(place, _), _| recorded.keys().any(|key| key.0 == *place));
+        simulated.retain(|subject, _| recorded.keys().any(|known| known.item == subject.item));
     }
-    let mut keys = simulated.keys().chain(recorded.keys());
-    let key = keys.find(|key| recorded.get(*key) != simulated.get(*key))?;
-    let values = [&recorded, &simulated].map(|facts| facts.get(key).cloned());
-    Some(Difference::new(&key.0, &key.1, values))
+    let subject = simulated
+        .keys()
+        .chain(recorded.keys())
+        .find(|subject| recorded.get(*subject) != simulated.get(*subject))?;
+    Some(Difference::new(
+        &subject.item,
+        subject.field.as_deref().unwrap_or_default(),
+        [&recorded, &simulated].map(|texts| texts.get(subject).cloned()),
+    ))
 }
 
-/// Leaves out what depends on the version that recorded it. The digest covers all fields, so it is that of this version
-/// if the fields are.
-fn keep_values(facts: &mut Facts, has_same_fields: bool) {
-    facts.remove(&(RUN_RECORD.to_owned(), VERSION.to_owned()));
-    facts.remove(&(RUN_RECORD.to_owned(), TELEMETRY.to_owned()));
-    if !has_same_fields {
-        facts.remove(&(END_RECORD.to_owned(), CONTENT_DIGEST.to_owned()));
+/// Whether a fact doesn't depend on the version that recorded it. The digest covers all fields, so it is that of this
+/// version only if the fields are.
+fn is_comparable(subject: &Subject, has_same_fields: bool) -> bool {
+    match (subject.item.as_str(), subject.field.as_deref()) {
+        (RUN_RECORD, Some(VERSION | TELEMETRY)) => false,
+        (END_RECORD, Some(CONTENT_DIGEST)) => has_same_fields,
+        _ => true,
     }
 }
 
@@ -82,111 +109,122 @@ fn is_view(recording: &Recording, topic: &str) -> bool {
         .any(|channel| channel.topic == topic && channel.is_view())
 }
 
-/// Whether this is an entry of the end record.
-fn is_of_end((place, field): &(String, String)) -> bool {
-    place == END_RECORD && !field.is_empty()
-}
-
-/// The content of a recording; with `is_by_value` without the words in attachments and schemas.
-fn recorded(recording: &Recording, is_by_value: bool) -> Facts {
-    let mut facts = Facts::new();
-    add(&mut facts, "the header", "profile", recording.profile());
-    for (name, entries) in recording.all_metadata() {
-        add_metadata(&mut facts, name, entries);
-    }
-    let run_attachments = recording.layout.attachments.iter();
-    for attachment in run_attachments.filter(|attachment| !is_supplementary(attachment)) {
-        let text = if is_by_value {
-            AN_ATTACHMENT.to_owned()
-        } else {
-            let described = attachment.describe(&recording.source);
-            described.unwrap_or_else(|error| error.to_string())
-        };
-        add(&mut facts, &attachment.header.name, "", &text);
-    }
-    for channel in recording.channels() {
-        let schema = channel.schema.as_deref();
-        let (language, data) = schema.map_or(("", &[][..]), |s| (&s.encoding, &s.data));
-        let names = [&channel.encoding, channel.schema_name(), language];
-        let mut text = declared(names);
-        if !is_by_value {
-            text += &with_words(data, &channel.metadata);
+impl Facts {
+    /// The facts that a file shows.
+    fn from_recording(recording: &Recording, scope: Scope) -> Self {
+        let mut facts = Self::new(recording.profile(), scope);
+        for (name, entries) in recording.all_metadata() {
+            facts.add_metadata(name, entries);
         }
-        add(&mut facts, &channel.topic, "", &text);
+        for attachment in &recording.layout.attachments {
+            if !is_supplementary(attachment) {
+                facts.add_attachment(&attachment.header.name, || {
+                    let description = attachment.describe(&recording.source);
+                    description.unwrap_or_else(|error| error.to_string())
+                });
+            }
+        }
+        for channel in recording.channels() {
+            let schema = channel.schema.as_deref();
+            let (language, data) = schema.map_or(("", &[][..]), |s| (&s.encoding, &s.data));
+            let names = [&channel.encoding, channel.schema_name(), language];
+            facts.add_channel(&channel.topic, names, data, &channel.metadata);
+        }
+        for schema in recording.layout.channels.unused_schemas() {
+            facts.add(&schema.name, None, "an unused schema");
+        }
+        facts
     }
-    for schema in recording.layout.channels.unused_schemas() {
-        add(&mut facts, &schema.name, "", "an unused schema");
+
+    /// The facts that the recording of a run must show.
+    fn from_run(header: &Header, end: &Entries, scope: Scope) -> Self {
+        let mut facts = Self::new("", scope);
+        facts.add_metadata(RUN_RECORD, &header.run);
+        facts.add_metadata(END_RECORD, end);
+        let scenario = &header.scenario;
+        facts.add_attachment(&scenario.name, || {
+            let attachment = AttachmentHeader {
+                name: scenario.name.clone(),
+                media_type: scenario.media_type.clone(),
+                log_time: scenario.log_time,
+                create_time: scenario.create_time,
+            };
+            let digest = format!("{:x}", Sha256::digest(&scenario.data));
+            attachment.describe(scenario.data.len() as u64, &digest)
+        });
+        for channel in &header.channels {
+            facts.add_registered(channel);
+        }
+        facts
     }
-    facts
-}
 
-fn simulated(header: &Header, end: &Entries, is_by_value: bool) -> Facts {
-    let mut facts = Facts::new();
-    add(&mut facts, "the header", "profile", "");
-    add_metadata(&mut facts, RUN_RECORD, &header.run);
-    add_metadata(&mut facts, END_RECORD, end);
-    let scenario = &header.scenario;
-    let attachment = AttachmentHeader {
-        name: scenario.name.clone(),
-        media_type: scenario.media_type.clone(),
-        log_time: scenario.log_time,
-        create_time: scenario.create_time,
-    };
-    let digest = format!("{:x}", Sha256::digest(&scenario.data));
-    let text = if is_by_value {
-        AN_ATTACHMENT.to_owned()
-    } else {
-        attachment.describe(scenario.data.len() as u64, &digest)
-    };
-    add(&mut facts, &attachment.name, "", &text);
-    for channel in &header.channels {
-        add_channel(&mut facts, channel, is_by_value);
+    /// The profile of a file's header.
+    fn new(profile: &str, scope: Scope) -> Self {
+        let mut facts = Self {
+            scope,
+            texts: BTreeMap::new(),
+        };
+        facts.add("the header", Some("profile"), profile);
+        facts
     }
-    facts
-}
 
-/// Adds a channel as toprise declares it.
-fn add_channel(facts: &mut Facts, channel: &RegisteredChannel, is_by_value: bool) {
-    let names = [
-        channel.encoding,
-        channel.schema_name,
-        channel.schema_encoding,
-    ];
-    let mut text = declared(names);
-    if !is_by_value {
-        text += &with_words(&channel.schema, &Entries::new());
+    fn add_attachment(&mut self, name: &str, describe: impl FnOnce() -> String) {
+        let text = match self.scope {
+            Scope::Bytes => describe(),
+            Scope::Values => "an attachment".to_owned(),
+        };
+        self.add(name, None, &text);
     }
-    add(facts, channel.topic, "", &text);
-}
 
-/// Adds an entry. Entries with the same location and field are merged.
-fn add(facts: &mut Facts, place: &str, field: &str, value: &str) {
-    let key = (place.to_owned(), field.to_owned());
-    let known = facts.entry(key);
-    // So a second record of a name is a difference, too.
-    known
-        .and_modify(|known| *known = format!("{known} and {value}"))
-        .or_insert_with(|| value.to_owned());
-}
+    /// Adds a channel as toprise declares it.
+    fn add_registered(&mut self, channel: &RegisteredChannel) {
+        let names = [
+            channel.encoding,
+            channel.schema_name,
+            channel.schema_encoding,
+        ];
+        self.add_channel(channel.topic, names, &channel.schema, &Entries::new());
+    }
 
-fn add_metadata(facts: &mut Facts, name: &str, entries: &Entries) {
-    add(facts, name, "", "a metadata record");
-    for (key, value) in entries {
-        add(facts, name, key, value);
+    /// Adds a channel: its encoding, the name and the language of its schema, and the rest of both.
+    fn add_channel(
+        &mut self,
+        topic: &str,
+        [encoding, name, language]: [&str; 3],
+        schema: &[u8],
+        metadata: &Entries,
+    ) {
+        let mut text = format!("{encoding} with the {language} {name:?}");
+        match self.scope {
+            Scope::Bytes => {
+                text += &format!(" of {} and metadata {metadata:?}", size_and_digest(schema));
+            }
+            Scope::Values => {}
+        }
+        self.add(topic, None, &text);
+    }
+
+    fn add_metadata(&mut self, name: &str, entries: &Entries) {
+        self.add(name, None, "a metadata record");
+        for (key, value) in entries {
+            self.add(name, Some(key), value);
+        }
+    }
+
+    /// Adds a fact. Facts about one subject are joined, so a second record of a name is a difference, too.
+    fn add(&mut self, item: &str, field: Option<&str>, text: &str) {
+        let subject = Subject {
+            item: item.to_owned(),
+            field: field.map(str::to_owned),
+        };
+        self.texts
+            .entry(subject)
+            .and_modify(|known| *known = format!("{known} and {text}"))
+            .or_insert_with(|| text.to_owned());
     }
 }
 
-/// The encoding of a channel, and the name and language of its schema.
-fn declared([encoding, name, language]: [&str; 3]) -> String {
-    format!("{encoding} with the {language} {name:?}")
-}
-
-/// The text of a schema, and the metadata of its channel.
-fn with_words(schema: &[u8], metadata: &Entries) -> String {
-    format!(" of {} and metadata {metadata:?}", digest(schema))
-}
-
-fn digest(data: &[u8]) -> String {
+fn size_and_digest(data: &[u8]) -> String {
     let digest = format!("{:x}", Sha256::digest(data));
     let bytes = plural(data.len() as u64, "byte");
     format!("{} {bytes} (SHA-256 {digest})", data.len())

@@ -1,5 +1,6 @@
 //! Compares the messages of a file, in order of time, with those of a new run.
 
+use super::Scope;
 use super::difference::Difference;
 use super::rerun::{Expected, Rerun};
 use crate::archive::format::Entries;
@@ -27,8 +28,8 @@ pub(super) struct Compared {
 pub(super) struct Comparison<'r> {
     recording: &'r Recording,
     rerun: Rerun<'r>,
-    /// Whether values are compared instead of encoded bytes.
-    is_by_value: bool,
+    /// Whether encoded bytes are compared, or only values.
+    scope: Scope,
     /// For each channel of the file, the index of the run's channel, if it has one.
     places: Vec<Option<usize>>,
     /// The decoder of each file channel that is in the table.
@@ -43,7 +44,7 @@ pub(super) struct Comparison<'r> {
 }
 
 impl<'r> Comparison<'r> {
-    pub(super) fn new(recording: &'r Recording, rerun: Rerun<'r>, is_by_value: bool) -> Self {
+    pub(super) fn new(recording: &'r Recording, rerun: Rerun<'r>, scope: Scope) -> Self {
         let declared = &rerun.header.channels;
         let (mut places, mut decoders) = (Vec::new(), Vec::new());
         for channel in recording.channels() {
@@ -54,7 +55,7 @@ impl<'r> Comparison<'r> {
             decoders,
             recording,
             rerun,
-            is_by_value,
+            scope,
             places,
             ahead: VecDeque::new(),
             reached_ns: None,
@@ -90,12 +91,12 @@ impl<'r> Comparison<'r> {
         let Some(channel) = self.places[recorded.position] else {
             // Fields and views of another version are compared as far as both have them; supplements don't follow from
             // the scenario.
-            if !self.is_by_value && !recorded.channel.is_supplement() {
+            if self.scope == Scope::Bytes && !recorded.channel.is_supplement() {
                 self.compared.difference = Some(mismatch(recorded, ""));
             }
             return;
         };
-        if self.is_by_value && recorded.channel.is_view() {
+        if self.scope == Scope::Values && recorded.channel.is_view() {
             return;
         }
         let found = self.find(channel, recorded);
@@ -132,7 +133,7 @@ impl<'r> Comparison<'r> {
         let decoder = self.decoders[recorded.position].as_ref();
         match decoder.map(|decoder| first_field(decoder, recorded, expected)) {
             Some(Ok(Some((field, values)))) => difference(&field, values),
-            Some(Ok(None)) if self.is_by_value => None,
+            Some(Ok(None)) if self.scope == Scope::Values => None,
             Some(Err(reason)) => difference("", [reason, "a message".to_owned()]),
             Some(Ok(None)) | None => {
                 let values = [recorded.data, &expected.data].map(describe_bytes);
@@ -176,7 +177,8 @@ impl<'r> Comparison<'r> {
     /// Whether an expected message should be in the file.
     fn is_expected(&self, expected: &Expected) -> bool {
         let topic = self.rerun.header.channels[expected.channel].topic;
-        !self.is_by_value || Topic::find(topic).is_some_and(|topic| self.recording.has(topic))
+        self.scope == Scope::Bytes
+            || Topic::find(topic).is_some_and(|topic| self.recording.has(topic))
     }
 
     /// Simulates to the end and counts missing messages.
