@@ -78,7 +78,7 @@ fn of_recording(error: &CannotRead, text: String) -> PyErr {
         | CannotRead::MergedRuns(_)
         | CannotRead::NoScenario
         | CannotRead::DamagedScenario
-        | CannotRead::LongScenario(_)
+        | CannotRead::LargeScenario(_)
         | CannotRead::Unusable(_) => RecordingError::new_err(text),
     }
 }

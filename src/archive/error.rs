@@ -26,9 +26,9 @@ pub enum RecordingError {
     /// The scenario's checksum is wrong.
     #[error("its scenario is damaged: its checksum is wrong")]
     DamagedScenario,
-    /// The scenario is longer than this number of bytes.
+    /// The scenario is larger than this number of bytes.
     #[error("its scenario is damaged: it is longer than {0} bytes")]
-    LongScenario(u64),
+    LargeScenario(u64),
     /// Not an MCAP file, or one whose scenario can't be used.
     #[error("{0}")]
     Unusable(String),
@@ -45,11 +45,11 @@ impl RecordingError {
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{topic} message {sequence} at {} s: {reason}", seconds(*time_ns))]
 pub struct MessageError {
-    /// Its topic.
+    /// The topic.
     pub topic: &'static str,
-    /// Its sequence number.
+    /// The sequence number.
     pub sequence: u32,
-    /// Its time, ns.
+    /// The log time, ns.
     pub time_ns: u64,
     /// The reason.
     pub reason: DecodeError,

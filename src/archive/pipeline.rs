@@ -126,11 +126,11 @@ impl<W: Write + Send + 'static> Sink for Pipeline<W> {
 /// A finished file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Archived {
-    /// Its path.
+    /// Path of the file.
     pub path: PathBuf,
-    /// Its size.
+    /// Size of the file, bytes.
     pub bytes: u64,
-    /// Digest of its content.
+    /// Content digest, as in [`END_RECORD`](crate::archive::format::END_RECORD).
     pub digest: String,
 }
 

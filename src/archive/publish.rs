@@ -10,7 +10,7 @@ mod drafts;
 mod place;
 
 pub use drafts::Drafts;
-pub use place::{is_same_file, refuse_inputs};
+pub use place::{check_not_an_input, is_same_file};
 
 use crate::archive::sink::SinkError;
 use drafts::{Listed, MadeDirectories};
@@ -114,26 +114,12 @@ impl Draft {
             let reason = "has the extension .partial, which is reserved for incomplete runs";
             return Err(name_error(&self.path, reason));
         }
-        let mut partial = partial_name(&self.path);
-        let random = random_part(self.file.path());
-        let mut named = name_anew(self.file, &partial);
-        if let Err(refused) = named {
-            if refused.error.kind() == io::ErrorKind::AlreadyExists {
-                if self.existing == Existing::Keep {
-                    return Err(exists(&partial, advice_on_partial(&partial)));
-                }
-                partial = with_suffix(&self.path, &format!(".{random}.partial"));
-                named = name_anew(refused.file, &partial);
-            } else {
-                named = Err(refused);
-            }
-        }
-        let file = named.map_err(|refused| io_error("create", &partial, refused.error))?;
+        let (file, partial) = rename_to_partial(self.file, &self.path, self.existing)?;
         let name = TempPath::try_from_path(&partial)
             .map_err(|error| io_error("create", &partial, error))?;
         self.file = NamedTempFile::from_parts(file, name);
         // Another run may have published its file meanwhile.
-        refuse_existing(&self.path, self.existing)?;
+        check_existing(&self.path, self.existing)?;
         self.listed = None;
         self.partial = Some(partial);
         Ok(self)
@@ -179,7 +165,7 @@ impl Draft {
         // The content is on the disk before the name is: a crash leaves the old file or the new one, never half of it.
         let named = match self.existing {
             Existing::Replace => self.file.persist(&self.path),
-            Existing::Keep => name_anew(self.file, &self.path),
+            Existing::Keep => rename_to_unused(self.file, &self.path),
         };
         drop(self.listed);
         if let Err(refused) = named {
@@ -260,10 +246,11 @@ fn check_target(path: &Path, existing: Existing) -> Result<(), SinkError> {
     if path.metadata().is_ok_and(|metadata| !metadata.is_file()) {
         return Err(exists(path, "it is not a regular file"));
     }
-    refuse_existing(path, existing)
+    check_existing(path, existing)
 }
 
-fn refuse_existing(path: &Path, existing: Existing) -> Result<(), SinkError> {
+/// Checks that no file is in the way.
+fn check_existing(path: &Path, existing: Existing) -> Result<(), SinkError> {
     if existing == Existing::Keep && path.symlink_metadata().is_ok() {
         let advice = "choose another name, or overwrite it with --force";
         return Err(exists(path, advice));
@@ -327,8 +314,35 @@ fn create_hidden(directory: &Path, path: &Path) -> io::Result<NamedTempFile> {
     builder.make_in(directory, |name| options.open(name))
 }
 
+/// Renames the hidden draft of a run to an unused partial name. Also returns the name.
+fn rename_to_partial(
+    hidden: NamedTempFile,
+    path: &Path,
+    existing: Existing,
+) -> Result<(File, PathBuf), SinkError> {
+    let partial = partial_name(path);
+    let random = random_part(hidden.path());
+    let refused = match rename_to_unused(hidden, &partial) {
+        Ok(file) => return Ok((file, partial)),
+        Err(refused) => refused,
+    };
+    match (refused.error.kind(), existing) {
+        (io::ErrorKind::AlreadyExists, Existing::Keep) => {
+            Err(exists(&partial, advice_on_partial(&partial)))
+        }
+        (io::ErrorKind::AlreadyExists, Existing::Replace) => {
+            let partial = with_suffix(path, &format!(".{random}.partial"));
+            match rename_to_unused(refused.file, &partial) {
+                Ok(file) => Ok((file, partial)),
+                Err(refused) => Err(io_error("create", &partial, refused.error)),
+            }
+        }
+        _ => Err(io_error("create", &partial, refused.error)),
+    }
+}
+
 /// Renames a file to an unused name.
-fn name_anew(file: NamedTempFile, name: &Path) -> Result<File, PersistError> {
+fn rename_to_unused(file: NamedTempFile, name: &Path) -> Result<File, PersistError> {
     file.persist_noclobber(name).or_else(|refused| {
         let is_taken = refused.error.kind() == io::ErrorKind::AlreadyExists;
         // Without hard links, check and rename are not atomic.

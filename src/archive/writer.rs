@@ -51,9 +51,10 @@ impl Header {
     /// For the run of `scenario` with the topics enabled in `telemetry`.
     pub fn new(scenario: &Scenario, telemetry: &Telemetry, form: Form) -> Self {
         let support = scenario.model.support;
-        let is_enabled = |topic| telemetry.is_enabled(topic);
-        let topics = Topic::all_with(support).filter(|topic| is_enabled(*topic));
-        let views = form.views.then(|| Views::new(scenario, is_enabled));
+        let topics = Topic::all_with(support).filter(|topic| telemetry.is_enabled(*topic));
+        let views = form
+            .views
+            .then(|| Views::new(scenario, |topic| telemetry.is_enabled(topic)));
         let mut channels: Vec<_> = topics
             .map(|t| RegisteredChannel::table(t, form.encoding))
             .collect();
@@ -78,7 +79,7 @@ impl Header {
             .map_or(0, |(_, id)| *id)
     }
 
-    /// Writes it and returns the ids of its channels.
+    /// Writes the header and returns the ids of the channels.
     fn write<W: Write + Seek>(&self, writer: &mut Writer<W>) -> McapResult<Vec<u16>> {
         writer.write_metadata(&metadata(RUN_RECORD, self.run.clone()))?;
         writer.attach(&self.scenario)?;
@@ -200,11 +201,11 @@ pub(crate) struct Batch {
 #[derive(Debug)]
 struct Entry {
     header: MessageHeader,
-    /// Its channel in the table, if it is one of them.
+    /// Index of the channel in the table; `None` for views.
     channel: Option<usize>,
-    /// The end of its encoded bytes.
+    /// End of the encoded bytes in the batch.
     data_end: usize,
-    /// The end of its content.
+    /// End of the content in the batch.
     content_end: usize,
 }
 

@@ -279,7 +279,7 @@ impl FilePlan {
         for figure in figures {
             for kind in &self.kinds {
                 let path = self.path(figure, *kind);
-                publish::refuse_inputs(&path, inputs.iter().map(PathBuf::as_path))?;
+                publish::check_not_an_input(&path, inputs.iter().map(PathBuf::as_path))?;
                 if self.existing == Existing::Keep && path.symlink_metadata().is_ok() {
                     let advice = "choose another directory, or replace it with --force".to_owned();
                     return Err(SinkError::Exists { path, advice });

@@ -8,7 +8,7 @@ use super::progress::Progress;
 use super::report::{self, WrittenFile};
 use super::status::Status;
 use crate::archive::input::values;
-use crate::archive::publish::{Draft, Drafts, Existing, is_same_file, refuse_inputs};
+use crate::archive::publish::{Draft, Drafts, Existing, check_not_an_input, is_same_file};
 use crate::figures;
 use crate::fit::{self, Data, Fit, FitError, Loss, Report, Request, SignalSpec, Verdict};
 use crate::run::scenario::Scenario;
@@ -232,7 +232,7 @@ impl FitArguments {
             super::file_kind::FileKind::Mcap.check("-o", output)?;
         }
         for output in self.output.iter().chain(&self.best) {
-            refuse_inputs(output, inputs.iter().map(PathBuf::as_path))?;
+            check_not_an_input(output, inputs.iter().map(PathBuf::as_path))?;
         }
         if let (Some(output), Some(best)) = (&self.output, &self.best)
             && is_same_file(output, best)
@@ -282,7 +282,7 @@ impl FitPlan {
 
     /// Creates the draft of a file. The inputs are checked again, because links may have changed since.
     fn create(&self, drafts: &Drafts, path: &Path) -> Result<Draft, anyhow::Error> {
-        refuse_inputs(path, self.inputs.iter().map(PathBuf::as_path))?;
+        check_not_an_input(path, self.inputs.iter().map(PathBuf::as_path))?;
         let draft = Draft::new_in(drafts, path, self.existing)?;
         super::output::warn_of_link(path, self.existing == Existing::Replace);
         Ok(draft)

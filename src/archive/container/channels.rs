@@ -17,24 +17,24 @@ pub struct FileChannel {
     pub id: u16,
     /// Topic.
     pub topic: String,
-    /// Encoding of its messages.
+    /// Encoding of the messages.
     pub encoding: String,
-    /// Its message type; `None` for self-describing messages.
+    /// Message type; `None` for self-describing messages.
     pub schema: Option<Arc<FileSchema>>,
-    /// Its further metadata in the file.
+    /// Further metadata in the file.
     pub metadata: BTreeMap<String, String>,
-    /// Its topic in the table of channels, if it is one of them.
+    /// Topic of the table, if it is one of them.
     pub table: Option<Topic>,
 }
 
 /// A message type of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileSchema {
-    /// Its name.
+    /// Name of the type.
     pub name: String,
-    /// Its schema encoding.
+    /// Language of the definition, e.g. `jsonschema`.
     pub encoding: String,
-    /// Its schema data.
+    /// The definition.
     pub data: Vec<u8>,
 }
 
@@ -111,18 +111,18 @@ impl Channels {
 
     /// Unused schemas, including duplicates of used ones.
     pub(crate) fn unused_schemas(&self) -> impl Iterator<Item = &FileSchema> {
-        let schemas = self.schemas.values();
-        let is_used = |schema: &Arc<FileSchema>| {
-            let mut used = self
-                .list
-                .iter()
-                .filter_map(|channel| channel.schema.as_ref());
-            // Equal schemas with other ids are schemas of their own.
-            used.any(|used| Arc::ptr_eq(used, schema))
-        };
-        schemas
-            .filter(move |schema| !is_used(schema))
+        self.schemas
+            .values()
+            .filter(|schema| !self.is_used(schema))
             .map(Arc::as_ref)
+    }
+
+    fn is_used(&self, schema: &Arc<FileSchema>) -> bool {
+        self.list
+            .iter()
+            .filter_map(|channel| channel.schema.as_ref())
+            // Equal schemas with other ids are schemas of their own.
+            .any(|used| Arc::ptr_eq(used, schema))
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -237,8 +237,11 @@ fn size(record: &Record<'_>) -> usize {
         Record::Schema { header, data } => header.name.len() + header.encoding.len() + data.len(),
         Record::Channel(record) => {
             let metadata = record.metadata.iter();
-            let metadata: usize = metadata.map(|(key, value)| key.len() + value.len()).sum();
-            record.topic.len() + record.message_encoding.len() + metadata
+            record.topic.len()
+                + record.message_encoding.len()
+                + metadata
+                    .map(|(key, value)| key.len() + value.len())
+                    .sum::<usize>()
         }
         _ => 0,
     }

@@ -13,9 +13,11 @@ use crate::archive::format::LIBRARY_PREFIX;
 use mcap::MAGIC;
 use mcap::records::{Metadata, Record, Statistics, op};
 use std::io;
+use std::mem;
+use std::ops::Range;
 
 /// Maximum number of damaged parts before scanning stops.
-const MOST_LOSSES: u64 = 1000;
+const MAX_LOSSES: u64 = 1000;
 
 /// Approximate section size for records outside chunks.
 const LOOSE_SECTION: u64 = 1 << 20;
@@ -65,7 +67,7 @@ impl Layout {
         while let Some(found) = scanner.next()? {
             match found {
                 Found::Record(place) => {
-                    layout.take(&place, source)?;
+                    layout.add(&place, source)?;
                     // A file that is part of a longer one ends here: readers stop at the first footer, too.
                     if place.opcode == op::FOOTER && source.has_magic_at(place.end())? {
                         layout.end_at(place.end(), source);
@@ -73,9 +75,9 @@ impl Layout {
                     }
                 }
                 Found::Damage(bytes) => {
-                    layout.lose(bytes, "no readable record");
+                    layout.report_loss(bytes, "no readable record");
                     // A file of noise would be searched for hours.
-                    if layout.losses.count() > MOST_LOSSES {
+                    if layout.losses.count() > MAX_LOSSES {
                         break;
                     }
                 }
@@ -83,14 +85,14 @@ impl Layout {
                 Found::Cut(bytes) => {
                     layout.cut = Some(bytes.start);
                     if !bytes.is_empty() {
-                        layout.lose(bytes, "the file ends within a record");
+                        layout.report_loss(bytes, "the file ends within a record");
                     }
                 }
             }
         }
-        layout.time_losses();
+        layout.find_loss_times();
         layout.find_channels(source);
-        layout.lose_attachments();
+        layout.report_damaged_attachments();
         layout.check_unspecified(source)?;
         layout.wrong_checksums = layout.find_wrong_checksums(source)?;
         Ok(layout)
@@ -101,9 +103,10 @@ impl Layout {
         self.library.starts_with(LIBRARY_PREFIX)
     }
 
-    fn take(&mut self, place: &RecordSpan, source: &Source) -> io::Result<()> {
+    /// Adds a record, in the order of the file.
+    fn add(&mut self, place: &RecordSpan, source: &Source) -> io::Result<()> {
         if self.footer.is_some() {
-            self.lose(place.offset..place.end(), "a record after the footer");
+            self.report_loss(place.offset..place.end(), "a record after the footer");
         }
         match place.opcode {
             op::CHUNK => {
@@ -112,9 +115,9 @@ impl Layout {
             }
             // The summary repeats schemas and channels.
             op::MESSAGE | op::SCHEMA | op::CHANNEL if self.data_end.is_none() => {
-                self.take_loose(place);
+                self.add_record_outside_chunks(place);
             }
-            op::MESSAGE => self.lose(
+            op::MESSAGE => self.report_loss(
                 place.offset..place.end(),
                 "a message after the end of the data",
             ),
@@ -125,7 +128,7 @@ impl Layout {
             }
             op::FOOTER => self.footer = Some(place.clone()),
             op::HEADER | op::SCHEMA | op::CHANNEL | op::METADATA | op::STATISTICS => {
-                self.take_small(place, source)?;
+                self.read_record(place, source)?;
             }
             opcode if !is_specified(opcode) => {
                 self.unspecified.get_or_insert_with(|| place.clone());
@@ -141,7 +144,7 @@ impl Layout {
         let end = magic + MAGIC.len() as u64;
         self.is_ended = self.data_end.is_some() && self.footer.is_some();
         if !self.is_ended {
-            self.lose(magic..end, "no end of the data or no footer before the end");
+            self.report_loss(magic..end, "no end of the data or no footer before the end");
         }
         if end < source.length() {
             self.losses.push(Loss {
@@ -155,7 +158,7 @@ impl Layout {
     }
 
     /// Adds a record outside chunks to the preceding section if contiguous.
-    fn take_loose(&mut self, place: &RecordSpan) {
+    fn add_record_outside_chunks(&mut self, place: &RecordSpan) {
         match self.sections.last_mut() {
             Some(last)
                 if !last.is_chunk
@@ -173,7 +176,8 @@ impl Layout {
         }
     }
 
-    fn take_small(&mut self, place: &RecordSpan, source: &Source) -> io::Result<()> {
+    /// Reads a record of the header or the summary, or the metadata of a run.
+    fn read_record(&mut self, place: &RecordSpan, source: &Source) -> io::Result<()> {
         let mut bytes = Vec::new();
         source.read(place.offset, place.length, &mut bytes)?;
         let body = bytes.get(HEAD as usize..).unwrap_or_default();
@@ -191,8 +195,8 @@ impl Layout {
         Ok(())
     }
 
-    /// Records bytes that can't be read.
-    fn lose(&mut self, bytes: std::ops::Range<u64>, reason: &str) {
+    /// Reports bytes that can't be read.
+    fn report_loss(&mut self, bytes: Range<u64>, reason: &str) {
         self.losses.push(Loss {
             offset: bytes.start,
             length: bytes.end - bytes.start,
@@ -202,14 +206,17 @@ impl Layout {
     }
 
     /// Finds the times of the losses: from the end of the chunk before it to the start of the next one.
-    fn time_losses(&mut self) {
+    fn find_loss_times(&mut self) {
         for loss in self.losses.iter_mut() {
             let next = self.sections.partition_point(|s| s.offset <= loss.offset);
-            let (before, behind) = self.sections.split_at(next);
-            let before = before.last().and_then(|section| section.span);
-            let behind = behind.first().and_then(|section| section.span);
-            let end = self.data_end.as_ref();
-            let is_in_data = end.is_none_or(|end| loss.offset < end.offset);
+            let (earlier, later) = self.sections.split_at(next);
+            let before = earlier.last().and_then(|section| section.span);
+            let behind = later.first().and_then(|section| section.span);
+            // The summary has no messages.
+            let is_in_data = self
+                .data_end
+                .as_ref()
+                .is_none_or(|end| loss.offset < end.offset);
             if is_in_data && (before.is_some() || behind.is_some()) {
                 loss.from_ns = Some(before.map_or(0, |(_, end)| end));
                 loss.to_ns = behind.map(|(start, _)| start);
@@ -217,8 +224,8 @@ impl Layout {
         }
     }
 
-    /// Lists attachments with wrong checksums.
-    fn lose_attachments(&mut self) {
+    /// Reports attachments with wrong checksums.
+    fn report_damaged_attachments(&mut self) {
         for attachment in self.attachments.iter().filter(|a| !a.is_intact) {
             self.losses.push(Loss {
                 offset: attachment.place.offset,
@@ -245,7 +252,7 @@ impl Layout {
         };
         if !is_explained {
             let reason = format!("a record with the unknown opcode {:#04x}", place.opcode);
-            self.lose(place.offset..place.end(), &reason);
+            self.report_loss(place.offset..place.end(), &reason);
         }
         Ok(())
     }
@@ -293,7 +300,7 @@ impl Layout {
     /// the summary has the same channels. Without any, those of the summary are used; its checksum may be missing or
     /// wrong.
     fn find_channels(&mut self, source: &Source) {
-        let in_summary = std::mem::take(&mut self.channels);
+        let in_summary = mem::take(&mut self.channels);
         let mut buffers = Buffers::default();
         for section in &self.sections {
             if section.load(source, &mut buffers).is_err() {

@@ -10,7 +10,7 @@ use std::fmt;
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
 #[schemars(rename = "LossReport")]
 pub struct Loss {
-    /// Its start in the file, bytes.
+    /// Start in the file, bytes.
     pub offset: u64,
     /// Length, bytes.
     pub length: u64,

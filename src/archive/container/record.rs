@@ -12,14 +12,14 @@ pub(crate) const HEAD: u64 = 9;
 pub(crate) struct RecordSpan {
     /// Kind of the record.
     pub(crate) opcode: u8,
-    /// Its start.
+    /// Start in the file.
     pub(crate) offset: u64,
-    /// Its length with opcode and length field.
+    /// Length with opcode and length field, bytes.
     pub(crate) length: u64,
 }
 
 impl RecordSpan {
-    /// Its end offset.
+    /// Offset of the end.
     pub(crate) fn end(&self) -> u64 {
         self.offset + self.length
     }
@@ -93,24 +93,21 @@ pub(crate) fn fields_length(opcode: u8, start: &[u8]) -> Option<u64> {
     for part in parts {
         at = match part {
             Bytes(count) => at.checked_add(*count)?,
-            Text => behind_text(start, at)?,
-            Data => {
-                let length = bytes_at(start, at, at + 8)?.try_into().ok()?;
-                u64::from_le_bytes(length).checked_add(at + 8)?
-            }
+            Text => end_of_text(start, at)?,
+            Data => number_at(start, at)?.checked_add(at + 8)?,
             Texts => {
-                let end = behind_text(start, at)?;
+                let end = end_of_text(start, at)?;
                 let mut keys = BTreeSet::new();
                 at += 4;
                 while at < end {
-                    let value = behind_text(start, at)?;
+                    let value = end_of_text(start, at)?;
                     let is_new = keys.insert(bytes_at(start, at, value)?);
-                    at = behind_text(start, value).filter(|_| is_new)?;
+                    at = end_of_text(start, value).filter(|_| is_new)?;
                 }
                 (at == end).then_some(end)?
             }
             Numbers => {
-                let end = behind_text(start, at)?;
+                let end = end_of_text(start, at)?;
                 let mut ids = BTreeSet::new();
                 let mut pairs = bytes_at(start, at + 4, end)?.chunks(10);
                 pairs
@@ -136,27 +133,32 @@ pub(crate) struct AttachmentHeader {
 
 /// Header of an attachment, and position and length of its data in the record's body.
 pub(crate) fn attachment_fields(body: &[u8]) -> Option<(AttachmentHeader, u64, u64)> {
-    let number = |at| {
-        let bytes = bytes_at(body, at, at + 8)?.try_into().ok()?;
-        Some(u64::from_le_bytes(bytes))
-    };
-    let media_type = behind_text(body, 16)?;
-    let length = behind_text(body, media_type)?;
-    let text = |from, to| {
-        let bytes = bytes_at(body, from + 4, to)?;
-        Some(String::from_utf8_lossy(bytes).into_owned())
-    };
+    let name = 16;
+    let media_type = end_of_text(body, name)?;
+    let length = end_of_text(body, media_type)?;
     let header = AttachmentHeader {
-        log_time: number(0)?,
-        create_time: number(8)?,
-        name: text(16, media_type)?,
-        media_type: text(media_type, length)?,
+        log_time: number_at(body, 0)?,
+        create_time: number_at(body, 8)?,
+        name: text_at(body, name)?,
+        media_type: text_at(body, media_type)?,
     };
-    Some((header, length + 8, number(length)?))
+    Some((header, length + 8, number_at(body, length)?))
+}
+
+/// The number of eight bytes at a position.
+fn number_at(bytes: &[u8], at: u64) -> Option<u64> {
+    let number = bytes_at(bytes, at, at + 8)?.try_into().ok()?;
+    Some(u64::from_le_bytes(number))
+}
+
+/// The text at a position, which is that of its length field.
+fn text_at(bytes: &[u8], at: u64) -> Option<String> {
+    let text = bytes_at(bytes, at + 4, end_of_text(bytes, at)?)?;
+    Some(String::from_utf8_lossy(text).into_owned())
 }
 
 /// The position after a text.
-fn behind_text(bytes: &[u8], at: u64) -> Option<u64> {
+fn end_of_text(bytes: &[u8], at: u64) -> Option<u64> {
     let length = bytes_at(bytes, at, at + 4)?.try_into().ok()?;
     Some(at + 4 + u64::from(u32::from_le_bytes(length)))
 }

@@ -14,7 +14,7 @@ use std::ops::Range;
 /// Number of bytes read initially per record.
 const PREFIX: u64 = 256;
 /// Maximum length of a record that must be read completely.
-const LONGEST: u64 = 256 << 20;
+const MAX_LENGTH: u64 = 256 << 20;
 /// Bytes that are searched at a time for the next record.
 const SEARCH_WINDOW: u64 = 1 << 20;
 /// Total search limit, bytes.
@@ -106,7 +106,7 @@ impl<'a> Scanner<'a> {
             length: HEAD + body_length,
         };
         let deciding = HEAD + deciding(opcode, body_length);
-        if deciding > LONGEST {
+        if deciding > MAX_LENGTH {
             return Ok(None);
         }
         if deciding > PREFIX {

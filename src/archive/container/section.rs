@@ -7,7 +7,7 @@ use mcap::records::{ChunkHeader, Record, op};
 use std::io::{self, Read};
 
 /// Maximum size of a chunk, bytes, compressed and not; larger chunks are treated as damage.
-const LARGEST_CHUNK: u64 = 256 << 20;
+const MAX_CHUNK_SIZE: u64 = 256 << 20;
 
 /// Larger chunks are decompressed in pieces of this size.
 const PIECE: u64 = 1 << 22;
@@ -15,7 +15,7 @@ const PIECE: u64 = 1 << 22;
 /// A part of a file that holds messages.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Section {
-    /// Its start.
+    /// Start in the file.
     pub(crate) offset: u64,
     /// Length, bytes.
     pub(crate) length: u64,
@@ -34,19 +34,21 @@ pub(crate) struct Buffers {
 }
 
 impl Section {
-    /// The section of a chunk.
+    /// The section of a chunk. Only the two times at the start of the chunk are read.
     pub(crate) fn read_chunk(place: &RecordSpan, source: &Source) -> io::Result<Self> {
         let mut times = Vec::new();
         source.read(place.offset + HEAD, 16, &mut times)?;
-        let time = |at: usize| {
-            let bytes = times.get(at..at + 8).and_then(|b| b.try_into().ok());
-            bytes.map_or(0, u64::from_le_bytes)
+        let (numbers, _) = times.as_chunks::<8>();
+        let span = match numbers {
+            [first, last] => (u64::from_le_bytes(*first), u64::from_le_bytes(*last)),
+            // The scanner has seen the whole header, unless the file has become shorter since.
+            _ => (0, 0),
         };
         Ok(Self {
             offset: place.offset,
             length: place.length,
             is_chunk: true,
-            span: Some((time(0), time(8))),
+            span: Some(span),
         })
     }
 
@@ -75,10 +77,10 @@ fn cut() -> io::Error {
 
 /// Refuses a record that is too large; `what` names it.
 fn check_size(length: u64, what: &str) -> io::Result<()> {
-    if length > LARGEST_CHUNK {
+    if length > MAX_CHUNK_SIZE {
         let reason = format!(
             "a {what} of {length} bytes is larger than the limit of {} MiB",
-            LARGEST_CHUNK >> 20
+            MAX_CHUNK_SIZE >> 20
         );
         return Err(io::Error::other(reason));
     }
@@ -93,7 +95,7 @@ fn decompress(header: &ChunkHeader, data: &[u8], records: &mut Vec<u8>) -> io::R
         "zstd" => {
             let mut decoder = zstd::stream::read::Decoder::with_buffer(data)?;
             // The default of 128 MiB would refuse large chunks that `zstd --long` compressed.
-            decoder.window_log_max(LARGEST_CHUNK.ilog2())?;
+            decoder.window_log_max(MAX_CHUNK_SIZE.ilog2())?;
             read_pieces(decoder, size, records)?;
         }
         "lz4" => read_pieces(Lz4Frames::new(data), size, records)?,
@@ -124,11 +126,12 @@ fn read_pieces(decoder: impl Read, size: u64, records: &mut Vec<u8>) -> io::Resu
     let mut decoder = decoder.take(size + 1);
     let mut next = 0;
     loop {
-        let mut piece = decoder.by_ref().take(PIECE);
-        let read = piece.read_to_end(records);
-        let read =
-            read.map_err(|error| io::Error::other(format!("decompression failed: {error}")))?;
-        if (read as u64) < PIECE {
+        let length = decoder
+            .by_ref()
+            .take(PIECE)
+            .read_to_end(records)
+            .map_err(|error| io::Error::other(format!("decompression failed: {error}")))?;
+        if (length as u64) < PIECE {
             return Ok(());
         }
         while let Some((opcode, length)) = records.get(next..).and_then(head) {

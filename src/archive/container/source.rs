@@ -77,7 +77,7 @@ impl Source {
         })
     }
 
-    /// Its length when it was opened, in bytes.
+    /// Length of the file when it was opened, bytes.
     pub(crate) fn length(&self) -> u64 {
         self.length
     }

@@ -4,16 +4,15 @@ use super::directory_of;
 use crate::archive::sink::SinkError;
 use std::path::{self, Component, Path, PathBuf};
 
-/// Rejects an output that is also an input, under any name or link.
+/// Checks that an output is not also an input, under any name or link.
 ///
 /// # Errors
 /// [`SinkError::IsInUse`] if `output` is one of `inputs`.
-pub fn refuse_inputs<'a>(
+pub fn check_not_an_input<'a>(
     output: &Path,
     inputs: impl IntoIterator<Item = &'a Path>,
 ) -> Result<(), SinkError> {
-    let is_read = inputs.into_iter().any(|input| is_same_file(output, input));
-    if is_read {
+    if inputs.into_iter().any(|input| is_same_file(output, input)) {
         return Err(SinkError::IsInUse {
             path: output.to_owned(),
         });

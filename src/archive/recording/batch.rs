@@ -15,9 +15,9 @@ pub(super) struct Batch {
 pub(super) struct Entry {
     /// Log time, ns.
     pub(super) time_ns: u64,
-    /// Index of its section.
+    /// Index of the section.
     pub(super) section: u32,
-    /// Start of its record in the batch.
+    /// Start of the record in the batch.
     pub(super) start: u32,
 }
 

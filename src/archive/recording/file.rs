@@ -17,7 +17,7 @@ use crate::telemetry::{Topic, Topics};
 use std::path::{Path, PathBuf};
 
 /// Maximum size of a scenario, bytes.
-const LONGEST_SCENARIO: u64 = 1 << 20;
+const MAX_SCENARIO_SIZE: u64 = 1 << 20;
 
 /// An MCAP file, opened for reading.
 ///
@@ -42,27 +42,37 @@ impl Recording {
             layout,
             path: path.to_owned(),
         };
-        let topics = recording.topics();
-        let mut later = topics.iter().enumerate();
-        let twice = later.find(|(at, topic)| topics[..*at].contains(topic));
         let runs = recording.runs();
         if runs > 1 {
             return Err(RecordingError::MergedRuns(runs));
         }
         // Other software may have two publishers of a topic; a run has one.
-        if let Some((_, twice)) = twice
-            && recording.is_ours()
+        if recording.is_ours()
+            && let Some(topic) = recording.repeated_topic()
         {
-            return Err(RecordingError::AmbiguousTopic(*twice));
+            return Err(RecordingError::AmbiguousTopic(topic));
         }
         Ok(recording)
     }
 
-    /// Number of runs of toprise that it holds.
+    /// The first topic of the table that has a second channel.
+    fn repeated_topic(&self) -> Option<Topic> {
+        let topics = self.topics();
+        topics
+            .iter()
+            .enumerate()
+            .find(|(at, topic)| topics[..*at].contains(topic))
+            .map(|(_, topic)| *topic)
+    }
+
+    /// Number of runs of toprise in the file. Either of their first records may be damaged.
     fn runs(&self) -> usize {
-        let records = self.layout.metadata.iter();
-        let records = records.filter(|(_, record)| record.name == RUN_RECORD);
-        records.count().max(self.scenarios().count())
+        self.layout
+            .metadata
+            .iter()
+            .filter(|(_, record)| record.name == RUN_RECORD)
+            .count()
+            .max(self.scenarios().count())
     }
 
     /// The attached scenarios.
@@ -71,22 +81,22 @@ impl Recording {
         attachments.filter(|attachment| attachment.header.name == SCENARIO_ATTACHMENT)
     }
 
-    /// Its path.
+    /// The path as it was given.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Its size, bytes.
+    /// Size of the file, bytes.
     pub fn size(&self) -> u64 {
         self.source.length()
     }
 
-    /// The library field of its header.
+    /// The library field of the header.
     pub fn library(&self) -> &str {
         &self.layout.library
     }
 
-    /// The profile of its header: the conventions that it follows in addition to those of MCAP.
+    /// The profile in the header: the conventions that the file follows in addition to those of MCAP.
     pub fn profile(&self) -> &str {
         &self.layout.profile
     }
@@ -216,7 +226,7 @@ impl Recording {
     pub fn differences(&self) -> Vec<(String, FieldDifferences)> {
         let mut differences = Vec::new();
         for channel in self.channels() {
-            let of_channel = match channel.decoder() {
+            let found = match channel.decoder() {
                 Some(Ok(decoder)) => decoder.differences().clone(),
                 Some(Err(_)) => continue,
                 None if channel.is_view() || channel.is_supplement() => continue,
@@ -225,22 +235,21 @@ impl Recording {
                     unknown: vec!["the whole channel".to_owned()],
                 },
             };
-            if !of_channel.is_empty() {
-                differences.push((channel.topic.clone(), of_channel));
+            if !found.is_empty() {
+                differences.push((channel.topic.clone(), found));
             }
         }
         differences
     }
 
-    /// Its scenario as the text that was attached.
+    /// The scenario as the text that was attached.
     ///
     /// # Errors
     /// [`RecordingError`] if it has none, or it is damaged.
     pub fn scenario_text(&self) -> Result<String, RecordingError> {
-        let scenario = self.scenarios().next();
-        let scenario = scenario.ok_or(RecordingError::NoScenario)?;
-        if scenario.data_length > LONGEST_SCENARIO {
-            return Err(RecordingError::LongScenario(LONGEST_SCENARIO));
+        let scenario = self.scenarios().next().ok_or(RecordingError::NoScenario)?;
+        if scenario.data_length > MAX_SCENARIO_SIZE {
+            return Err(RecordingError::LargeScenario(MAX_SCENARIO_SIZE));
         }
         if !scenario.is_intact {
             return Err(RecordingError::DamagedScenario);
@@ -250,7 +259,7 @@ impl Recording {
             .map_err(|error| RecordingError::because(format!("its scenario is damaged: {error}")))
     }
 
-    /// Its scenario.
+    /// The scenario.
     ///
     /// # Errors
     /// [`RecordingError`] if it has none, or it can't be used.

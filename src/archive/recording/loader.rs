@@ -38,14 +38,23 @@ pub(super) struct Loader<'r> {
     lost: BTreeSet<u64>,
     /// Whether sections are being read for the first time.
     is_first_pass: bool,
-    /// Place of the second definition of a channel: offset of its section, and position therein.
-    redefined: BTreeMap<usize, (u64, usize)>,
+    /// The second definition of each channel that has one, by the channel's position in the file's list.
+    redefined: BTreeMap<usize, Position>,
     /// Bytes of decompressed content that may still be read; what is beyond is reported as a loss (decompression bombs).
-    left: u64,
+    bytes_left: u64,
     /// The messages of all channels that have been read.
     pub(super) tally: Tally,
     /// Number of bytes of the file that have been read.
-    pub(super) seen: u64,
+    pub(super) bytes_read: u64,
+}
+
+/// The place of a record in a file, which orders records as they are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Position {
+    /// Offset of the section in the file.
+    section: u64,
+    /// Start of the record in the content of the section.
+    start: usize,
 }
 
 /// The sections that are still to be read.
@@ -58,21 +67,23 @@ enum Plan {
 }
 
 /// A message of the batch that is being read.
-pub(super) struct Found {
-    /// Position of its channel in the file's list.
+pub(super) struct FoundMessage {
+    /// Position of the channel in the file's list.
     pub(super) channel: usize,
-    /// Its record in the batch.
+    /// The record in the batch.
     pub(super) entry: Entry,
 }
 
-/// For each channel of the file, whether its topic is selected. There may be 65,535 of both.
+/// For each channel of the file, whether its topic is selected.
 fn wanted_channels(recording: &Recording, topics: &Topics<String>) -> Vec<bool> {
-    let channels = recording.channels().iter();
+    let channels = recording.channels();
     match topics {
-        Topics::All => channels.map(|_| true).collect(),
+        Topics::All => vec![true; channels.len()],
         Topics::Only(topics) => {
-            let topics: BTreeSet<&String> = topics.iter().collect();
+            // There may be 65,535 channels and as many topics, so neither list is searched for each of the other.
+            let topics = BTreeSet::from_iter(topics);
             channels
+                .iter()
                 .map(|channel| topics.contains(&channel.topic))
                 .collect()
         }
@@ -95,9 +106,9 @@ impl<'r> Loader<'r> {
             lost: BTreeSet::new(),
             is_first_pass: true,
             redefined: BTreeMap::new(),
-            left: MIN_CONTENT.saturating_add(growth),
+            bytes_left: MIN_CONTENT.saturating_add(growth),
             tally: Tally::default(),
-            seen: 0,
+            bytes_read: 0,
         }
     }
 
@@ -116,7 +127,7 @@ impl<'r> Loader<'r> {
     }
 
     /// Finds the next message. `order` ranks messages of the same time.
-    pub(super) fn next(&mut self, order: Option<&Order>) -> Option<Found> {
+    pub(super) fn next(&mut self, order: Option<&Order>) -> Option<FoundMessage> {
         loop {
             let Some(entry) = self.batch.entries.get(self.returned).copied() else {
                 self.load_next(order)?;
@@ -126,13 +137,13 @@ impl<'r> Loader<'r> {
             let id = self.batch.message(&entry)?.channel_id;
             // Always found: `scan_records` leaves out messages of undefined channels.
             if let Some(channel) = self.recording.layout.channels.position(id) {
-                return Some(Found { channel, entry });
+                return Some(FoundMessage { channel, entry });
             }
         }
     }
 
     /// Head and data of a message that was found in the current batch.
-    pub(super) fn message(&self, found: &Found) -> Option<MessageRecord<'_>> {
+    pub(super) fn message(&self, found: &FoundMessage) -> Option<MessageRecord<'_>> {
         self.batch.message(&found.entry)
     }
 
@@ -193,7 +204,7 @@ impl<'r> Loader<'r> {
     /// Loads all selected messages of a section.
     fn load_section(&mut self, index: usize) {
         let section = &self.recording.layout.sections[index];
-        self.seen = section.offset + section.length;
+        self.bytes_read = section.offset + section.length;
         // The times in a chunk's header spare reading it.
         if section
             .span
@@ -225,7 +236,7 @@ impl<'r> Loader<'r> {
             self.append(section, window, batch);
         });
         // Sections are read several times, so their bytes say nothing about the progress.
-        self.seen = (self.recording.size() as f64 * windows.progress()) as u64;
+        self.bytes_read = (self.recording.size() as f64 * windows.progress()) as u64;
         self.batch = batch;
         self.plan = Plan::Windows(windows);
         loaded
@@ -236,7 +247,7 @@ impl<'r> Loader<'r> {
         let section = &self.recording.layout.sections[index as usize];
         // It was read before, so this can only fail if the file is being changed.
         if let Err(error) = section.load(&self.recording.source, &mut self.buffers) {
-            return self.lose(section, error.to_string());
+            return self.report_loss(section, error.to_string());
         }
         let records = mem::take(&mut self.buffers.records);
         self.scan_records(section, &records, |time_ns, record| {
@@ -259,9 +270,11 @@ impl<'r> Loader<'r> {
         let is_window = matches!(self.plan, Plan::Windows(_));
         if is_window || !entries.is_sorted_by_key(|entry| entry.time_ns) {
             entries.sort_unstable_by(|a, b| {
-                let of_time = a.time_ns.cmp(&b.time_ns);
-                let ranks = || (self.rank(order, a), a).cmp(&(self.rank(order, b), b));
-                of_time.then_with(ranks)
+                // Ranks need the head of the message, which only messages of the same time are worth.
+                a.time_ns
+                    .cmp(&b.time_ns)
+                    .then_with(|| self.rank(order, a).cmp(&self.rank(order, b)))
+                    .then_with(|| a.cmp(b))
             });
         }
         self.batch.entries = entries;
@@ -277,15 +290,15 @@ impl<'r> Loader<'r> {
 
     /// Loads a section for the first time, within the limit of content. Returns whether it can be read.
     fn load(&mut self, section: &Section) -> bool {
-        if self.left == 0 {
-            self.lose_rest(section);
+        if self.bytes_left == 0 {
+            self.report_rest(section);
             return false;
         }
         let loaded = section.load(&self.recording.source, &mut self.buffers);
         let length = self.buffers.records.len() as u64;
-        self.left = self.left.saturating_sub(length);
+        self.bytes_left = self.bytes_left.saturating_sub(length);
         if let Err(error) = loaded {
-            self.lose(section, error.to_string());
+            self.report_loss(section, error.to_string());
             return false;
         }
         self.tally.count_section();
@@ -309,7 +322,7 @@ impl<'r> Loader<'r> {
         while let Some(next) = record_at(records, position) {
             let (record, end) = match next {
                 Ok(found) => found,
-                Err(reason) => return self.lose(section, reason.to_owned()),
+                Err(reason) => return self.report_loss(section, reason.to_owned()),
             };
             let place = mem::replace(&mut position, end)..end;
             if record.opcode != op::MESSAGE {
@@ -317,7 +330,12 @@ impl<'r> Loader<'r> {
                 continue;
             }
             let Some(message) = MessageRecord::parse(&record) else {
-                self.lose_record(section, &place, None, "truncated message header".to_owned());
+                self.report_lost_record(
+                    section,
+                    &place,
+                    None,
+                    "truncated message header".to_owned(),
+                );
                 continue;
             };
             let time = message.log_time;
@@ -327,12 +345,12 @@ impl<'r> Loader<'r> {
             }
             let Some(channel) = self.recording.layout.channels.position(message.channel_id) else {
                 let reason = format!("undefined channel {}", message.channel_id);
-                self.lose_record(section, &place, Some(time), reason);
+                self.report_lost_record(section, &place, Some(time), reason);
                 continue;
             };
             if self.is_redefined(channel, section, place.start) {
                 let reason = format!("channel {} is ambiguous here", message.channel_id);
-                self.lose_record(section, &place, Some(time), reason);
+                self.report_lost_record(section, &place, Some(time), reason);
                 continue;
             }
             if self.is_wanted[channel] && self.selection.wants_span((time, time)) {
@@ -353,34 +371,41 @@ impl<'r> Loader<'r> {
         }
         if !matches!(record.opcode, op::SCHEMA | op::CHANNEL) {
             let reason = format!("a record with the opcode {:#04x} in a chunk", record.opcode);
-            return self.lose_record(section, place, None, reason);
+            return self.report_lost_record(section, place, None, reason);
         }
         // Other readers fail at an invalid definition, whether it is used or not.
         let Ok(parsed) = parse(record.opcode, record.body) else {
-            return self.lose_record(section, place, None, "an invalid record".to_owned());
+            return self.report_lost_record(section, place, None, "an invalid record".to_owned());
         };
         let channels = &self.recording.layout.channels;
         if let Some(conflict) = channels.conflict(&parsed) {
-            let start = (section.offset, place.start);
+            let position = Position {
+                section: section.offset,
+                start: place.start,
+            };
             for channel in channels.affected_by(conflict) {
-                let first = self.redefined.entry(channel).or_insert(start);
-                *first = start.min(*first);
+                let first = self.redefined.entry(channel).or_insert(position);
+                *first = position.min(*first);
             }
-            self.lose_record(section, place, None, conflict.to_string());
+            self.report_lost_record(section, place, None, conflict.to_string());
         }
     }
 
     /// Whether the channel has a second definition before a place in a section. Which one a message follows is
     /// uncertain, because the writer may not have noticed that the id was in use.
     fn is_redefined(&self, channel: usize, section: &Section, start: usize) -> bool {
+        let position = Position {
+            section: section.offset,
+            start,
+        };
         self.redefined
             .get(&channel)
-            .is_some_and(|first| *first < (section.offset, start))
+            .is_some_and(|first| *first < position)
     }
 
-    /// Records the loss of a record of a section. A record within a chunk has no place of its own in the file, so
-    /// the place of the chunk is recorded.
-    fn lose_record(
+    /// Reports the loss of a record of a section. A record within a chunk has no place of its own in the file, so
+    /// the place of the chunk is reported.
+    fn report_lost_record(
         &mut self,
         section: &Section,
         place: &Range<usize>,
@@ -388,7 +413,7 @@ impl<'r> Loader<'r> {
         reason: String,
     ) {
         if section.is_chunk {
-            return self.lose(section, reason);
+            return self.report_loss(section, reason);
         }
         // Windows read sections again.
         if self.is_first_pass {
@@ -403,8 +428,8 @@ impl<'r> Loader<'r> {
         }
     }
 
-    /// Records a loss in a section, at most one per section.
-    fn lose(&mut self, section: &Section, reason: String) {
+    /// Reports a loss in a section, at most one per section.
+    fn report_loss(&mut self, section: &Section, reason: String) {
         if self.lost.insert(section.offset) {
             self.losses.push(Loss {
                 offset: section.offset,
@@ -417,8 +442,8 @@ impl<'r> Loader<'r> {
         }
     }
 
-    /// Records that the file is not read from this section on, which is told once.
-    fn lose_rest(&mut self, section: &Section) {
+    /// Reports that the file is not read from this section on, once.
+    fn report_rest(&mut self, section: &Section) {
         if self.losses.list().iter().any(|loss| loss.is_unread) {
             return;
         }

@@ -53,7 +53,7 @@ pub struct Overview {
 /// A channel of a file.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, JsonSchema)]
 pub struct ChannelOverview {
-    /// Its topic.
+    /// Topic.
     pub topic: String,
     /// The name of its message type; empty if it has none.
     pub schema: String,
@@ -87,7 +87,7 @@ impl ChannelOverview {
         (self.messages > 1 && span > 0).then(|| (self.messages - 1) as f64 * 1e9 / span as f64)
     }
 
-    fn count(&mut self, time_ns: u64, bytes: usize) {
+    fn add_message(&mut self, time_ns: u64, bytes: usize) {
         // Files of other software need not be in order of time.
         if self.messages == 0 || time_ns < self.first_ns {
             self.first_ns = time_ns;
@@ -138,7 +138,7 @@ impl MessageCount {
 /// An event of a recording.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct EventOverview {
-    /// Its kind.
+    /// Kind of the event.
     pub name: String,
     /// Time, s.
     pub time: f64,
@@ -169,7 +169,7 @@ impl Overview {
         let (mut events, mut row) = (Vec::new(), Row::default());
         let mut reader = recording.reader(Selection::default());
         while let Some(message) = reader.next_undecoded() {
-            counted[message.position].count(message.log_time, message.data.len());
+            counted[message.position].add_message(message.log_time, message.data.len());
             if message.channel.table == Some(EVENTS)
                 && let Some(decoder) = &decoder
                 && decoder.decode(message.data, &mut row).is_ok()

@@ -1,7 +1,7 @@
 //! Reading messages in the order of the file or in order of time.
 
 use super::file::Recording;
-use super::loader::{Found, Loader};
+use super::loader::{FoundMessage, Loader};
 use super::order::{Misplaced, Order};
 use super::selection::Selection;
 use super::statistics::{StatisticsFault, find_fault};
@@ -14,9 +14,9 @@ use crate::telemetry::{Message, Topic};
 /// A raw message of any channel.
 #[derive(Clone, Copy, Debug)]
 pub struct Undecoded<'a> {
-    /// Its channel.
+    /// The channel.
     pub channel: &'a FileChannel,
-    /// Index of its channel in the recording.
+    /// Index of the channel in the recording.
     pub position: usize,
     /// Sequence number.
     pub sequence: u32,
@@ -24,7 +24,7 @@ pub struct Undecoded<'a> {
     pub log_time: u64,
     /// Time of publishing, ns.
     pub publish_time: u64,
-    /// Its bytes.
+    /// The encoded message.
     pub data: &'a [u8],
 }
 
@@ -157,7 +157,7 @@ impl<'r> Reader<'r> {
     }
 
     /// Decodes a message of a channel of the table.
-    fn decode(&mut self, found: &Found) -> Option<Result<Message<'_>, MessageError>> {
+    fn decode(&mut self, found: &FoundMessage) -> Option<Result<Message<'_>, MessageError>> {
         let Plan::Decode { topic, decoder } = &self.plans[found.channel] else {
             return None;
         };
@@ -191,7 +191,7 @@ impl<'r> Reader<'r> {
 
     /// Number of bytes that have been read since the last call.
     pub fn progress(&mut self) -> u64 {
-        let more = self.loader.seen.saturating_sub(self.reported);
+        let more = self.loader.bytes_read.saturating_sub(self.reported);
         self.reported += more;
         more
     }
@@ -211,7 +211,7 @@ impl<'r> Reader<'r> {
     }
 
     /// Finds the next selected message.
-    fn advance(&mut self) -> Option<Found> {
+    fn advance(&mut self) -> Option<FoundMessage> {
         loop {
             let found = self.loader.next(self.order.as_ref())?;
             let Some(order) = &mut self.order else {

@@ -148,9 +148,11 @@ impl Windows {
     }
 
     fn instant_at(&self, time_ns: u64) -> Instant {
-        let has_messages = |span: &&Span| (span.first..=span.last).contains(&time_ns);
-        let overlapping = self.spans[self.done..].iter().filter(has_messages);
-        let mut sections: Vec<u32> = overlapping.map(|span| span.section).collect();
+        let mut sections: Vec<u32> = self.spans[self.done..]
+            .iter()
+            .filter(|span| (span.first..=span.last).contains(&time_ns))
+            .map(|span| span.section)
+            .collect();
         // The order of the file, which decides between messages of the same time.
         sections.sort_unstable();
         Instant {

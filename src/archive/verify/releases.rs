@@ -90,8 +90,9 @@ fn describe(digest: &str, metadata: &Entries) -> String {
 fn added_line(recording: &Recording) -> Option<Difference> {
     // Without a scenario there is nothing to run, and the comparison has ended before.
     let text = recording.scenario_text().ok()?;
-    let written = recording.scenario().ok()?.to_toml();
-    let mut written = written.lines();
+    let scenario = recording.scenario().ok()?.to_toml();
+    // Each search goes on behind the line found before, so the order counts, too.
+    let mut written = scenario.lines();
     let added = text.lines().find(|line| !written.any(|own| own == *line))?;
     let values = [Some(added.to_owned()), None];
     Some(Difference::new("scenario.toml", "line", values))
@@ -188,15 +189,15 @@ mod tests {
         change(&mut header);
         let (mut chunks, ids) = ChunkWriter::open(Vec::new(), &header).unwrap();
         let mut encoder = RunEncoder::new(&header, &ids);
-        let mut next = || {
-            run.next(|message| {
+        while run
+            .next(|message| {
                 encoder.batch.clear();
                 encoder.encode(message);
                 chunks.write(&encoder.batch).unwrap();
                 Ok::<(), RunError>(())
             })
-        };
-        while next().is_some() {}
+            .is_some()
+        {}
         chunks.finish(end_entries(&run.end())).unwrap().0
     }
 

@@ -2,7 +2,7 @@
 
 use super::viewer::{ViewerArguments, complete, warn_all};
 use crate::analysis::diff::{Report, Subject};
-use crate::archive::publish::{Draft, Drafts, Existing, refuse_inputs};
+use crate::archive::publish::{Draft, Drafts, Existing, check_not_an_input};
 use crate::cli::arguments::OUTPUT;
 use crate::cli::diff::content;
 use crate::cli::file_kind::FileKind;
@@ -40,7 +40,7 @@ impl ShowArguments {
     pub(in crate::cli) fn plan(&self, runs: &[PathBuf]) -> Result<ShowPlan, Error> {
         if let Some(rrd) = &self.rrd {
             FileKind::Rrd.check("--rrd", rrd)?;
-            refuse_inputs(rrd, runs.iter().map(PathBuf::as_path))?;
+            check_not_an_input(rrd, runs.iter().map(PathBuf::as_path))?;
         }
         Ok(ShowPlan {
             rrd: self.rrd.clone(),

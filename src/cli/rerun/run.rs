@@ -1,7 +1,7 @@
 //! The Rerun side of a run: a file, a live viewer, or both.
 
 use super::viewer::{ViewerArguments, complete, warn_all};
-use crate::archive::publish::{Draft, Drafts, refuse_inputs};
+use crate::archive::publish::{Draft, Drafts, check_not_an_input};
 use crate::archive::sink::Sink;
 use crate::cli::arguments::OUTPUT;
 use crate::cli::file_kind::FileKind;
@@ -105,7 +105,7 @@ impl RunViewer {
         let mut draft = None;
         if let Some(path) = path {
             FileKind::Rrd.check("--rrd", &path)?;
-            refuse_inputs(&path, [mcap])?;
+            check_not_an_input(&path, [mcap])?;
             draft = Some(files.create(drafts, &path)?.make_partial()?);
         }
         let destinations = Destinations {

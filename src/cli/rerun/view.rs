@@ -3,7 +3,7 @@
 use super::viewer::{self, ViewerArguments};
 use crate::archive::format::is_end_of;
 use crate::archive::input::{has_extension, open_file};
-use crate::archive::publish::{Draft, Drafts, Existing, refuse_inputs};
+use crate::archive::publish::{Draft, Drafts, Existing, check_not_an_input};
 use crate::archive::recording::{Condition, Recording, Selection};
 use crate::archive::replay::{Replayed, replay};
 use crate::cli::arguments::OUTPUT;
@@ -152,7 +152,7 @@ impl ViewArguments {
         }
         for rrd in recordings.iter().filter_map(|planned| planned.rrd.as_ref()) {
             FileKind::Rrd.check("--rrd", rrd)?;
-            refuse_inputs(rrd, self.files.iter().map(PathBuf::as_path))?;
+            check_not_an_input(rrd, self.files.iter().map(PathBuf::as_path))?;
         }
         Ok(ViewPlan {
             selection,

@@ -1,7 +1,7 @@
 //! The files that a run reads and writes.
 
 use crate::archive::pipeline::McapSink;
-use crate::archive::publish::{Draft, Drafts, Existing, partial_name, refuse_inputs};
+use crate::archive::publish::{Draft, Drafts, Existing, check_not_an_input, partial_name};
 use crate::archive::sink::SinkError;
 use crate::archive::writer::Header;
 use crate::cli::output::warn_of_link;
@@ -56,7 +56,7 @@ impl FilePlan {
     /// Creates the draft of a file. Refuses to overwrite the input.
     pub(in crate::cli) fn create(&self, drafts: &Drafts, path: &Path) -> Result<Draft, SinkError> {
         // Also with --force: the scenario would be lost if the run fails.
-        refuse_inputs(path, [self.input.as_path()])?;
+        check_not_an_input(path, [self.input.as_path()])?;
         let draft = Draft::new_in(drafts, path, self.existing)?;
         warn_of_link(path, self.replaces());
         Ok(draft)
