@@ -4,16 +4,18 @@
 //! leave out all records of a kind, for which viewers then read the data; an index of a part would hide the rest. What
 //! readers skip is not checked.
 
+mod channels;
+
 use super::difference::Difference;
 use super::error::IndexFault;
 use crate::archive::container::record::{HEAD, head, parse};
 use crate::archive::container::section::{Buffers, MessageRecord, Section, record_at};
-use crate::archive::recording::{FileChannel, Recording};
+use crate::archive::recording::Recording;
 use crate::run::plural::plural;
+use mcap::Summary;
 use mcap::records::{
     AttachmentIndex, ChunkHeader, ChunkIndex, MessageIndexEntry, MetadataIndex, Record, op,
 };
-use mcap::{Channel, Summary};
 use std::collections::BTreeMap;
 use std::io;
 
@@ -30,8 +32,22 @@ pub(super) struct Chunk {
     pub(super) size: u64,
 }
 
-/// Message index entries by channel: time and offset.
-type Entries = BTreeMap<u16, Vec<(u64, u64)>>;
+impl Chunk {
+    /// A chunk with these messages.
+    fn new(entries: &Entries, size: u64) -> Self {
+        let mut span: Option<(u64, u64)> = None;
+        for entry in entries.values().flatten() {
+            let (first, last) = span.unwrap_or((entry.log_time, entry.log_time));
+            span = Some((first.min(entry.log_time), last.max(entry.log_time)));
+        }
+        // Writers leave the times of an empty chunk 0, as the specification says.
+        let (first, last) = span.unwrap_or_default();
+        Self { first, last, size }
+    }
+}
+
+/// Message index entries by channel id.
+type Entries = BTreeMap<u16, Vec<MessageIndexEntry>>;
 
 /// Checks the summary of a file. Returns the chunks.
 pub(super) fn check(recording: &Recording, summary: &Summary) -> Result<Chunks, IndexFault> {
@@ -47,12 +63,7 @@ pub(super) fn check(recording: &Recording, summary: &Summary) -> Result<Chunks, 
     for section in recording.layout.sections.iter().filter(|s| s.is_chunk) {
         section.load(&recording.source, &mut buffers)?;
         let entries = entries(&buffers.records);
-        let times = || entries.values().flatten().map(|(time, _)| *time);
-        let chunk = Chunk {
-            first: times().min().unwrap_or(0),
-            last: times().max().unwrap_or(0),
-            size: buffers.records.len() as u64,
-        };
+        let chunk = Chunk::new(&entries, buffers.records.len() as u64);
         check_chunk_times(recording, section, chunk)?;
         match indexes.remove(&section.offset) {
             Some(index) => check_chunk_index(recording, section, index, &entries)?,
@@ -69,7 +80,7 @@ pub(super) fn check(recording: &Recording, summary: &Summary) -> Result<Chunks, 
         let found = Some(chunk_text(index));
         return Err(Difference::new("the index of a chunk", "", [found, None]).into());
     }
-    check_channels(recording, summary)?;
+    channels::check(recording, summary)?;
     check_attachments(recording, summary)?;
     check_metadata(recording, summary)?;
     Ok(chunks)
@@ -116,8 +127,8 @@ fn check_entries(found: &Entries, expected: &Entries) -> Result<(), Difference> 
         check_equal(place, &found, &expected, |entries| {
             let count = plural(entries.len() as u64, "message");
             let entry = first.map_or_else(String::new, |at| {
-                let (time, offset) = entries[at];
-                format!(", number {at} at {time} ns and offset {offset}")
+                let MessageIndexEntry { log_time, offset } = entries[at];
+                format!(", number {at} at {log_time} ns and offset {offset}")
             });
             format!("{} {count} of channel {id}{entry}", entries.len())
         })?;
@@ -131,8 +142,13 @@ fn entries(records: &[u8]) -> Entries {
     let mut position = 0;
     while let Some(Ok((record, next))) = record_at(records, position) {
         if let Some(message) = MessageRecord::parse(&record) {
-            let of_channel = entries.entry(message.channel_id).or_default();
-            of_channel.push((message.log_time, position as u64));
+            entries
+                .entry(message.channel_id)
+                .or_default()
+                .push(MessageIndexEntry {
+                    log_time: message.log_time,
+                    offset: position as u64,
+                });
         }
         position = next;
     }
@@ -224,43 +240,18 @@ fn message_indexes(
     Ok(found)
 }
 
-fn read_message_index(record: &[u8], channel: u16) -> Option<Vec<(u64, u64)>> {
+fn read_message_index(record: &[u8], channel: u16) -> Option<Vec<MessageIndexEntry>> {
     let (opcode, length) = head(record)?;
     let body = record.get(HEAD as usize..(HEAD + length) as usize)?;
     match parse(opcode, body).ok()? {
         Record::MessageIndex(index) if index.channel_id == channel => {
-            let mut entries = Vec::new();
-            for MessageIndexEntry { log_time, offset } in index.records {
-                entries.push((log_time, offset));
-            }
+            let mut entries = index.records;
             // Some writers sort them by time.
-            entries.sort_unstable_by_key(|(_, offset)| *offset);
+            entries.sort_unstable_by_key(|entry| entry.offset);
             Some(entries)
         }
         _ => None,
     }
-}
-
-fn check_channels(recording: &Recording, summary: &Summary) -> Result<(), Difference> {
-    if summary.channels.is_empty() {
-        return Ok(());
-    }
-    let channels = summary.channels.values();
-    let mut found: Vec<_> = channels.map(|channel| describe(channel)).collect();
-    found.sort_unstable();
-    let channels = recording.channels().iter();
-    let mut expected: Vec<_> = channels.map(describe_own).collect();
-    expected.sort_unstable();
-    // Only what differs.
-    let (mut only_found, mut only_expected) = (found.clone(), expected.clone());
-    only_found.retain(|channel| !expected.contains(channel));
-    only_expected.retain(|channel| !found.contains(channel));
-    check_equal(
-        "the channels of the summary",
-        &only_found,
-        &only_expected,
-        |channels| list(channels.iter().map(channel_text)),
-    )
 }
 
 /// Texts with commas between them.
@@ -271,58 +262,6 @@ fn list(texts: impl Iterator<Item = String>) -> String {
     } else {
         texts.join(", ")
     }
-}
-
-fn channel_text((id, topic, encoding, metadata, schema): &ChannelFacts) -> String {
-    let schema = schema.as_ref().map_or_else(
-        || "no schema".to_owned(),
-        |(name, language, data)| {
-            let checksum = crc32fast::hash(data);
-            format!(
-                "the {language} {name:?} of {} bytes (crc32 {checksum:08x})",
-                data.len()
-            )
-        },
-    );
-    let metadata = match metadata.len() {
-        0 => String::new(),
-        count => format!(" and {count} metadata {}", plural(count as u64, "entry")),
-    };
-    format!("channel {id} {topic} in {encoding} with {schema}{metadata}")
-}
-
-/// Metadata of a channel.
-type Metadata = BTreeMap<String, String>;
-
-/// A channel's id, topic, encoding and metadata, and its schema's name, encoding and data.
-type ChannelFacts = (
-    u16,
-    String,
-    String,
-    Metadata,
-    Option<(String, String, Vec<u8>)>,
-);
-
-fn describe(channel: &Channel<'_>) -> ChannelFacts {
-    let schema = channel.schema.as_ref();
-    (
-        channel.id,
-        channel.topic.clone(),
-        channel.message_encoding.clone(),
-        channel.metadata.clone(),
-        schema.map(|s| (s.name.clone(), s.encoding.clone(), s.data.to_vec())),
-    )
-}
-
-fn describe_own(channel: &FileChannel) -> ChannelFacts {
-    let schema = channel.schema.as_deref();
-    (
-        channel.id,
-        channel.topic.clone(),
-        channel.encoding.clone(),
-        channel.metadata.clone(),
-        schema.map(|s| (s.name.clone(), s.encoding.clone(), s.data.clone())),
-    )
 }
 
 fn check_attachments(recording: &Recording, summary: &Summary) -> Result<(), Difference> {
