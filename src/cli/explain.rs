@@ -6,7 +6,7 @@ use super::page::Section;
 use super::report;
 use super::status::Status;
 use super::table::Table;
-use crate::analysis::explain::{EventSummary, Explanation, Fact, Stage, explain as explained};
+use crate::analysis::explain::{self, EventSummary, Explanation, Fact, Stage};
 use crate::analysis::phrase::significant;
 use anyhow::{Context as _, Error};
 use clap::Args;
@@ -32,7 +32,7 @@ pub(super) struct ExplainArguments {
 pub(super) fn explain(arguments: &ExplainArguments) -> Result<Status, Error> {
     let input = open(&arguments.run, &[], &arguments.overrides)?;
     let explanation =
-        explained(input.subject()).with_context(|| arguments.run.display().to_string())?;
+        explain::explain(input.subject()).with_context(|| arguments.run.display().to_string())?;
     report::print(&explanation, || page(&explanation, arguments.all))?;
     Ok(Status::from_whole(explanation.losses.is_empty()))
 }

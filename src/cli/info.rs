@@ -1,7 +1,7 @@
 //! `toprise info`.
 
 use super::losses::loss_lines;
-use super::numbers::{bytes, count, number};
+use super::numbers::{format_fixed, format_integer, format_size};
 use super::page::Section;
 use super::report;
 use super::status::Status;
@@ -36,7 +36,7 @@ pub(super) struct InfoArguments {
 pub(super) struct InfoReport {
     /// The file.
     file: String,
-    /// Its size.
+    /// Size of the file, bytes.
     bytes: u64,
     /// Number of messages in all channels.
     messages: u64,
@@ -73,7 +73,7 @@ pub(super) fn info(arguments: &InfoArguments) -> Result<Status, Error> {
 impl InfoReport {
     fn page(&self) -> Vec<Section> {
         let facts = Section::from(Table::from_facts(self.facts()));
-        let head = facts.titled(&self.file, bytes(self.bytes));
+        let head = facts.titled(&self.file, format_size(self.bytes));
         let mut rest = Section::from(self.channel_table());
         rest.table(self.event_table());
         vec![head, rest]
@@ -89,7 +89,7 @@ impl InfoReport {
         facts.extend(losses.into_iter().map(|line| ("lost", line)));
         let wrong = overview.counts.iter().filter(|c| c.found != c.recorded);
         facts.extend(wrong.map(|c| {
-            let (found, recorded) = (count(c.found), count(c.recorded));
+            let (found, recorded) = (format_integer(c.found), format_integer(c.recorded));
             ("counts", format!("{found} of {recorded} {}", c.kind))
         }));
         if let Some(fault) = &overview.statistics_fault {
@@ -104,11 +104,15 @@ impl InfoReport {
             facts.push(("content", format!("sha-256 {digest}")));
         }
         facts.push(("span", exact_seconds(self.last_ns - self.first_ns)));
-        facts.push(("messages", count(self.messages)));
+        facts.push(("messages", format_integer(self.messages)));
         if !self.overview.events.is_empty() {
             let mut counts = Vec::new();
             for (name, number) in self.counts() {
-                counts.push(format!("{} × {}", count(number), name.replace('_', " ")));
+                counts.push(format!(
+                    "{} × {}",
+                    format_integer(number),
+                    name.replace('_', " ")
+                ));
             }
             facts.push(("events", counts.join(", ")));
         }
@@ -129,12 +133,12 @@ impl InfoReport {
             ("topic", |channel| channel.topic.clone()),
             ("type", |channel| channel.schema.clone()),
             ("encoding", |channel| channel.encoding.clone()),
-            ("messages", |channel| count(channel.messages)),
+            ("messages", |channel| format_integer(channel.messages)),
             ("rate", |channel| match channel.rate_hz {
                 Some(rate) => format!("{rate:.1} Hz"),
                 None => String::new(),
             }),
-            ("bytes", |channel| bytes(channel.bytes)),
+            ("bytes", |channel| format_size(channel.bytes)),
         ];
         Table::new(&self.overview.channels, 3, &columns)
     }
@@ -190,7 +194,7 @@ fn run_line(run: &BTreeMap<String, String>) -> String {
 fn end_line(end: &BTreeMap<String, String>) -> String {
     let time = entry(end, STOP_TIME)
         .parse()
-        .map_or("?".to_owned(), |time| number(time, 6));
+        .map_or("?".to_owned(), |time| format_fixed(time, 6));
     format!(
         "{} at {} s, {}, {}, {}",
         entry(end, STOP_REASON),

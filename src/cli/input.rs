@@ -40,7 +40,7 @@ impl Input {
         matches!(self, Self::Recording(_))
     }
 
-    /// The size of its file, bytes.
+    /// Size of the recording, bytes; 0 for a scenario.
     pub(super) fn bytes(&self) -> u64 {
         match self {
             Self::Recording(recording) => recording.size(),

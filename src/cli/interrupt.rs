@@ -25,9 +25,9 @@ impl SignalGuard {
     /// a graceful shutdown. If a signal is ignored (`nohup`), none is handled here.
     pub(super) fn install() -> Self {
         let drafts = Drafts::default();
-        let of_handler = drafts.clone();
+        let abandoned = drafts.clone();
         // If another handler is installed, that one decides.
-        let _ = ctrlc::try_set_handler(move || on_signal(&of_handler));
+        let _ = ctrlc::try_set_handler(move || on_signal(&abandoned));
         Self { drafts }
     }
 

@@ -32,13 +32,13 @@ pub(super) struct LawsReport(Vec<LawReport>);
 /// A law of friction.
 #[derive(Debug, Serialize, JsonSchema)]
 struct LawReport {
-    /// Its value of `friction.law`, or the scenario section that enables it.
+    /// Value of `friction.law`, or the scenario section that enables it.
     name: &'static str,
     /// Whether it is an additional loss rather than a sliding law.
     adds_to_any: bool,
     /// Force or torque.
     formula: &'static str,
-    /// Its scenario keys.
+    /// Scenario keys of the law.
     parameters: Vec<Parameter>,
     /// Typical values of the parameters.
     typical: &'static str,
@@ -49,11 +49,11 @@ struct LawReport {
 /// A parameter of a law.
 #[derive(Debug, Serialize, JsonSchema)]
 struct Parameter {
-    /// Its key in a scenario.
+    /// Key in a scenario.
     key: &'static str,
-    /// Its unit; empty for a pure number.
+    /// Unit; empty for a pure number.
     unit: &'static str,
-    /// Its description.
+    /// Description.
     meaning: &'static str,
     /// The allowed values.
     allowed: String,

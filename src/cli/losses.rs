@@ -1,6 +1,6 @@
 //! Unreadable parts of a file as lines of text.
 
-use super::numbers::count;
+use super::numbers::format_integer;
 use crate::archive::recording::Loss;
 
 /// Maximum number of losses that are shown; the JSON output lists more.
@@ -16,7 +16,7 @@ pub(super) fn loss_lines(losses: &[Loss], unlisted: Option<u64>) -> Vec<String> 
         .collect();
     let more = (losses.len() - lines.len()) as u64 + unlisted.unwrap_or(0);
     if more > 0 {
-        lines.push(format!("and {} more", count(more)));
+        lines.push(format!("and {} more", format_integer(more)));
     }
     lines
 }

@@ -4,7 +4,7 @@ use crate::run::plural::plural;
 use indicatif::HumanCount;
 
 /// Formats a number with `digits` decimals and a typographic minus; huge numbers in scientific notation.
-pub(super) fn number(value: f64, digits: usize) -> String {
+pub(super) fn format_fixed(value: f64, digits: usize) -> String {
     // Above that the digits would be those of the binary representation.
     let text = if value.abs() < 1e15 {
         format!("{value:.digits$}")
@@ -19,8 +19,8 @@ pub(super) fn number(value: f64, digits: usize) -> String {
     }
 }
 
-/// A number rounded to `digits` significant digits, without trailing zeros.
-pub(super) fn short(value: f64, digits: usize) -> String {
+/// Formats a number with `digits` significant digits, without trailing zeros.
+pub(super) fn format_significant(value: f64, digits: usize) -> String {
     let rounded = format!("{value:.*e}", digits.saturating_sub(1));
     // Written as a number again, it has as few digits as it needs.
     rounded
@@ -29,17 +29,17 @@ pub(super) fn short(value: f64, digits: usize) -> String {
 }
 
 /// Formats an integer with thousands separators.
-pub(super) fn count(value: u64) -> String {
+pub(super) fn format_integer(value: u64) -> String {
     HumanCount(value).to_string()
 }
 
 /// Formats a count with its noun: "1 sample", "2 samples".
-pub(super) fn counted(number: u64, noun: &str) -> String {
-    format!("{} {}", count(number), plural(number, noun))
+pub(super) fn format_count(number: u64, noun: &str) -> String {
+    format!("{} {}", format_integer(number), plural(number, noun))
 }
 
-/// A number of bytes.
-pub(super) fn bytes(value: u64) -> String {
+/// Formats a number of bytes.
+pub(super) fn format_size(value: u64) -> String {
     match value {
         0..1_000 => format!("{value} B"),
         1_000..1_000_000 => format!("{:.1} kB", value as f64 / 1e3),
@@ -54,23 +54,23 @@ mod tests {
 
     #[test]
     fn formats_numbers() {
-        assert_eq!(count(0), "0");
-        assert_eq!(count(999), "999");
-        assert_eq!(count(24_720), "24,720");
-        assert_eq!(count(1_000_000), "1,000,000");
-        assert_eq!(counted(1, "run"), "1 run");
-        assert_eq!(counted(0, "run"), "0 runs");
-        assert_eq!(bytes(999), "999 B");
-        assert_eq!(bytes(31_400_000), "31.4 MB");
+        assert_eq!(format_integer(0), "0");
+        assert_eq!(format_integer(999), "999");
+        assert_eq!(format_integer(24_720), "24,720");
+        assert_eq!(format_integer(1_000_000), "1,000,000");
+        assert_eq!(format_count(1, "run"), "1 run");
+        assert_eq!(format_count(0, "run"), "0 runs");
+        assert_eq!(format_size(999), "999 B");
+        assert_eq!(format_size(31_400_000), "31.4 MB");
         // The rate for a period of 10 µs.
-        assert_eq!(short(1.0 / 1e-5, 6), "100000");
-        assert_eq!(short(1.0 / 3e-3, 6), "333.333");
-        assert_eq!(short(0.25, 6), "0.25");
-        assert_eq!(number(-0.2969, 3), "−0.297");
-        assert_eq!(number(-0.0, 2), "0.00");
-        assert_eq!(number(-4e-5, 4), "0.0000");
-        assert_eq!(number(f64::NEG_INFINITY, 4), "−inf");
-        assert_eq!(number(f64::NAN, 4), "NaN");
-        assert_eq!(number(-1.5e300, 2), "−1.50e300");
+        assert_eq!(format_significant(1.0 / 1e-5, 6), "100000");
+        assert_eq!(format_significant(1.0 / 3e-3, 6), "333.333");
+        assert_eq!(format_significant(0.25, 6), "0.25");
+        assert_eq!(format_fixed(-0.2969, 3), "−0.297");
+        assert_eq!(format_fixed(-0.0, 2), "0.00");
+        assert_eq!(format_fixed(-4e-5, 4), "0.0000");
+        assert_eq!(format_fixed(f64::NEG_INFINITY, 4), "−inf");
+        assert_eq!(format_fixed(f64::NAN, 4), "NaN");
+        assert_eq!(format_fixed(-1.5e300, 2), "−1.50e300");
     }
 }

@@ -17,12 +17,23 @@ const MIN_WIDTH: usize = 60;
 const ERROR: Style = AnsiColor::Red.on_default().effects(Effects::BOLD);
 const WARNING: Style = AnsiColor::Yellow.on_default().effects(Effects::BOLD);
 
-/// The values of `--quiet` and `--format`.
-static OPTIONS: OnceLock<(bool, Format)> = OnceLock::new();
+/// The options of all commands that concern output.
+#[derive(Clone, Copy, Debug)]
+struct Options {
+    /// Whether warnings and notes are left out.
+    is_quiet: bool,
+    /// The format of reports.
+    format: Format,
+}
+
+/// The options, for the whole program: errors and warnings arise everywhere, also before all arguments are parsed, and
+/// must have the right format there.
+static OPTIONS: OnceLock<Options> = OnceLock::new();
 
 /// Sets the global output options.
-pub(super) fn set_up(quiet: bool, color: ColorChoice, format: Format) {
-    let _ = OPTIONS.set((quiet, format));
+pub(super) fn set_up(is_quiet: bool, color: ColorChoice, format: Format) {
+    // Only tests could set them twice.
+    let _ = OPTIONS.set(Options { is_quiet, format });
     match color {
         ColorChoice::Auto => anstream::ColorChoice::Auto,
         ColorChoice::Always => anstream::ColorChoice::Always,
@@ -33,19 +44,20 @@ pub(super) fn set_up(quiet: bool, color: ColorChoice, format: Format) {
 
 /// Whether --quiet is set.
 pub(super) fn is_quiet() -> bool {
-    OPTIONS.get().is_some_and(|(quiet, _)| *quiet)
+    OPTIONS.get().is_some_and(|options| options.is_quiet)
 }
 
 /// The output format.
 pub(super) fn format() -> Format {
-    OPTIONS.get().map_or(Format::Text, |(_, format)| *format)
+    OPTIONS.get().map_or(Format::Text, |options| options.format)
 }
 
 /// The terminal width; `None` if standard output is not a terminal.
 pub(super) fn columns() -> Option<usize> {
     // In a pipe or a file lines are not wrapped, so that `grep` finds whole ones.
-    let is_terminal = io::stdout().is_terminal();
-    is_terminal.then(|| textwrap::termwidth().max(MIN_WIDTH))
+    io::stdout()
+        .is_terminal()
+        .then(|| textwrap::termwidth().max(MIN_WIDTH))
 }
 
 /// Prints a plain report.
@@ -182,8 +194,9 @@ mod tests {
 
     #[test]
     fn prints_each_cause_once() {
-        let error = anyhow!("no space left").context("cannot write a.mcap: no space left");
-        let error = error.context("a.mcap");
+        let error = anyhow!("no space left")
+            .context("cannot write a.mcap: no space left")
+            .context("a.mcap");
         assert_eq!(
             with_causes(&error),
             "a.mcap: cannot write a.mcap: no space left"

@@ -38,13 +38,13 @@ impl Tone {
 /// A part of a report.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Section {
-    /// Its heading; empty for none.
+    /// Heading; empty for none.
     pub(super) title: String,
     /// Tone of the heading.
     pub(super) tone: Tone,
     /// Note next to the heading.
     pub(super) note: String,
-    /// Its content.
+    /// Content below the heading.
     pub(super) parts: Vec<Part>,
 }
 
@@ -161,9 +161,12 @@ impl Section {
 
 /// Renders sections as styled text for a terminal of this width.
 pub(super) fn text(sections: &[Section], columns: Option<usize>) -> String {
-    let blocks = sections.iter().map(|section| section.text(columns));
-    let blocks: Vec<_> = blocks.filter(|block| !block.trim().is_empty()).collect();
-    blocks.join("\n")
+    sections
+        .iter()
+        .map(|section| section.text(columns))
+        .filter(|block| !block.trim().is_empty())
+        .collect::<Vec<_>>()
+        .join("\n")
 }
 
 /// Renders sections as Markdown.

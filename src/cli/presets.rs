@@ -27,11 +27,11 @@ pub(super) struct PresetsReport(Vec<PresetReport>);
 /// A built-in scenario, or that of a file.
 #[derive(Debug, Serialize, JsonSchema)]
 struct PresetReport {
-    /// Its name on the command line.
+    /// Name on the command line.
     name: String,
-    /// Its description.
+    /// Description.
     description: String,
-    /// Its scenario file, TOML.
+    /// Scenario file, TOML.
     scenario: String,
 }
 

@@ -1,7 +1,7 @@
 //! Reports of commands. They are serialized as JSON, or rendered as text or Markdown.
 
 use super::arguments::Format;
-use super::numbers::bytes;
+use super::numbers::format_size;
 use super::output;
 use super::page::{self, Section};
 use super::text::sanitized_json;
@@ -65,9 +65,9 @@ pub(super) fn wrong_key(error: &Error) -> Option<&str> {
 /// A file that a command wrote.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub(super) struct WrittenFile {
-    /// Its path.
+    /// Path of the file.
     pub(super) path: String,
-    /// Its size.
+    /// Size, bytes.
     pub(super) bytes: u64,
 }
 
@@ -85,7 +85,7 @@ impl WrittenFile {
         Ok(Self::new(&path, draft.publish()?))
     }
 
-    /// Its path and size, human-readable.
+    /// Path and size of the file, human-readable.
     pub(super) fn line(&self) -> String {
         file_line(&self.path, self.bytes)
     }
@@ -93,7 +93,7 @@ impl WrittenFile {
 
 /// The path and the size of a file, human-readable.
 pub(super) fn file_line(path: &str, size: u64) -> String {
-    format!("{path}  {}", bytes(size))
+    format!("{path}  {}", format_size(size))
 }
 
 /// A Rerun stream that has ended.

@@ -59,7 +59,7 @@ pub(super) fn run(arguments: &RunArguments, drafts: &Drafts) -> Result<Status, E
     let report = RunReport::new(&plan.scenario, &base, outcome, recorded, began.elapsed());
     print(&report, || {
         let title = plan.scenario.title_from(&base);
-        report.page(&title, &plan.scenario.model.top, plan.show.note())
+        report.page(&title, &plan.scenario.model, plan.show.note())
     })?;
     let is_complete = report.outcome.end.stop.is_complete();
     Ok(Status::from_whole(

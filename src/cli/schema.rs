@@ -43,11 +43,11 @@ pub(super) struct SchemaReport {
 /// A channel of toprise's recordings.
 #[derive(Debug, Serialize, JsonSchema)]
 struct ChannelSchema {
-    /// Its topic.
+    /// Topic.
     topic: &'static str,
     /// The name of its message type.
     schema: &'static str,
-    /// Its description.
+    /// Description.
     meaning: &'static str,
     /// The schema language: JSON Schema or protobuf.
     encoding: Encoding,

@@ -6,7 +6,7 @@ mod report;
 use super::arguments::{Override, parse_override};
 use super::file_kind::FileKind;
 use super::interrupt;
-use super::numbers::{count, counted};
+use super::numbers::{format_count, format_integer};
 use super::output;
 use super::progress::Progress;
 use super::report::{self as reports, WrittenFile};
@@ -206,10 +206,10 @@ pub(super) fn sweep(arguments: &SweepArguments, drafts: &Drafts) -> Result<Statu
 fn compute(arguments: &SweepArguments, sweep: &Sweep, left: u64) -> Result<Finished, SweepError> {
     let rows = sweep.spec().rows();
     if left > 0 && left < rows {
-        let left = count(left);
+        let left = format_integer(left);
         output::note(&format!(
             "{}, {left} still to be computed",
-            counted(rows, "run")
+            format_count(rows, "run")
         ));
     }
     let progress = Progress::new(

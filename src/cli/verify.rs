@@ -1,7 +1,7 @@
 //! `toprise verify`.
 
 use super::losses::loss_lines;
-use super::numbers::counted;
+use super::numbers::format_count;
 use super::page::{Section, Tone};
 use super::progress::Progress;
 use super::status::Status;
@@ -165,10 +165,10 @@ fn section(file: &str, report: &Report) -> Section {
         facts.push(("recorded by", format!("toprise {version}; this is {this}")));
     }
     if let Some(equal) = report.equal {
-        facts.push(("equal", counted(equal, "message")));
+        facts.push(("equal", format_count(equal, "message")));
     }
     if report.missing > 0 {
-        facts.push(("missing", counted(report.missing, "message")));
+        facts.push(("missing", format_count(report.missing, "message")));
     }
     if !report.unknown.is_empty() {
         facts.push(("not compared", report.unknown.join(", ")));

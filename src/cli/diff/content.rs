@@ -6,7 +6,7 @@ use crate::analysis::diff::{
     TopicBytes, Verdict,
 };
 use crate::analysis::phrase::significant;
-use crate::cli::numbers::{count, counted};
+use crate::cli::numbers::{format_count, format_integer};
 use crate::cli::page::{Section, Tone};
 use crate::cli::table::{Column, Table};
 use crate::telemetry::Topic;
@@ -61,7 +61,7 @@ fn subject_row((letter, run): (&str, &ComparedRun)) -> Vec<String> {
         letter.to_owned(),
         run.name.clone(),
         run.file.clone().unwrap_or_else(|| "simulated".to_owned()),
-        counted(run.messages, "message"),
+        format_count(run.messages, "message"),
     ]
 }
 
@@ -78,14 +78,15 @@ fn verdict(report: &Report) -> Section {
 fn setup(report: &Report, all: bool, is_cut: bool) -> Section {
     let mut section = Section::default();
     let setup = &report.setup;
-    let keys = setup.scenario.iter();
-    let keys: Vec<_> = keys.filter(|key| all || key.changes_the_run()).collect();
-    let files: Vec<_> = setup.files.iter().collect();
-    let shown = if keys.is_empty() || all {
-        [keys, files].concat()
-    } else {
-        keys
-    };
+    let mut shown: Vec<_> = setup
+        .scenario
+        .iter()
+        .filter(|key| all || key.changes_the_run())
+        .collect();
+    // How the files were recorded matters where the runs are the same.
+    if shown.is_empty() || all {
+        shown.extend(&setup.files);
+    }
     let columns: [Column<&KeyDifference>; 3] = [
         ("", |key| key.key.clone()),
         ("A", |key| with_its_unit(key, key.a.as_deref())),
@@ -158,8 +159,13 @@ fn excerpt(key: &KeyDifference, value: Option<&str>) -> String {
 
 fn findings(report: &Report, all: bool) -> Section {
     let mut section = Section::default();
-    let shown = report.findings.iter().filter(|f| all || f.differs());
-    let shown: Vec<_> = shown.take(max_rows(all)).map(Finding::cells).collect();
+    let shown: Vec<_> = report
+        .findings
+        .iter()
+        .filter(|finding| all || finding.differs())
+        .take(max_rows(all))
+        .map(Finding::cells)
+        .collect();
     if shown.is_empty() && report.integration_errors.is_some() && report.has_other_scenarios() {
         section.line(no_difference(report));
     }
@@ -211,10 +217,10 @@ fn topics(report: &Report) -> Section {
             })
         }),
         ("different", |channel| {
-            count(channel.pairs - channel.identical)
+            format_integer(channel.pairs - channel.identical)
         }),
         ("unmatched", |channel| {
-            count(channel.unmatched.iter().chain(&channel.beyond).sum())
+            format_integer(channel.unmatched.iter().chain(&channel.beyond).sum())
         }),
     ];
     Section::from(Table::new(differing, 2, &columns))
@@ -223,10 +229,10 @@ fn topics(report: &Report) -> Section {
 /// Topics compared byte by byte. Without `--all`, equal ones are shown only if there is nothing else, and those of the
 /// telemetry table not at all: their values are identical.
 fn others(report: &Report, all: bool) -> Section {
-    let is_shown = |topic: &&TopicBytes| {
+    let shown = report.others.iter().filter(|topic| {
         let is_of_interest = report.findings.is_empty() || !topic.is_equal();
         all || (is_of_interest && Topic::find(&topic.topic).is_none())
-    };
+    });
     let columns: [Column<&TopicBytes>; 7] = [
         ("topic", |topic| topic.topic.clone()),
         ("", |topic| {
@@ -234,20 +240,18 @@ fn others(report: &Report, all: bool) -> Section {
             let described = is_other.then_some("different schema or encoding");
             described.unwrap_or_default().to_owned()
         }),
-        ("equal", |topic| count(topic.equal + topic.respelled)),
-        ("different", |topic| count(topic.different)),
-        ("only A", |topic| count(topic.unmatched[0])),
-        ("only B", |topic| count(topic.unmatched[1])),
+        ("equal", |topic| {
+            format_integer(topic.equal + topic.respelled)
+        }),
+        ("different", |topic| format_integer(topic.different)),
+        ("only A", |topic| format_integer(topic.unmatched[0])),
+        ("only B", |topic| format_integer(topic.unmatched[1])),
         ("first", |topic| match topic.first {
             Some(time) => format!("{time} s"),
             None => String::new(),
         }),
     ];
-    Section::from(Table::new(
-        report.others.iter().filter(is_shown),
-        2,
-        &columns,
-    ))
+    Section::from(Table::new(shown, 2, &columns))
 }
 
 /// The fields of a topic that differ.
@@ -274,8 +278,10 @@ fn fields(channel: &ChannelDifference) -> Section {
             shown.unwrap_or_default()
         }),
     ];
-    Section::from(Table::new(differing, 1, &columns))
-        .titled(&channel.topic, format!("{} pairs", count(channel.pairs)))
+    Section::from(Table::new(differing, 1, &columns)).titled(
+        &channel.topic,
+        format!("{} pairs", format_integer(channel.pairs)),
+    )
 }
 
 fn averages(averaged: &Averaged) -> Section {
@@ -304,7 +310,7 @@ fn models(discrepancy: &Discrepancy) -> Section {
         "Models",
         format!(
             "B − A, evaluated at {} states of A",
-            count(discrepancy.states)
+            format_integer(discrepancy.states)
         ),
     )
 }

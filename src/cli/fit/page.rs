@@ -1,7 +1,7 @@
 //! The human-readable report of a fit.
 
 use super::FitReport;
-use crate::cli::numbers::{count, counted, number};
+use crate::cli::numbers::{format_count, format_fixed, format_integer};
 use crate::cli::page::{Section, Tone};
 use crate::cli::report::WrittenFile;
 use crate::cli::table::Table;
@@ -82,10 +82,10 @@ fn headline(fit: &Report) -> Section {
     let samples: usize = fit.signals.iter().map(|signal| signal.samples).sum();
     section.line(format!(
         "{} in {} s; the scenario starts at t = {} s in the data. {}.",
-        counted(samples as u64, "sample"),
+        format_count(samples as u64, "sample"),
         plain(fit.until),
         plain(fit.origin),
-        counted(fit.evaluations, "simulation")
+        format_count(fit.evaluations, "simulation")
     ));
     section
 }
@@ -126,7 +126,7 @@ fn parameters(fit: &Report, all: bool) -> Section {
     section.table(estimates(&fit.parameters, all));
     for correlation in &fit.correlations {
         let [a, b] = &correlation.parameters;
-        let value = number(correlation.correlation, 3);
+        let value = format_fixed(correlation.correlation, 3);
         section.line(format!("{a} and {b} are correlated: {value}."));
     }
     section
@@ -184,7 +184,7 @@ fn decimals(sd: f64) -> usize {
 }
 
 fn fixed(value: f64, digits: usize) -> String {
-    number(value, digits)
+    format_fixed(value, digits)
 }
 
 /// An estimate and its standard deviation with the digits that are known.
@@ -224,7 +224,7 @@ fn signals(signals: &[SignalReport]) -> Section {
         };
         let mut row = vec![
             signal.field.clone(),
-            count(signal.samples as u64),
+            format_integer(signal.samples as u64),
             format!("{} {}{given}", rounded(signal.sigma, 3), signal.unit),
             rounded(signal.rms, 3),
         ];
@@ -252,16 +252,22 @@ fn signals(signals: &[SignalReport]) -> Section {
 fn losses(signal: &SignalReport) -> String {
     let mut losses = Vec::new();
     if signal.missing > 0 {
-        losses.push(format!("{} missing", count(signal.missing)));
+        losses.push(format!("{} missing", format_integer(signal.missing)));
     }
     if signal.out_of_order > 0 {
-        losses.push(format!("{} out of order", count(signal.out_of_order)));
+        losses.push(format!(
+            "{} out of order",
+            format_integer(signal.out_of_order)
+        ));
     }
     if signal.outside > 0 {
-        losses.push(format!("{} outside", count(signal.outside as u64)));
+        losses.push(format!("{} outside", format_integer(signal.outside as u64)));
     }
     if signal.outliers > 0 {
-        losses.push(format!("{} above 5 σ", count(signal.outliers as u64)));
+        losses.push(format!(
+            "{} above 5 σ",
+            format_integer(signal.outliers as u64)
+        ));
     }
     losses.join(", ")
 }
@@ -308,7 +314,7 @@ fn remarks(fit: &Report) -> Section {
     }
     let outliers: usize = fit.signals.iter().map(|signal| signal.outliers).sum();
     if outliers > 0 && fit.loss == Loss::Squares {
-        let outliers = counted(outliers as u64, "residual");
+        let outliers = format_count(outliers as u64, "residual");
         remarks.push(format!(
             "{outliers} above 5 σ: if these are outliers, use --loss huber."
         ));
@@ -326,7 +332,7 @@ fn modes(fit: &Report) -> Section {
             .map(|parameter| parameter.name.clone()),
     );
     let row = |mode: &Mode| {
-        let mut row = vec![number(mode.delta_chi2, 2)];
+        let mut row = vec![format_fixed(mode.delta_chi2, 2)];
         for (value, sd) in mode.values.iter().zip(&mode.sds) {
             row.push(with_error(*value, *sd));
         }
@@ -366,7 +372,7 @@ fn profile_section(profile: &Profile, all: bool) -> Section {
         section.table(Table {
             header: vec![profile.parameter.clone(), "Δχ²".to_owned()],
             rows: rows
-                .map(|(value, delta)| vec![rounded(*value, 8), number(*delta, 4)])
+                .map(|(value, delta)| vec![rounded(*value, 8), format_fixed(*delta, 4)])
                 .collect(),
             left: 0,
         });
@@ -410,8 +416,8 @@ fn laws(fit: &Report, comparison: &Comparison) -> Section {
             },
             cell_of_probability(quality.p_value),
             cell_of_probability(law.residual_p_value),
-            number(law.delta_aic, 1),
-            number(law.delta_bic, 1),
+            format_fixed(law.delta_aic, 1),
+            format_fixed(law.delta_bic, 1),
         ];
         if has_held_out {
             row.push(

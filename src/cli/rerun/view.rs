@@ -65,9 +65,9 @@ pub(in crate::cli) struct ViewReport {
 /// A recording that was shown.
 #[derive(Debug, Serialize, JsonSchema)]
 struct ShownRecording {
-    /// Its file.
+    /// Path of the file.
     file: String,
-    /// Its name in the viewer.
+    /// Name in the viewer.
     name: String,
     /// Kind of the file.
     state: Condition,

@@ -72,8 +72,9 @@ impl RunArguments {
         if !self.topics.is_empty() {
             topics = Topics::named(&self.topics)?;
         }
-        let name = run_name(&self.scenario, &scenario, &self.overrides);
-        let name = self.row.name(name);
+        let name = self
+            .row
+            .name(run_name(&self.scenario, &scenario, &self.overrides));
         Ok(RunPlan {
             files: FilePlan {
                 input: self.scenario.clone(),

@@ -1,10 +1,12 @@
 //! The report of a run.
 
 use crate::analysis::phrase::{significant, works};
-use crate::cli::numbers::{count, counted, number, short};
+use crate::cli::numbers::{format_count, format_fixed, format_integer, format_significant};
 use crate::cli::page::{Section, Tone};
 use crate::cli::report::WrittenFile;
 use crate::cli::table::Table;
+use crate::physics::dynamics::Model;
+use crate::physics::friction::Friction;
 use crate::physics::top::Top;
 use crate::run::outcome::Outcome;
 use crate::run::scenario::{Scenario, Value, Values};
@@ -16,7 +18,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 /// Wall-to-simulated time ratios above this are not shown (the simulated time is almost zero).
-const MAX_SHARE: f64 = 1e4;
+const MAX_RATIO: f64 = 1e4;
 
 /// The recordings of a run.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
@@ -63,9 +65,6 @@ pub(crate) struct RunReport {
     steps_rejected: u64,
     /// Evaluations of the equations of motion.
     evaluations: u64,
-    /// The causes of its loss of energy.
-    #[serde(skip)]
-    works: &'static str,
     /// Wall time, s.
     wall_time: f64,
     #[serde(flatten)]
@@ -80,7 +79,7 @@ impl RunReport {
         recorded: Recorded,
         wall: Duration,
     ) -> Self {
-        let (end, friction) = (&outcome.end, &scenario.model.friction);
+        let end = &outcome.end;
         let mut changes = BTreeMap::new();
         for (key, value) in scenario.changes(base) {
             let text = value.map_or_else(String::new, Value::to_set_notation);
@@ -97,11 +96,6 @@ impl RunReport {
             events: outcome.tally.counts().to_vec(),
             steps_rejected: end.statistics.rejected,
             evaluations: end.statistics.evaluations,
-            works: works([
-                friction.acts_at_contact(),
-                friction.has_air_drag(),
-                outcome.end.impacts > 0,
-            ]),
             wall_time: wall.as_secs_f64(),
             outcome,
             recorded,
@@ -109,13 +103,18 @@ impl RunReport {
     }
 
     /// The human-readable summary of a run, with a note on files not written.
-    pub(super) fn page(&self, name: &str, top: &Top, not_written: Option<&str>) -> Vec<Section> {
+    pub(super) fn page(
+        &self,
+        name: &str,
+        model: &Model,
+        not_written: Option<&str>,
+    ) -> Vec<Section> {
         let mut facts = vec![
             ("state", self.angles()),
             ("rates", self.rates()),
-            ("energy", self.energy_balance()),
+            ("energy", self.energy_balance(&model.friction)),
         ];
-        facts.extend(under("events", self.event_lines(top)));
+        facts.extend(under("events", self.event_lines(&model.top)));
         facts.extend([("logged", self.logged()), ("took", self.took())]);
         let recorded = &self.recorded;
         let mut lines = vec![recorded.mcap.line()];
@@ -148,8 +147,8 @@ impl RunReport {
     fn angles(&self) -> String {
         format!(
             "θ = {} rad after {} turns of precession",
-            number(self.outcome.end.motion.angles.theta, 4),
-            number(self.outcome.turns, 2)
+            format_fixed(self.outcome.end.motion.angles.theta, 4),
+            format_fixed(self.outcome.turns, 2)
         )
     }
 
@@ -157,13 +156,13 @@ impl RunReport {
         let rates = &self.outcome.end.motion.tilt.rates;
         format!(
             "φ̇ = {}, θ̇ = {}, ψ̇ = {} rad/s",
-            number(rates.phi, 4),
-            number(rates.theta, 5),
-            number(rates.psi, 3)
+            format_fixed(rates.phi, 4),
+            format_fixed(rates.theta, 5),
+            format_fixed(rates.psi, 3)
         )
     }
 
-    fn energy_balance(&self) -> String {
+    fn energy_balance(&self, friction: &Friction) -> String {
         let end = &self.outcome.end;
         // Small tops have energies of which six decimals show nothing.
         let is_small = end.energy_at_start.abs() < 1e-3;
@@ -177,13 +176,15 @@ impl RunReport {
             if is_small {
                 significant(energy, 4)
             } else {
-                number(energy, 6)
+                format_fixed(energy, 6)
             }
         });
-        format!(
-            "{before} J → {after} J (change {change} J, work of {} {work} J)",
-            self.works,
-        )
+        let causes = works([
+            friction.acts_at_contact(),
+            friction.has_air_drag(),
+            end.impacts > 0,
+        ]);
+        format!("{before} J → {after} J (change {change} J, work of {causes} {work} J)")
     }
 
     /// One line for each kind of event except nutation extremes; repeated events are counted, and their ends omitted.
@@ -200,7 +201,7 @@ impl RunReport {
                 }
                 (several, Some(plural)) => lines.push(format!(
                     "{} {plural} between {:.4} s and {:.4} s",
-                    count(several),
+                    format_integer(several),
                     event.first_time,
                     event.last_time
                 )),
@@ -213,21 +214,21 @@ impl RunReport {
     fn logged(&self) -> String {
         format!(
             "{} at {} Hz, {}, {}",
-            counted(self.samples, "sample"),
-            short(1.0 / self.sample_period, 6),
-            counted(self.outcome.end.nutations, "nutation cycle"),
-            counted(self.events.iter().map(|event| event.count).sum(), "event")
+            format_count(self.samples, "sample"),
+            format_significant(1.0 / self.sample_period, 6),
+            format_count(self.outcome.end.nutations, "nutation cycle"),
+            format_count(self.events.iter().map(|event| event.count).sum(), "event")
         )
     }
 
     fn took(&self) -> String {
-        let share = self.wall_time / self.outcome.end.time;
-        let share = if share < MAX_SHARE {
-            format!(" ({share:.3} × simulated time)")
+        let ratio = self.wall_time / self.outcome.end.time;
+        let share = if ratio < MAX_RATIO {
+            format!(" ({ratio:.3} × simulated time)")
         } else {
             String::new()
         };
-        let steps = counted(self.outcome.end.statistics.accepted, "integration step");
+        let steps = format_count(self.outcome.end.statistics.accepted, "integration step");
         format!("{:.2} s{share}; {steps}", self.wall_time)
     }
 }
@@ -245,20 +246,19 @@ mod tests {
     /// Programs read the names that recordings have.
     #[test]
     fn serializes_names_of_recordings() {
-        let written = |name: serde_json::Result<serde_json::Value>| name.unwrap();
         for kind in [
             EventKind::Start,
             EventKind::NutationMaximum,
             EventKind::WeakTop,
         ] {
-            assert_eq!(written(serde_json::to_value(kind)), kind.name());
+            assert_eq!(serde_json::to_value(kind).unwrap(), kind.name());
         }
         for stop in [
             StopReason::Risen,
             StopReason::SlipStopped,
             StopReason::Failed,
         ] {
-            assert_eq!(written(serde_json::to_value(stop)), stop.name());
+            assert_eq!(serde_json::to_value(stop).unwrap(), stop.name());
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The report of `toprise sweep`.
 
-use crate::cli::numbers::{count, counted, number};
+use crate::cli::numbers::{format_count, format_fixed, format_integer};
 use crate::cli::page::{Section, Tone};
 use crate::cli::report::WrittenFile;
 use crate::cli::table::Table;
@@ -38,10 +38,10 @@ pub(super) fn summary(stops: &BTreeMap<String, u64>, errors: u64) -> String {
     all.sort_by_key(|(_, number)| std::cmp::Reverse(**number));
     let mut words: Vec<_> = all
         .into_iter()
-        .map(|(stop, number)| format!("{} {}", count(*number), stop.replace('_', " ")))
+        .map(|(stop, number)| format!("{} {}", format_integer(*number), stop.replace('_', " ")))
         .collect();
     if errors > 0 {
-        words.push(format!("{} failed", count(errors)));
+        words.push(format!("{} failed", format_integer(errors)));
     }
     words.join(", ")
 }
@@ -58,16 +58,16 @@ impl SweepReport {
             facts.push(("first error", format!("run {}: {}", error.run, error.error)));
         }
         if dry_run {
-            facts.push(("left", counted(left, "run")));
+            facts.push(("left", format_count(left, "run")));
         } else {
             let computed = match self.computed {
                 0 if left > 0 => "nothing".to_owned(),
                 0 => "0 runs (all were already computed)".to_owned(),
                 computed => format!(
                     "{} in {} s ({} per second)",
-                    counted(computed, "run"),
-                    number(self.wall_time, 2),
-                    number(computed as f64 / self.wall_time, 1)
+                    format_count(computed, "run"),
+                    format_fixed(self.wall_time, 2),
+                    format_fixed(computed as f64 / self.wall_time, 1)
                 ),
             };
             facts.push(("computed", computed));
@@ -77,7 +77,7 @@ impl SweepReport {
         }
         if self.interrupted {
             // Of a shard, the other runs are none of this command's.
-            let (kept, left) = (count(self.computed), counted(left, "run"));
+            let (kept, left) = (format_integer(self.computed), format_count(left, "run"));
             facts.push(("kept", format!("{kept} of the {left} that were left")));
         }
         if let Some(parts) = &self.parts {
@@ -96,7 +96,7 @@ impl SweepReport {
     }
 
     fn title(&self, dry_run: bool, shard: Option<Shard>) -> Section {
-        let runs = counted(self.runs, "run");
+        let runs = format_count(self.runs, "run");
         // The last shard may have completed the table.
         let is_part = self.table.is_none();
         if self.interrupted {
@@ -109,7 +109,10 @@ impl SweepReport {
                 format!("{runs}: shard {index} of {count} is done"),
             )
         } else if self.errors > 0 {
-            Section::with_tone(Tone::Weak, format!("{runs}, {} failed", count(self.errors)))
+            Section::with_tone(
+                Tone::Weak,
+                format!("{runs}, {} failed", format_integer(self.errors)),
+            )
         } else {
             Section::with_tone(Tone::Good, runs)
         }
