@@ -16,6 +16,7 @@
 
 mod accelerations;
 mod body;
+mod departure;
 mod euler;
 mod fixed;
 mod formulation;

@@ -4,63 +4,32 @@
 //! drilling, air drag. [`Dissipation`] selects components of the sliding friction torque.
 
 mod branch;
-mod giving_way;
+mod breakaway;
+mod dissipation;
 mod law;
 mod losses;
 mod patch;
 
 pub use branch::{Branch, Rocking, Turning};
-pub(crate) use giving_way::GIVING_WAY;
+pub(crate) use breakaway::BREAKAWAY_SPEED;
+pub use dissipation::Dissipation;
 pub use law::{FrictionLaw, Smoothing, drilling_torque};
 pub(crate) use losses::NO_ROLLING;
 pub use losses::{Air, Drilling, Losses};
 pub(crate) use patch::PatchDirection;
 
-use crate::physics::kinematics::{Euler, Tilt};
+use crate::physics::kinematics::Tilt;
 use crate::physics::math::hypot;
 use crate::physics::top::Top;
 use nalgebra::Vector3;
 use std::ops::Mul;
-
-/// Parts of the sliding friction torque included in the equations of motion. [`Losses`] are always included.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Dissipation {
-    /// All of it: the paper's equation (4).
-    Full,
-    /// All but the component about the line of nodes (opposite to θ̇): the paper's equations (6) and (7). The slip
-    /// speed in its denominator keeps its θ̇.
-    WithoutNutationPart,
-    /// Only the term in φ̈ of (7): the paper's figure 4a. Not the torque of a force.
-    PrecessionTermOnly,
-    /// Only the term in ψ̈ of (7): the paper's figure 4b. Not the torque of a force.
-    SpinTermOnly,
-    /// The component `τ_2` of the torque of (6) about `n × e_N`, which tilts the axis; the torque counterpart of figure
-    /// 4a. `L_n` stays constant.
-    TiltTorqueOnly,
-    /// The component `τ_3` of the torque of (6) about the symmetry axis, which reduces the spin; the torque counterpart
-    /// of figure 4b.
-    SpinTorqueOnly,
-}
-
-impl Dissipation {
-    /// Whether terms of the Euler-angle equations are dropped, which divides by sin θ.
-    pub fn drops_euler_terms(self) -> bool {
-        matches!(self, Self::PrecessionTermOnly | Self::SpinTermOnly)
-    }
-
-    /// Whether the torque is that of a force at the contact point, i.e. has no vertical component and never adds
-    /// energy.
-    pub fn is_of_force(self) -> bool {
-        matches!(self, Self::Full | Self::WithoutNutationPart)
-    }
-}
 
 /// State of the contact. Vectors are in the lean frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// Slip velocity of the contact point over the table, m/s.
     pub slip: Vector3<f64>,
-    /// Its magnitude, m/s.
+    /// Magnitude of the slip velocity, m/s.
     pub slip_speed: f64,
     /// Normal force, N.
     pub normal_force: f64,
@@ -141,8 +110,9 @@ impl Friction {
     #[inline(always)]
     pub fn contact(&self, top: &Top, normal_force: f64, tilt: &Tilt) -> Contact {
         let mut contact = self.contact_by_law(top, normal_force, tilt);
-        if self.branch.rocking == Rocking::GivingWay {
-            let acting = self.giving_way(top, normal_force, tilt);
+        // The slip stays that of the motion; only the direction of friction is another.
+        if self.branch.rocking == Rocking::Breakaway {
+            let acting = self.breakaway_tilt(top, normal_force, tilt);
             let Contact { force, losses, .. } = self.contact_by_law(top, normal_force, &acting);
             (contact.force, contact.losses) = (force, losses);
         }
@@ -309,6 +279,7 @@ impl Friction {
     /// Bound of the static force on a fixed peg, N.
     #[inline]
     fn static_force(&self, normal_force: f64, tilt: &Tilt) -> f64 {
+        // Only whether the top turns matters here, which the branch says exactly.
         let rate = self.branch.turning.rate_of(tilt.omega_lean.z);
         self.law.static_bound_at(normal_force, rate)
     }
@@ -336,6 +307,7 @@ impl Friction {
         if grip.maximum == 0.0 {
             return (Vector3::zeros(), losses);
         }
+        // Sliding friction and rolling resistance carry the torque in proportion to their bounds.
         let share = top.peg_radius * self.static_force(normal_force, &tilt) / grip.maximum;
         let force = share / top.peg_radius * Vector3::new(-torque.y, torque.x, 0.0);
         (force, losses.map(|losses| losses + (1.0 - share) * torque))
@@ -380,31 +352,6 @@ impl Friction {
         torque
     }
 
-    /// Torque of friction about the peg's centre that enters the motion, in the lean frame, N m.
-    ///
-    /// For the two ablations of the paper: the torque equivalent to the retained acceleration terms.
-    #[inline(always)]
-    pub fn torque(&self, top: &Top, contact: &Contact, tilt: &Tilt) -> Vector3<f64> {
-        let sliding = self.torque_of_sliding(top, contact, tilt);
-        match contact.losses {
-            None => sliding,
-            Some(losses) => sliding + losses,
-        }
-    }
-
-    /// The terms that friction adds to θ̈, φ̈ and ψ̈, rad/s² (the last terms of the paper's equation (7)).
-    ///
-    /// They diverge towards the vertical. Upright, only their sum about the vertical is defined, and φ̈ is taken as 0,
-    /// as for the rates.
-    #[inline(always)]
-    pub fn euler_accelerations(&self, top: &Top, contact: &Contact, tilt: &Tilt) -> Euler {
-        let sliding = self.accelerations_of_sliding(top, contact, tilt);
-        match contact.losses {
-            None => sliding,
-            Some(losses) => sliding + top.euler_accelerations(&tilt.lean_to_node(&losses), tilt),
-        }
-    }
-
     /// Whether there is no friction and no other loss.
     pub fn is_none(&self) -> bool {
         self.law.is_none() && self.losses.is_none_or(|losses| losses.is_none())
@@ -440,61 +387,4 @@ impl Friction {
                 .losses
                 .is_some_and(|losses| losses.turns_about_vertical())
     }
-
-    #[inline(always)]
-    fn torque_of_sliding(&self, top: &Top, contact: &Contact, tilt: &Tilt) -> Vector3<f64> {
-        if self.dissipation.is_of_force() || tilt.is_upright() {
-            return contact_torque(top, contact);
-        }
-        if !self.dissipation.drops_euler_terms() {
-            return tilt.node_to_lean(&self.kept_torque(top, contact, tilt));
-        }
-        let kept = self.accelerations_of_sliding(top, contact, tilt);
-        let (transverse, axial) = (top.transverse_moment, top.axial_moment);
-        let (sin, cos) = (tilt.sin, tilt.cos);
-        // 𝕀 α with α = φ̈ z′ + ψ̈ n, in lean components.
-        Vector3::new(
-            sin * ((axial - transverse) * cos * kept.phi + axial * kept.psi),
-            0.0,
-            (transverse * sin * sin + axial * cos * cos) * kept.phi + axial * cos * kept.psi,
-        )
-    }
-
-    /// The retained components of the friction torque in the node frame, N m.
-    #[inline(always)]
-    fn kept_torque(&self, top: &Top, contact: &Contact, tilt: &Tilt) -> Vector3<f64> {
-        let torque = tilt.lean_to_node(&contact_torque(top, contact));
-        match self.dissipation {
-            Dissipation::TiltTorqueOnly => Vector3::new(0.0, torque.y, 0.0),
-            Dissipation::SpinTorqueOnly => Vector3::new(0.0, 0.0, torque.z),
-            Dissipation::Full
-            | Dissipation::WithoutNutationPart
-            | Dissipation::PrecessionTermOnly
-            | Dissipation::SpinTermOnly => torque,
-        }
-    }
-
-    #[inline(always)]
-    fn accelerations_of_sliding(&self, top: &Top, contact: &Contact, tilt: &Tilt) -> Euler {
-        let mut kept = top.euler_accelerations(&self.kept_torque(top, contact, tilt), tilt);
-        match self.dissipation {
-            Dissipation::PrecessionTermOnly => kept.psi = 0.0,
-            Dissipation::SpinTermOnly => kept.phi = 0.0,
-            Dissipation::Full
-            | Dissipation::WithoutNutationPart
-            | Dissipation::TiltTorqueOnly
-            | Dissipation::SpinTorqueOnly => {}
-        }
-        kept
-    }
-}
-
-/// Torque of the contact force about the peg's centre in the lean frame, N m: `r × f`, `r = −R z′`.
-#[inline]
-fn contact_torque(top: &Top, contact: &Contact) -> Vector3<f64> {
-    Vector3::new(
-        top.peg_radius * contact.force.y,
-        -top.peg_radius * contact.force.x,
-        0.0,
-    )
 }

@@ -18,9 +18,13 @@ mod coefficients;
 mod crossing;
 mod dense;
 mod dop853;
+mod interpolant;
 mod problem;
+mod search;
 
-pub use crossing::{Crossing, KNOTS, SignTracker, Slope, zero};
+pub use crossing::{Crossing, SignTracker, Slope};
 pub use dense::Dense;
 pub use dop853::Dop853;
+pub use interpolant::KNOTS;
 pub use problem::{IntegrateError, Statistics, System, Tolerances};
+pub use search::zero;

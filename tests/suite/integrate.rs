@@ -1000,12 +1000,12 @@ fn the_first_zero_of_many_is_the_crossing() {
 }
 
 #[test]
-fn noise_around_zero_is_ignored_below_the_floor() {
+fn ignores_noise_around_zero() {
     let noise = |s: f64| {
         let is_up = libm::sin(1e6 * s) > 0.0;
         if is_up { 1e-9 } else { -1e-9 }
     };
-    let mut tracker = SignTracker::with_floor(1e-8);
+    let mut tracker = SignTracker::with_noise_level(1e-8);
     let found = scan(&mut tracker, |s| s - 0.5 + noise(s)).0;
     assert_crossings(&found, &[(0.5, Slope::Rising)], 1e-8);
     assert_eq!(scan(&mut tracker, noise).0, []);
@@ -1019,14 +1019,14 @@ fn noise_around_zero_is_ignored_below_the_floor() {
 #[test]
 fn zero_is_located_where_the_noise_spans_the_end_of_a_step() {
     let mut tracker = SignTracker::looking_ahead();
-    tracker.set_floor(1e-3);
+    tracker.set_noise_level(1e-3);
     let found = scan(&mut tracker, |s| 0.9995 - s).0;
     assert_crossings(&found, &[(0.9995, Slope::Falling)], 1e-15);
     // It has crossed already, and turns back without leaving the noise.
     assert_eq!(scan(&mut tracker, |s| -0.0005 - s).0, []);
     assert_eq!(scan(&mut tracker, |s| 0.0005 * s - 1.0005).0, []);
     let mut tracker = SignTracker::looking_ahead();
-    tracker.set_floor(1e-3);
+    tracker.set_noise_level(1e-3);
     let turns = |s: f64| 0.5 * (s - 1.01) * (s - 1.01) - 1e-4;
     assert_eq!(scan(&mut tracker, turns).0, []);
     assert_eq!(scan(&mut tracker, |s| turns(s + 1.0)).0, []);

@@ -21,13 +21,7 @@ impl Accelerations {
     /// The total Euler accelerations, rad/s².
     #[inline]
     pub fn total(&self) -> Euler {
-        let sum = |part: fn(&Euler) -> f64| {
-            part(&self.gyroscopic)
-                + part(&self.inertial)
-                + part(&self.gravitational)
-                + part(&self.frictional)
-        };
-        Euler::new(sum(|e| e.phi), sum(|e| e.theta), sum(|e| e.psi))
+        self.gyroscopic + self.inertial + self.gravitational + self.frictional
     }
 }
 
@@ -45,6 +39,7 @@ fn inertial_terms(top: &Top, tilt: &Tilt) -> Accelerations {
     let nutation_over_sine = rates.theta / sin;
     let precession_gyroscopic = nutation_over_sine * gyroscopic;
     let precession_coriolis = -2.0 * nutation_over_sine * rates.phi * cos;
+    // Without a torque about the symmetry axis, ψ̇ + φ̇ cos θ is constant: ψ̈ = φ̇ θ̇ sin θ − φ̈ cos θ.
     Accelerations {
         gyroscopic: Euler {
             phi: precession_gyroscopic,

@@ -79,7 +79,7 @@ impl<const N: usize> System<N> for BodyRotation {
             let terms = self.model.accelerations(&contact, &tilt);
             Model::integrands(&contact, &friction, &tilt, &terms, theta)
         } else {
-            Model::few_integrands(&contact, &friction, &tilt)
+            Model::outcome_integrands(&contact, &friction, &tilt)
         };
         let first = [
             turning.i, turning.j, turning.k, turning.w, torque.x, torque.y, torque.z,
@@ -144,7 +144,7 @@ impl<const N: usize> Formulation<N> for BodyRotation {
     fn angles(&self, y: &[f64; N], reference: Euler) -> Euler {
         let q = quaternion(y);
         let lean = Lean::new(&q, |_| momentum(y));
-        euler_angles(&q, lean.reference(reference))
+        euler_angles(&q, lean.unwrap_reference(reference))
     }
 
     fn motion_without_turns(&self, y: &[f64; N], reference: Euler) -> Motion {

@@ -2,7 +2,9 @@
 
 use super::fixed::{self, FixedPeg};
 use super::formulation::{Entered, Formulation, Guard, Started};
-use super::integrals::{FEW_INTEGRALS, INTEGRALS, Integrals, first_of, integrals, with_integrals};
+use super::integrals::{
+    FEW_INTEGRALS, INTEGRALS, Integrals, first_integrals, integrals, with_integrals,
+};
 use super::model::Model;
 use super::motion::{Motion, Peg, Start};
 use super::support::Phase;
@@ -99,12 +101,12 @@ impl EulerAngles {
         let integrands = if I == INTEGRALS {
             Model::integrands(&contact, &torque, &tilt, &terms, theta)
         } else {
-            Model::few_integrands(&contact, &torque, &tilt)
+            Model::outcome_integrands(&contact, &torque, &tilt)
         };
         Derivatives {
             theta_dot: acceleration.theta,
             psi_dot: acceleration.psi,
-            integrals: first_of(&integrands),
+            integrals: first_integrals(&integrands),
             phi_dot: acceleration.phi,
         }
     }

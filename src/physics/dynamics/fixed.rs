@@ -8,7 +8,7 @@ use super::formulation::{Entry, Formulation, Guard, Started, Transition};
 use super::model::Model;
 use super::motion::{Motion, NO_SLIP, Start};
 use super::support::Phase;
-use crate::physics::friction::{Branch, GIVING_WAY, NO_ROLLING, Rocking, Turning};
+use crate::physics::friction::{BREAKAWAY_SPEED, Branch, NO_ROLLING, Rocking, Turning};
 use crate::physics::kinematics::{Euler, Tilt};
 
 /// Euler angles are singular within this distance of θ = 0 and θ = π, rad.
@@ -38,7 +38,8 @@ pub(super) trait FixedPeg<const N: usize>: Formulation<N> {
 }
 
 impl Model {
-    /// The same model on another branch of drilling friction.
+    /// The same model on another branch of drilling friction. The branch belongs to the model, because forces and torques
+    /// that are computed from it have to be those of the phase.
     pub(super) fn with_turning(self, turning: Turning) -> Self {
         let branch = Branch {
             turning,
@@ -60,6 +61,7 @@ pub(super) fn start<F: FixedPeg<N>, const N: usize>(
     let model = formulation.model();
     let tilt = Tilt::from_rates(start.angles.theta, start.rates);
     let rate = tilt.omega_lean.z;
+    // Drilling friction stops a rate below the threshold; without it, such a rate lasts.
     let drills = model.friction.drilling_bound(1.0, true) > 0.0;
     let turning = if rate == 0.0 || (drills && rate.abs() < NO_ROLLING) {
         Turning::Held
@@ -80,7 +82,7 @@ pub(super) fn start<F: FixedPeg<N>, const N: usize>(
 pub(super) fn guards(model: &Model, phase: Phase) -> Vec<Guard> {
     let is_at_rest = phase != Phase::Sliding;
     let mut guards = Vec::new();
-    if model.friction.branch.rocking == Rocking::GivingWay {
+    if model.friction.branch.rocking == Rocking::Breakaway {
         guards.push(Guard::Departure);
     }
     if is_at_rest {
@@ -115,7 +117,7 @@ pub(super) fn guard(model: &Model, guard: Guard, tilt: &Tilt) -> f64 {
         }
         Guard::Rolling => model.top.slip_speed(tilt) - NO_SLIP,
         Guard::Grip => model.grip(tilt).margin(),
-        Guard::Departure => GIVING_WAY - model.top.slip_speed(tilt),
+        Guard::Departure => BREAKAWAY_SPEED - model.top.slip_speed(tilt),
         Guard::Turning => model.friction.branch.turning.along(rate),
         Guard::TurningGrip => model.turning_margin(tilt),
         Guard::Regular => tilt.sin - SINGULAR,
@@ -157,7 +159,7 @@ pub(super) fn enter<F: FixedPeg<N>, const N: usize>(
         }
         Guard::Departure => (sliding(*formulation, turning, Rocking::Any), *state),
         Guard::Grip => (
-            sliding(*formulation, turning, Rocking::GivingWay),
+            sliding(*formulation, turning, Rocking::Breakaway),
             formulation.at_rest(state, true),
         ),
         Guard::NormalForce | Guard::Gap | Guard::Mobility | Guard::RollingGrip | Guard::Regular => {
@@ -208,7 +210,7 @@ fn settle<F: FixedPeg<N>, const N: usize>(
     let mut rested = *state;
     let mut rocking = friction.branch.rocking;
     if at_rest {
-        // What gave way has come to rest again.
+        // Friction that gave way has come to rest with the contact point.
         rocking = Rocking::Any;
         rested = formulation.at_rest(state, turns);
         let sticking = sticking(formulation, &rested, turning, reference);
@@ -226,6 +228,7 @@ fn settle<F: FixedPeg<N>, const N: usize>(
     if sliding.model().turning_margin(&now) >= 0.0 {
         return (sliding, held);
     }
+    // The torque exceeds what drilling friction can hold: the top turns in the sense of that torque.
     let turning = Turning::from_rate(sliding.model().turning_acceleration(&now));
     let branch = Branch { turning, rocking };
     (formulation.in_phase(Phase::Sliding, branch), rested)

@@ -4,7 +4,9 @@ mod state;
 mod transitions;
 
 pub use self::state::FreeRotation;
-use self::state::{CENTER, CONTROLLED, SCALED_MOMENTUM, VELOCITY, put, quaternion_rate, vector};
+use self::state::{
+    CENTER, CONTROLLED, SCALED_MOMENTUM, VELOCITY, quaternion_rate, set_vector, vector,
+};
 use self::transitions::JAMMED;
 
 use super::formulation::{Entered, Entry, Formulation, Guard, Started, Transition};
@@ -15,7 +17,7 @@ use super::model::Model;
 use super::motion::{Dissipated, HELD_AGAIN, Motion, NO_SLIP, Peg, Start};
 use super::reaction::{Inertia, Reaction};
 use super::support::Phase;
-use crate::physics::friction::{GIVING_WAY, NO_ROLLING, Rocking};
+use crate::physics::friction::{BREAKAWAY_SPEED, NO_ROLLING, Rocking};
 use crate::physics::integrate::{System, Tolerances};
 use crate::physics::kinematics::{
     Euler, Tilt, euler_angles, inclination, lean_to_world, world_from_body,
@@ -23,7 +25,7 @@ use crate::physics::kinematics::{
 use crate::physics::math::hypot;
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 
-/// Fraction of the tolerances used per step, because the nutation of a free top is unstable and amplifies errors.
+/// Fraction of the tolerances of the motion that a step may use, because the nutation of a free top is unstable and amplifies errors.
 const ERROR_SHARE: f64 = 0.02;
 
 /// Minimum relative tolerance (rounding).
@@ -97,9 +99,9 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         let velocity = peg_velocity + top.center_distance * omega.cross(&axis);
         let mut state = [0.0; N];
         state[..4].copy_from_slice(&[q.i, q.j, q.k, q.w]);
-        put(&mut state, SCALED_MOMENTUM, &scaled_momentum);
-        put(&mut state, CENTER, &center);
-        put(&mut state, VELOCITY, &velocity);
+        set_vector(&mut state, SCALED_MOMENTUM, &scaled_momentum);
+        set_vector(&mut state, CENTER, &center);
+        set_vector(&mut state, VELOCITY, &velocity);
         // Only in flight are all components of the state used.
         let flying = Self {
             model: *model,
@@ -113,7 +115,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         let slip = flying.parts(&state).contact_velocity();
         let at_rest = hypot(slip.x, slip.y) <= NO_SLIP;
         let formulation = flying.on_table(&state, at_rest);
-        // A top that pivots rolls, but says more.
+        // A top that pivots also rolls: the narrower transition is reported.
         let rolls = formulation.phase == Phase::Sticking;
         let transition = if formulation.is_jammed(&state) {
             Some(Transition::Jams)
@@ -126,7 +128,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
     }
 
     fn angles(&self, y: &[f64; N], reference: Euler) -> Euler {
-        euler_angles(&quaternion(y), self.lean(y).reference(reference))
+        euler_angles(&quaternion(y), self.lean(y).unwrap_reference(reference))
     }
 
     fn motion_without_turns(&self, y: &[f64; N], reference: Euler) -> Motion {
@@ -147,8 +149,8 @@ impl<const N: usize> Formulation<N> for FreeRotation {
             position.z = top.peg_radius;
             velocity_lean.z = 0.0;
         }
-        let slip = parts.contact_velocity();
-        let slip = Vector3::new(slip.x, slip.y, 0.0);
+        let contact_velocity = parts.contact_velocity();
+        let slip = Vector3::new(contact_velocity.x, contact_velocity.y, 0.0);
         Motion {
             angles: Euler {
                 theta: inclination(&quaternion(y)),
@@ -214,10 +216,6 @@ impl<const N: usize> Formulation<N> for FreeRotation {
     fn guard(&self, guard: Guard, motion: &Motion) -> f64 {
         let top = &self.model.top;
         let slip = motion.slip_velocity(top);
-        let reaction = || {
-            self.body_in(motion)
-                .reaction(self.phase, &motion.law_slip(&slip))
-        };
         match guard {
             // A point that friction can't hold slips, even if it starts slowly.
             Guard::Slip if motion.peg.departure.is_some() => NO_SLIP,
@@ -225,22 +223,22 @@ impl<const N: usize> Formulation<N> for FreeRotation {
                 let friction = &self.model.friction;
                 friction.patch_speed(slip.norm(), motion.tilt.omega_lean.z) - NO_SLIP
             }
-            Guard::Grip => self.grip(&reaction()),
+            Guard::Grip => self.grip(&self.reaction_in(motion)),
             Guard::Departure => {
                 let friction = &self.model.friction;
-                GIVING_WAY - friction.patch_speed(slip.norm(), motion.tilt.omega_lean.z)
+                BREAKAWAY_SPEED - friction.patch_speed(slip.norm(), motion.tilt.omega_lean.z)
             }
-            Guard::NormalForce => reaction().normal,
+            Guard::NormalForce => self.reaction_in(motion).normal,
             Guard::Gap => motion.peg.position.z - top.peg_radius,
             Guard::Mobility => {
                 let body = self.body_in(motion);
                 body.mobility(&motion.law_slip(&slip)) - JAMMED
             }
-            Guard::Rolling => self.rolling_guard(&motion.tilt, &motion.law_slip(&slip), reaction),
+            Guard::Rolling => self.rolling_guard(motion),
             Guard::RollingGrip => {
                 let Reaction {
                     normal, friction, ..
-                } = reaction();
+                } = self.reaction_in(motion);
                 let torque = hypot(friction.couple.x, friction.couple.y);
                 self.model.friction.rolling_arm() * normal - torque
             }
@@ -251,7 +249,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
             Guard::TurningGrip => {
                 let Reaction {
                     normal, friction, ..
-                } = reaction();
+                } = self.reaction_in(motion);
                 self.model.friction.drilling_bound(normal, false) - friction.couple.z.abs()
             }
             // These variables are regular everywhere.
@@ -287,6 +285,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
                 (next, transition)
             }
             Guard::Departure => {
+                // The slip is fast enough for the law to give the direction of friction.
                 let departed = Self {
                     departure: None,
                     ..*self
@@ -320,7 +319,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
                     ..self.held()
                 };
                 let next = self.settled(&state, resting);
-                let transition = if next.rests(&state) {
+                let transition = if next.is_motionless(&state) {
                     Transition::Rests
                 } else if next.held().turning {
                     Transition::TurningStops
@@ -350,26 +349,32 @@ impl<const N: usize> Formulation<N> for FreeRotation {
 }
 
 impl FreeRotation {
+    /// The contact forces in a motion of this phase.
+    #[inline]
+    fn reaction_in(&self, motion: &Motion) -> Reaction {
+        let slip = motion.slip_velocity(&self.model.top);
+        self.body_in(motion)
+            .reaction(self.phase, &motion.law_slip(&slip))
+    }
+
     /// The guard of rocking: the horizontal angular velocity above [`NO_ROLLING`], rad/s. It is open while rocking
     /// begins, until the friction of its direction slows it down again.
-    fn rolling_guard(
-        &self,
-        tilt: &Tilt,
-        slip: &Vector3<f64>,
-        reaction: impl Fn() -> Reaction,
-    ) -> f64 {
-        let rate = hypot(tilt.omega_lean.x, tilt.omega_lean.y);
+    fn rolling_guard(&self, motion: &Motion) -> f64 {
+        let rate = hypot(motion.tilt.omega_lean.x, motion.tilt.omega_lean.y);
         if rate >= NO_ROLLING {
             return rate - NO_ROLLING;
         }
-        let body = self.body(*tilt);
+        let body = self.body(motion.tilt);
         let beginning = match self.model.friction.branch.rocking {
             Rocking::Starting(direction) => Some(direction),
-            Rocking::GivingWay => Some(body.rocking_direction(self.phase, slip)),
+            Rocking::Breakaway => {
+                let slip = motion.law_slip(&motion.slip_velocity(&self.model.top));
+                Some(body.rocking_direction(self.phase, &slip))
+            }
             Rocking::Any | Rocking::Along(_) | Rocking::Held => None,
         };
         if let Some(direction) = beginning {
-            let reaction = reaction();
+            let reaction = self.reaction_in(motion);
             let acceleration = body.turning_for(&reaction);
             let friction = self.model.friction.rolling_arm() * reaction.normal;
             let strongest = friction * self.inertia.per_transverse;
@@ -388,8 +393,13 @@ fn sliding_guards(model: &Model) -> Vec<Guard> {
     let reach = top.peg_radius + top.center_distance.abs();
     let lever = friction.law.largest_coefficient() * reach + friction.rolling_arm();
     let jams = lever >= 2.0 * (top.central_moment() / top.mass).sqrt();
-    let slip = friction.holds_slip().then_some(Guard::Slip);
-    let mobility = jams.then_some(Guard::Mobility);
-    let guards = [slip, Some(Guard::NormalForce), mobility];
-    guards.into_iter().flatten().collect()
+    let mut guards = Vec::new();
+    if friction.holds_slip() {
+        guards.push(Guard::Slip);
+    }
+    guards.push(Guard::NormalForce);
+    if jams {
+        guards.push(Guard::Mobility);
+    }
+    guards
 }

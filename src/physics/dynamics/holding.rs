@@ -11,6 +11,7 @@ use super::support::Phase;
 use crate::physics::friction::{Branch, Rocking, Turning, Wrench};
 use crate::physics::math::hypot;
 use nalgebra::{Matrix6, Vector3, Vector6};
+use std::ops::Range;
 
 /// Index of the vertical component of a [`Vector6`] of contact forces, or of accelerations.
 const NORMAL: usize = 2;
@@ -22,12 +23,12 @@ const MAX_ITERATIONS: u32 = 20_000;
 /// Relative change of the forces at which the iteration has converged.
 const CONVERGED: f64 = 1e-14;
 
-/// Rocking rate from which rolling resistance that has given way is that of the law, rad/s.
+/// Rocking rate at which the breakaway of rolling resistance ends and its direction is that of the law, rad/s.
 ///
 /// Below it, the law would turn the rotation into the direction of the load within a time proportional to the rate, which
-/// an explicit method has to resolve, as for [`GIVING_WAY`](crate::physics::friction::GIVING_WAY); this is the rate at
+/// an explicit method has to resolve, as for [`BREAKAWAY_SPEED`](crate::physics::friction::BREAKAWAY_SPEED); this is the rate at
 /// which a peg of 1 cm slips at that speed.
-const GIVING_WAY_RATE: f64 = 1e-5;
+const BREAKAWAY_RATE: f64 = 1e-5;
 
 /// Components of the contact's motion that are zero at an instant, and have set-valued friction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -59,10 +60,29 @@ struct Response {
     per_force: Matrix6<f64>,
 }
 
-/// A disc or an interval of friction forces, in rows `from..to` of the wrench.
+/// A component of the contact's motion with set-valued friction.
+#[derive(Clone, Copy)]
+enum Component {
+    Slip,
+    Rocking,
+    Turning,
+}
+
+impl Component {
+    /// The rows of its friction in a wrench, and of its acceleration.
+    fn rows(self) -> Range<usize> {
+        match self {
+            Self::Slip => 0..2,
+            Self::Rocking => 3..5,
+            Self::Turning => TURNING..TURNING + 1,
+        }
+    }
+}
+
+/// The bound of the friction that can hold a component: a disc of forces or couples, or an interval.
 struct Bound {
-    rows: std::ops::Range<usize>,
-    /// Largest friction per normal force.
+    component: Component,
+    /// Largest friction per normal force, dimensionless or m.
     coefficient: f64,
 }
 
@@ -85,6 +105,7 @@ impl FreeBody<'_> {
         let mut right = Vector6::zeros();
         for row in 0..6 {
             if is_held[row] {
+                // What is held has no acceleration; the vertical is always among it.
                 equations.set_row(row, &per_force.row(row));
                 right[row] = -free[row];
             } else {
@@ -108,8 +129,8 @@ impl FreeBody<'_> {
     #[inline(always)]
     pub(super) fn begins_to_rock(&self) -> bool {
         let omega = &self.tilt.omega_lean;
-        self.friction.branch.rocking == Rocking::GivingWay
-            && hypot(omega.x, omega.y) < GIVING_WAY_RATE
+        self.friction.branch.rocking == Rocking::Breakaway
+            && hypot(omega.x, omega.y) < BREAKAWAY_RATE
     }
 
     /// The direction of rocking that rolling resistance opposes where it gives way, lean frame: that of the rotation,
@@ -128,7 +149,8 @@ impl FreeBody<'_> {
         if rate == 0.0 {
             return load;
         }
-        let share = rate / GIVING_WAY_RATE;
+        // From the direction of the load at rest to that of the rotation at the breakaway rate.
+        let share = rate / BREAKAWAY_RATE;
         ((1.0 - share) * load + share / rate * omega).normalize()
     }
 
@@ -214,6 +236,7 @@ impl FreeBody<'_> {
         let Response { free, per_force } = body.response();
         // Friction that moves acts with the normal force.
         let mobility = (per_force * moving)[NORMAL];
+        // The friction of the components at rest; that of the others follows from the normal force.
         let mut at_rest = Vector6::zeros();
         let mut normal = 0.0;
         let mut wrench = Vector6::zeros();
@@ -247,12 +270,10 @@ impl FreeBody<'_> {
             if bound.holds(&at_rest, normal) {
                 continue;
             }
-            // Friction opposes the beginning motion.
-            let against = |row: usize| -at_rest[row] / bound.size(&at_rest);
-            match bound.rows.start {
-                0 => release.slip = Some(Vector3::new(against(0), against(1), 0.0)),
-                3 => release.rocking = Some(Vector3::new(against(3), against(4), 0.0)),
-                _ => release.turning = Some(acceleration[TURNING]),
+            match bound.component {
+                Component::Slip => release.slip = Some(bound.beginning_motion(&at_rest)),
+                Component::Rocking => release.rocking = Some(bound.beginning_motion(&at_rest)),
+                Component::Turning => release.turning = Some(acceleration[TURNING]),
             }
         }
         release
@@ -281,19 +302,19 @@ impl Resting {
         let mut bounds = Vec::new();
         if self.slip {
             bounds.push(Bound {
-                rows: 0..2,
+                component: Component::Slip,
                 coefficient: friction.law.static_bound_at(1.0, 0.0),
             });
         }
         if self.rocking {
             bounds.push(Bound {
-                rows: 3..5,
+                component: Component::Rocking,
                 coefficient: friction.rolling_arm(),
             });
         }
         if self.turning {
             bounds.push(Bound {
-                rows: TURNING..TURNING + 1,
+                component: Component::Turning,
                 coefficient: friction.drilling_bound(1.0, self.slip),
             });
         }
@@ -304,9 +325,15 @@ impl Resting {
 impl Bound {
     /// The magnitude of this friction in a wrench, N or N m.
     fn size(&self, wrench: &Vector6<f64>) -> f64 {
-        self.rows
-            .clone()
+        self.component
+            .rows()
             .fold(0.0, |size, row| hypot(size, wrench[row]))
+    }
+
+    /// The direction of the motion that begins against the largest friction of a disc, a horizontal unit vector.
+    fn beginning_motion(&self, wrench: &Vector6<f64>) -> Vector3<f64> {
+        let (first, size) = (self.component.rows().start, self.size(wrench));
+        Vector3::new(-wrench[first] / size, -wrench[first + 1] / size, 0.0)
     }
 
     /// Changes the friction against the acceleration of its component, within its bound.
@@ -317,16 +344,17 @@ impl Bound {
         per_force: &Matrix6<f64>,
         normal: f64,
     ) {
+        // One factor for all rows keeps the direction; the largest doesn't overshoot in any row.
         let largest = self
-            .rows
-            .clone()
+            .component
+            .rows()
             .fold(0.0_f64, |largest, row| largest.max(per_force[(row, row)]));
-        for row in self.rows.clone() {
+        for row in self.component.rows() {
             wrench[row] -= acceleration[row] / largest;
         }
         let (size, bound) = (self.size(wrench), self.coefficient * normal);
         if size > bound {
-            for row in self.rows.clone() {
+            for row in self.component.rows() {
                 wrench[row] *= bound / size;
             }
         }
@@ -334,6 +362,7 @@ impl Bound {
 
     /// Whether this friction is within its bound.
     fn holds(&self, wrench: &Vector6<f64>, normal: f64) -> bool {
+        // The projection onto the bound is rounded, so friction on the bound may seem to be a little within.
         self.size(wrench) < self.coefficient * normal * (1.0 - 1e-12)
     }
 }

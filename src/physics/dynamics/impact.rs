@@ -6,6 +6,7 @@
 //! restitution ends when its work is `e²` times the work of compression (W. J. Stronge, Proc. R. Soc. Lond. A 431
 //! (1990) 169). No impact gains energy.
 
+use super::departure::departure;
 use super::reaction::FreeBody;
 use crate::physics::friction::Wrench;
 use crate::physics::integrate::{
@@ -200,7 +201,7 @@ impl ImpactEquations<'_> {
             return Stage::Held;
         }
         let slowly = SLIP_STOPPED * self.scale();
-        match FreeBody::departure(|direction| {
+        match departure(|direction| {
             let friction = self.per_impulse(&(slowly * direction), &now.omega);
             self.body.acceleration_per_normal_force(&friction)
         }) {
@@ -394,18 +395,20 @@ impl<'a> Collision<'a> {
 
     fn first_event(&mut self, dense: &Dense<SIZE>) -> Option<(f64, ImpactEvent)> {
         let mut watches = std::mem::take(&mut self.watches);
-        let state = |s| dense.first_at(GUARD_INPUTS, s);
-        let at_knots = KNOTS.map(state);
+        let at_knots = KNOTS.map(|s| dense.first_at(GUARD_INPUTS, s));
         let mut first: Option<(f64, ImpactEvent)> = None;
         for (event, tracker) in &mut watches {
-            let value = |y: &State| self.event_value(*event, y);
-            let values = at_knots.each_ref().map(value);
+            let values = at_knots.each_ref().map(|y| self.event_value(*event, y));
             let wanted = match event {
                 ImpactEvent::SlipStopped => Slope::Falling,
                 ImpactEvent::Compressed | ImpactEvent::Restituted => Slope::Rising,
             };
             let mut found: Vec<Crossing> = Vec::new();
-            tracker.scan(&values, |s| value(&state(s)), &mut found);
+            tracker.scan(
+                &values,
+                |s| self.event_value(*event, &dense.first_at(GUARD_INPUTS, s)),
+                &mut found,
+            );
             let crossing = found.iter().find(|crossing| crossing.slope == wanted);
             if let Some(crossing) = crossing
                 && first.is_none_or(|(s, _)| crossing.s < s)
@@ -429,14 +432,15 @@ impl<'a> Collision<'a> {
         if is_held {
             (after.x, after.y) = (0.0, 0.0);
         }
-        let given_back = 1.0 - self.restitution * self.restitution;
+        // Stronge: restitution returns e² of the work of compression.
+        let lost_share = 1.0 - self.restitution * self.restitution;
         Impact {
             impulse: now.impulse,
             couple: now.couple,
             before: equations.before,
             after,
             restitution: self.restitution,
-            normal_loss: -unit * given_back * self.compression.unwrap_or_default(),
+            normal_loss: -unit * lost_share * self.compression.unwrap_or_default(),
             friction_loss: unit * y[7],
             is_held,
         }

@@ -43,9 +43,9 @@ pub struct TermIntegrals {
 }
 
 impl TermIntegrals {
-    /// Their rates of change, per second.
+    /// Rates of change of the integrals, i.e. the terms themselves, rad/s².
     #[inline(always)]
-    pub(super) fn new(accelerations: &Accelerations, tilt: &Tilt) -> Self {
+    pub(super) fn rates(accelerations: &Accelerations, tilt: &Tilt) -> Self {
         if tilt.sin > TERMS_SINE {
             Self {
                 phi_gyroscopic: accelerations.gyroscopic.phi,
@@ -81,28 +81,51 @@ fn as_array(all: &Integrals) -> [f64; INTEGRALS] {
     ]
 }
 
-/// The running integrals at the end of a state vector, after its first `M` components; 0 for absent ones.
+/// The inverse of [`as_array`].
 #[inline]
-pub(super) fn integrals<const M: usize, const N: usize>(state: &[f64; N]) -> Integrals {
-    let at = |index: usize| state.get(M + index).copied().unwrap_or_default();
+fn from_array(all: [f64; INTEGRALS]) -> Integrals {
+    let [
+        friction_work,
+        slip_path,
+        theta,
+        work_node_x,
+        work_node_y,
+        work_node_z,
+        slip_work,
+        phi_gyroscopic,
+        phi_coriolis,
+        phi_frictional,
+        psi_frictional,
+    ] = all;
     Integrals {
-        friction_work: at(0),
-        slip_path: at(1),
-        theta: at(2),
-        work_node: Vector3::new(at(3), at(4), at(5)),
-        slip_work: at(6),
+        friction_work,
+        slip_path,
+        theta,
+        work_node: Vector3::new(work_node_x, work_node_y, work_node_z),
+        slip_work,
         terms: TermIntegrals {
-            phi_gyroscopic: at(7),
-            phi_coriolis: at(8),
-            phi_frictional: at(9),
-            psi_frictional: at(10),
+            phi_gyroscopic,
+            phi_coriolis,
+            phi_frictional,
+            psi_frictional,
         },
     }
 }
 
+/// The running integrals at the end of a state vector, after its first `M` components; 0 for absent ones.
+#[inline]
+pub(super) fn integrals<const M: usize, const N: usize>(state: &[f64; N]) -> Integrals {
+    let mut all = [0.0; INTEGRALS];
+    // A short state has only the first ones.
+    for (value, component) in all.iter_mut().zip(&state[M..]) {
+        *value = *component;
+    }
+    from_array(all)
+}
+
 /// The first `I` running integrals, or their rates.
 #[inline(always)]
-pub(super) fn first_of<const I: usize>(integrals: &Integrals) -> [f64; I] {
+pub(super) fn first_integrals<const I: usize>(integrals: &Integrals) -> [f64; I] {
     const {
         assert!(I == INTEGRALS || I == FEW_INTEGRALS);
     }

@@ -20,6 +20,7 @@ impl Lean {
     /// horizontal part it is about to rotate, world frame.
     #[inline]
     pub(super) fn new(q: &Quaternion<f64>, turning: impl FnOnce(f64) -> Vector3<f64>) -> Self {
+        // The integrator doesn't keep the quaternion at unit length.
         let per_square = 1.0 / q.norm_squared();
         let x = 2.0 * (q.i * q.k + q.j * q.w) * per_square;
         let y = 2.0 * (q.j * q.k - q.i * q.w) * per_square;
@@ -51,16 +52,18 @@ impl Lean {
         Vector3::new(x * v.x - y * v.y, y * v.x + x * v.y, v.z)
     }
 
-    /// Reference angles for [`euler_angles`](crate::physics::kinematics::euler_angles), which keeps their φ if the axis
-    /// is vertical: with the φ of the tilt direction in that case.
-    pub(super) fn reference(&self, before: Euler) -> Euler {
+    /// Angles near which [`euler_angles`](crate::physics::kinematics::euler_angles) unwraps φ and ψ. It keeps their φ if
+    /// the axis is vertical; in that case they have the φ of the tilt direction.
+    pub(super) fn unwrap_reference(&self, before: Euler) -> Euler {
         let [x, y] = self.direction;
+        // Without a tilt direction, φ stays as it was.
         if self.sin > UPRIGHT_SINE || (x == 0.0 && y == 0.0) {
             return before;
         }
         let phi = unwrap_near(atan2(x, -y), before.phi);
         Euler {
             phi,
+            // Of a vertical axis only φ + ψ (upright) or φ − ψ (inverted) is defined: ψ makes up for the change of φ.
             psi: before.psi - self.cos.signum() * (phi - before.phi),
             ..before
         }

@@ -24,6 +24,7 @@ pub struct Model {
 impl Model {
     /// The state of the contact for a motion.
     pub fn contact_in(&self, motion: &Motion) -> Contact {
+        // The model of a scenario is not on the branches of a phase.
         if self.friction.branch != motion.branch {
             let friction = self.friction.on_branch(motion.branch);
             return Self { friction, ..*self }.contact_in(motion);
@@ -148,7 +149,7 @@ impl Model {
                 ..self.nutating_top()
             };
             let fast = weightless.precession_roots(tilt)?.fast;
-            // The slow root is −0 for a negative spin.
+            // The slow root would be −0 for a negative spin.
             return Some(PrecessionRoots { slow: 0.0, fast });
         }
         if !self.rolls(phase) {
@@ -248,8 +249,9 @@ impl Model {
     /// Angular acceleration about the vertical that a fixed peg would have without the torque that prevents turning,
     /// rad/s².
     pub(super) fn turning_acceleration(&self, tilt: &Tilt) -> f64 {
-        let free = self.with_turning(Turning::Held);
-        let contact = free.friction.contact(&self.top, self.top.weight(), tilt);
+        // A held top has no drilling torque of its own: only the balance determines it.
+        let held = self.with_turning(Turning::Held);
+        let contact = held.friction.contact(&self.top, self.top.weight(), tilt);
         let torque = self.top.gravity_torque(tilt) + self.friction_torque(&contact, tilt);
         self.top.angular_acceleration(&torque, tilt).z
     }
@@ -284,9 +286,9 @@ impl Model {
         }
     }
 
-    /// Rates of the running integrals of an outcome; 0 for the others.
+    /// Rates of the running integrals that an outcome needs, [`FEW_INTEGRALS`](super::FEW_INTEGRALS); 0 for the others.
     #[inline(always)]
-    pub(super) fn few_integrands(
+    pub(super) fn outcome_integrands(
         contact: &Contact,
         friction_torque: &Vector3<f64>,
         tilt: &Tilt,
@@ -312,8 +314,8 @@ impl Model {
             theta,
             work_node: torque.component_mul(&tilt.omega_node()),
             slip_work: contact.force.dot(&contact.slip),
-            terms: TermIntegrals::new(accelerations, tilt),
-            ..Self::few_integrands(contact, friction_torque, tilt)
+            terms: TermIntegrals::rates(accelerations, tilt),
+            ..Self::outcome_integrands(contact, friction_torque, tilt)
         }
     }
 }

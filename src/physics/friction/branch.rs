@@ -9,9 +9,9 @@ use nalgebra::Vector3;
 /// the zero that ends it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Branch {
-    /// That of drilling friction.
+    /// Branch of drilling friction.
     pub turning: Turning,
-    /// That of the rolling resistance of a free peg, and of the slip of a fixed peg, which is rocking.
+    /// Branch of the rolling resistance of a free peg, and of the slip of a fixed peg, which is rocking.
     pub rocking: Rocking,
 }
 
@@ -40,7 +40,7 @@ pub enum Rocking {
     /// Slow, resisted about this horizontal unit vector (lean frame).
     Along(Vector3<f64>),
     /// Starting from zero where friction gives way gradually: against the torque that would still hold the top.
-    GivingWay,
+    Breakaway,
     /// Zero, held by friction.
     Held,
 }
@@ -69,6 +69,7 @@ impl Turning {
         match self {
             Self::Forward => rate,
             Self::Backward => -rate,
+            // These branches last whatever the rate is; NaN has no sign to change.
             Self::Any | Self::Held => f64::NAN,
         }
     }

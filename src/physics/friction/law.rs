@@ -139,6 +139,7 @@ impl FrictionLaw {
     #[inline]
     pub fn static_bound_at(&self, normal_force: f64, turning_rate: f64) -> f64 {
         match *self {
+            // A patch that turns has no discontinuity at zero slip: the rim always slips.
             Self::Contensou { k, .. } if turning_rate == 0.0 => k * normal_force,
             Self::None
             | Self::Coulomb { .. }
@@ -164,8 +165,8 @@ impl FrictionLaw {
                 let turning = (torque / drilling).abs();
                 let rest = (1.0 - relative) * (1.0 - turning);
                 // Beyond both bounds, both factors are negative.
-                let rest = if relative > 1.0 { -rest.abs() } else { rest };
-                bound * (rest - 2.5 * relative * turning)
+                let signed_rest = if relative > 1.0 { -rest.abs() } else { rest };
+                bound * (signed_rest - 2.5 * relative * turning)
             }
             Self::None
             | Self::Coulomb { .. }
@@ -212,6 +213,7 @@ impl Smoothing {
 #[inline]
 pub fn drilling_torque(k: f64, a: f64, normal_force: f64, slip_speed: f64, omega: f64) -> f64 {
     let rim_velocity = a * omega;
+    // Written as a quotient of speeds, which is exactly ±1 for pure drilling.
     let speed = rim_velocity.abs() + 15.0 * PI / 16.0 * slip_speed;
     if speed > 0.0 {
         -3.0 * PI / 16.0 * k * normal_force * a * (rim_velocity / speed)

@@ -38,6 +38,7 @@ impl Drilling {
 
     /// The largest torque, N m.
     pub fn bound(&self, normal_force: f64) -> f64 {
+        // Of any turning backward: the torque depends on the sense only.
         self.torque(normal_force, -1.0)
     }
 }
@@ -95,16 +96,17 @@ impl Losses {
     ) -> Vector2<f64> {
         let rate = (omega.x * omega.x + omega.y * omega.y).sqrt();
         match rocking {
+            // The rate is still too small to have a direction.
             Rocking::Starting(direction) if rate < NO_ROLLING => {
                 self.rolling_arm * normal_force * direction.xy()
             }
             Rocking::Along(direction) => self.rolling_arm * normal_force * direction.xy(),
-            Rocking::Any | Rocking::Starting(_) | Rocking::GivingWay if rate > 0.0 => {
+            Rocking::Any | Rocking::Starting(_) | Rocking::Breakaway if rate > 0.0 => {
                 let per_rate = self.rolling_arm * normal_force / rate;
                 Vector2::new(per_rate * omega.x, per_rate * omega.y)
             }
             // Held: what it has to be follows from the balance.
-            Rocking::Any | Rocking::Starting(_) | Rocking::GivingWay | Rocking::Held => {
+            Rocking::Any | Rocking::Starting(_) | Rocking::Breakaway | Rocking::Held => {
                 Vector2::zeros()
             }
         }
@@ -116,7 +118,7 @@ impl Losses {
         self.rolling_arm == 0.0 && !self.turns_about_vertical()
     }
 
-    /// Whether they have a torque about the vertical.
+    /// Whether a loss has a torque about the vertical.
     #[inline]
     pub fn turns_about_vertical(&self) -> bool {
         self.drilling.k != 0.0 || self.air != Air::default()
@@ -127,6 +129,7 @@ impl Air {
     #[inline]
     pub(super) fn torque(&self, omega: &Vector3<f64>, axis: &Vector3<f64>) -> Vector3<f64> {
         let axial_rate = omega.dot(axis);
+        // The transverse coefficient acts on all of ω, so the axial one has to make up for it along the axis.
         let along = self.axial + self.disc * axial_rate.abs().sqrt() - self.transverse;
         -self.transverse * omega - along * axial_rate * axis
     }

@@ -23,6 +23,7 @@ impl PatchDirection {
     /// The load is scaled to the limit of slow motion, `(1 − F)(1 − m) = (5/2) F m`.
     pub(crate) fn under_load(force: f64, torque: f64) -> Self {
         let (sum, product) = (force + torque, force * torque);
+        // The positive root of that quadratic, without cancellation.
         let scale = 2.0 / (sum + (sum * sum + 6.0 * product).sqrt());
         let (force, torque) = (scale * force, scale * torque);
         // Of two equal ratios, that without cancellation.

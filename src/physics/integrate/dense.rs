@@ -6,7 +6,7 @@
 pub struct Dense<const N: usize> {
     /// The start of the step.
     pub t0: f64,
-    /// Its length. The step ends at exactly `t0 + h`.
+    /// Length of the step, which ends at exactly `t0 + h`.
     pub h: f64,
     /// Coefficients of Hairer's nested form: see [`Dense::component`].
     pub(super) coefficients: [[f64; N]; 8],

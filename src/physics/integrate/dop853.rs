@@ -221,6 +221,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
                 return Ok(());
             }
             self.reject(step.h, error);
+            // From now on the dense output determines the steps, until their own error demands shorter ones.
             self.dense_limits = true;
             growth_limit = 1.0;
         }
@@ -239,7 +240,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         }
     }
 
-    /// Tries steps until one has a small enough error. Returns it and the length of the next as a multiple of its own.
+    /// Tries steps until one has a small enough error. Returns that step, and the length of the next relative to it.
     #[inline]
     fn try_steps(&mut self, mut growth_limit: f64) -> Result<(Step<N>, f64), IntegrateError> {
         loop {
@@ -276,16 +277,16 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         let rise = difference(&step.end_y, &step.y);
         let start_bend: [f64; N] = std::array::from_fn(|i| h * step.k[0][i] - rise[i]);
         let end_bend: [f64; N] = std::array::from_fn(|i| rise[i] - h * step.end_dy[i]);
-        let high = |row| combine(row, &k).map(|dy| h * dy);
+        // The rest of the polynomial of degree 7, zero at both ends in value and slope.
         let coefficients = [
             step.y,
             rise,
             start_bend,
             difference(&end_bend, &start_bend),
-            high(&DENSE[0]),
-            high(&DENSE[1]),
-            high(&DENSE[2]),
-            high(&DENSE[3]),
+            combine(&DENSE[0], &k).map(|dy| h * dy),
+            combine(&DENSE[1], &k).map(|dy| h * dy),
+            combine(&DENSE[2], &k).map(|dy| h * dy),
+            combine(&DENSE[3], &k).map(|dy| h * dy),
         ];
         Dense {
             t0: t,
@@ -313,6 +314,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     /// apart by half an ulp of t per step.
     fn resolvable_step(&self) -> Result<f64, IntegrateError> {
         let (t, step) = (self.t(), self.next_h);
+        // False also for NaN, e.g. where both tolerances are zero.
         let resolvable = step > SHORTEST_STEP * t.abs();
         if !resolvable {
             return Err(IntegrateError::StepSizeUnderflow { t, step });
@@ -354,6 +356,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         row: &Row<M>,
         k: &[[f64; N]; K],
     ) -> [f64; N] {
+        // Quadratures stay 0 in the stages: no derivative depends on them.
         let slope = combine_controlled::<S, N, M, K>(row, k);
         let mut state = [0.0; N];
         for i in 0..S::CONTROLLED {
@@ -387,6 +390,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
             fifth_squared += square(fifth[i] / scale);
         }
         let damped = fifth_squared + WEIGHT_OF_THIRD * third_squared;
+        // Both estimates vanish, e.g. for a top at rest.
         if damped == 0.0 {
             return 0.0;
         }

@@ -194,7 +194,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             let kind = *kind;
             if kind == ZeroKind::Precession {
                 let steps = self.integrator.statistics().accepted;
-                tracker.set_floor(precession_floor(&self.tolerances, steps, &motions));
+                tracker.set_noise_level(precession_floor(&self.tolerances, steps, &motions));
             }
             let looks_closer = kind == ZeroKind::NutationRate && self.detail == Detail::All;
             let values = if looks_closer {

@@ -174,7 +174,7 @@ const TURNING_FLOOR: f64 = 1e-12;
 fn guard_tracker(guard: Guard, is_free: bool) -> SignTracker {
     match guard {
         Guard::Gap => SignTracker::with_sign(true, 1e-16),
-        Guard::Slip if is_free => SignTracker::with_floor(SLIP_FLOOR),
+        Guard::Slip if is_free => SignTracker::with_noise_level(SLIP_FLOOR),
         Guard::Slip => SignTracker::default(),
         Guard::Turning => SignTracker::with_sign(true, TURNING_FLOOR),
         Guard::TurningGrip | Guard::Departure => SignTracker::with_sign(true, 0.0),
@@ -200,7 +200,7 @@ pub(super) fn watches<F: Formulation<N>, const N: usize>(
 ) -> Vec<Watch> {
     let watch = |kind, floor| Watch {
         kind,
-        tracker: SignTracker::with_floor(floor),
+        tracker: SignTracker::with_noise_level(floor),
     };
     let model = formulation.model();
     let is_free = model.support.is_free();

@@ -11,7 +11,7 @@ use crate::physics::dynamics::motion::{
 use crate::physics::dynamics::reaction::{ContactArm, FreeBody, Inertia, Reaction};
 use crate::physics::dynamics::support::Phase;
 use crate::physics::friction::{
-    Branch, FrictionLaw, GIVING_WAY, NO_ROLLING, PatchDirection, Rocking, Turning, Wrench,
+    BREAKAWAY_SPEED, Branch, FrictionLaw, NO_ROLLING, PatchDirection, Rocking, Turning, Wrench,
 };
 use crate::physics::kinematics::Tilt;
 use crate::physics::math::{atan2, hypot};
@@ -46,14 +46,14 @@ pub(super) enum Departure {
     /// In this direction, lean frame.
     Toward(Vector3<f64>),
     /// Friction gives way gradually; the direction follows from the motion.
-    GivingWay,
+    Breakaway,
 }
 
 /// Index of the first component of the scaled angular momentum.
 pub(super) const SCALED_MOMENTUM: usize = 4;
 /// Index of the first component of the position of the centre of mass.
 pub(super) const CENTER: usize = 7;
-/// Index of the first component of its velocity.
+/// Index of the first component of the velocity of the centre of mass.
 pub(super) const VELOCITY: usize = 10;
 /// Number of components of the motion, whose error is controlled.
 pub(super) const CONTROLLED: usize = 13;
@@ -106,6 +106,7 @@ impl FreeRotation {
         let scaled = lean.world_to_lean(&vector(y, SCALED_MOMENTUM));
         let axial = lean.sin * scaled.x + lean.cos * scaled.z;
         let excess = axial * (self.inertia.transverse * self.inertia.per_axial - 1.0);
+        // ω = L/A + (1/I_z − 1/A)(L·n) n, with L already divided by A.
         let mut omega = scaled + excess * Vector3::new(lean.sin, 0.0, lean.cos);
         if self.model.friction.branch.is_held() {
             omega = self.held_rotation(&lean, &scaled);
@@ -118,6 +119,7 @@ impl FreeRotation {
             Phase::Sticking => rolling,
             Phase::Sliding => {
                 let own = lean.world_to_lean(&vector(y, VELOCITY));
+                // The peg stays on the table.
                 Vector3::new(own.x, own.y, rolling.z)
             }
         };
@@ -143,7 +145,7 @@ impl FreeRotation {
                 let rate = momentum.z / central.vertical_moment(lean.sin, lean.cos);
                 Vector3::new(0.0, 0.0, rate)
             }
-            (Rocking::Any | Rocking::Starting(_) | Rocking::Along(_) | Rocking::GivingWay, _) => {
+            (Rocking::Any | Rocking::Starting(_) | Rocking::Along(_) | Rocking::Breakaway, _) => {
                 central.rocking_rate(&momentum, lean.sin, lean.cos)
             }
         }
@@ -191,13 +193,14 @@ impl FreeRotation {
         let holding = self.holding();
         let body = holding.body(*tilt);
         let held = body.held();
+        // Friction that can hold the contact again ends the departure; the margin prevents alternation by rounding.
         let strongest = friction.law.static_bound_at(held.normal, 0.0);
         if self.grip(&held) > HELD_AGAIN * strongest {
             return None;
         }
         match departure {
-            Departure::GivingWay if is_patch => self.departing_patch(tilt, slip, &held),
-            Departure::GivingWay => Some(Departing {
+            Departure::Breakaway if is_patch => self.departing_patch(tilt, slip, &held),
+            Departure::Breakaway => Some(Departing {
                 slip: DEPARTING * self.body(*tilt).release_direction(),
                 turning_rate: tilt.omega_lean.z,
             }),
@@ -211,7 +214,7 @@ impl FreeRotation {
     /// Whether a contact patch that rested as a whole has given way.
     #[inline]
     pub(super) fn is_departing_patch(&self) -> bool {
-        self.departure == Some(Departure::GivingWay) && self.model.friction.rests_as_a_whole()
+        self.departure == Some(Departure::Breakaway) && self.model.friction.rests_as_a_whole()
     }
 
     /// The motion of a contact patch that gives way to the load that would still hold it: turned towards the direction
@@ -232,9 +235,9 @@ impl FreeRotation {
         let bound = friction.law.static_bound_at(held.normal, 0.0);
         let torque_bound = friction.drilling_bound(held.normal, true);
         let rate = tilt.omega_lean.z;
-        let share = friction.patch_speed(slip.norm(), rate) / GIVING_WAY;
+        let share = friction.patch_speed(slip.norm(), rate) / BREAKAWAY_SPEED;
         let direction = PatchDirection::under_load(strength / bound, couple.z.abs() / torque_bound);
-        let speed = (1.0 - share) * GIVING_WAY;
+        let speed = (1.0 - share) * BREAKAWAY_SPEED;
         let along = Vector3::new(force.x, force.y, 0.0) / strength.max(f64::MIN_POSITIVE);
         let rim = direction.rim.copysign(-couple.z);
         Some(Departing {
@@ -277,7 +280,7 @@ impl FreeRotation {
             theta: atan2(lean.sin, lean.cos),
             work_node: torque.component_mul(&tilt.omega_node()),
             slip_work,
-            terms: TermIntegrals::new(&accelerations_about(top, &torque, tilt), tilt),
+            terms: TermIntegrals::rates(&accelerations_about(top, &torque, tilt), tilt),
             ..few
         }
     }
@@ -354,7 +357,7 @@ impl FreeRotation {
     pub(super) fn completed<const N: usize>(&self, y: &[f64; N]) -> [f64; N] {
         let parts = self.parts(y);
         let mut state = *y;
-        put(
+        set_vector(
             &mut state,
             VELOCITY,
             &parts.lean.lean_to_world(&parts.velocity),
@@ -365,7 +368,7 @@ impl FreeRotation {
                 .tilt
                 .node_to_lean(&central.angular_momentum_node(&parts.tilt));
             let scaled = momentum * self.inertia.per_transverse;
-            put(
+            set_vector(
                 &mut state,
                 SCALED_MOMENTUM,
                 &parts.lean.lean_to_world(&scaled),
@@ -390,11 +393,13 @@ pub(super) fn quaternion_rate(q: &Quaternion<f64>, omega: &Vector3<f64>) -> Quat
     )
 }
 
+/// The vector whose first component is `y[at]`.
 #[inline]
 pub(super) fn vector<const N: usize>(y: &[f64; N], at: usize) -> Vector3<f64> {
     Vector3::new(y[at], y[at + 1], y[at + 2])
 }
 
-pub(super) fn put<const N: usize>(y: &mut [f64; N], at: usize, v: &Vector3<f64>) {
+/// Sets the vector whose first component is `y[at]`.
+pub(super) fn set_vector<const N: usize>(y: &mut [f64; N], at: usize, v: &Vector3<f64>) {
     y[at..at + 3].copy_from_slice(v.as_slice());
 }

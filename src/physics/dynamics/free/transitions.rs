@@ -1,11 +1,12 @@
 //! Transitions of a free peg between rolling, sliding and flight.
 
 use super::state::{CENTER, CONTROLLED, Departure, FreeRotation, SCALED_MOMENTUM, VELOCITY};
+use crate::physics::dynamics::departure::departure;
 use crate::physics::dynamics::formulation::Transition;
 use crate::physics::dynamics::holding::Resting;
 use crate::physics::dynamics::impact::{Impact, impact};
 use crate::physics::dynamics::motion::{DEPARTING, NO_SLIP};
-use crate::physics::dynamics::reaction::{FreeBody, Reaction};
+use crate::physics::dynamics::reaction::Reaction;
 use crate::physics::dynamics::support::{Phase, Support};
 use crate::physics::friction::{Branch, Rocking, Turning};
 use crate::physics::integrate::{IntegrateError, System as _};
@@ -35,7 +36,7 @@ impl FreeRotation {
         let parts = self.parts(y);
         let reaction = self.reaction(&parts);
         let sliding = Self {
-            departure: Some(Departure::GivingWay),
+            departure: Some(Departure::Breakaway),
             ..self.slipping()
         };
         if reaction.normal > 0.0 {
@@ -153,7 +154,7 @@ impl FreeRotation {
             ..Resting::default()
         };
         Self {
-            departure: Some(Departure::GivingWay),
+            departure: Some(Departure::Breakaway),
             ..self.released(y, rocking)
         }
     }
@@ -168,8 +169,9 @@ impl FreeRotation {
                 return holding;
             }
             let body = self.body(parts.tilt);
-            let accelerated = |direction: &_| body.slip_acceleration(&(DEPARTING * direction));
-            let Some(direction) = FreeBody::departure(accelerated) else {
+            let Some(direction) =
+                departure(|direction| body.slip_acceleration(&(DEPARTING * direction)))
+            else {
                 // Friction is only too weak because of rounding.
                 return holding.after_release(y);
             };
@@ -181,7 +183,7 @@ impl FreeRotation {
     /// The phase after rolling resistance has given way to the torque that held the top.
     pub(super) fn rocking_again(&self) -> Self {
         let branch = Branch {
-            rocking: Rocking::GivingWay,
+            rocking: Rocking::Breakaway,
             ..self.model.friction.branch
         };
         self.with_branch(self.phase, branch)
@@ -197,8 +199,8 @@ impl FreeRotation {
         self.with_branch(self.phase, branch)
     }
 
-    /// Whether the contact point neither slips nor begins to. A frictionless one that is at rest is not held.
-    fn stands<const N: usize>(&self, y: &[f64; N]) -> bool {
+    /// Whether the contact point neither slips nor begins to. Friction need not hold it: a frictionless one may be at rest.
+    fn has_contact_at_rest<const N: usize>(&self, y: &[f64; N]) -> bool {
         let slip = self.parts(y).contact_velocity();
         match self.phase {
             Phase::Sticking => true,
@@ -207,12 +209,14 @@ impl FreeRotation {
         }
     }
 
-    /// Whether the top no longer moves: friction holds it, or it stands upright without motion and needs no holding.
-    pub(super) fn rests<const N: usize>(&self, y: &[f64; N]) -> bool {
-        if !self.stands(y) {
+    /// Whether the whole top no longer moves, not only its contact point: friction holds it, or it stands upright without
+    /// motion and needs no holding.
+    pub(super) fn is_motionless<const N: usize>(&self, y: &[f64; N]) -> bool {
+        if !self.has_contact_at_rest(y) {
             return false;
         }
         if self.held().rocking {
+            // Only turning about the vertical is left.
             return self.parts(y).tilt.omega_lean.z == 0.0;
         }
         self.derivative(0.0, y)[..CONTROLLED]
@@ -222,14 +226,14 @@ impl FreeRotation {
 
     /// The transition to a phase in which the top doesn't rock: it rests or pivots. `None` if it rocks.
     pub(super) fn stopping<const N: usize>(&self, y: &[f64; N]) -> Option<Transition> {
-        (self.held().rocking || self.rests(y)).then(|| self.pivoting(y))
+        (self.held().rocking || self.is_motionless(y)).then(|| self.pivoting(y))
     }
 
     /// The transition to a phase in which friction holds a top that doesn't rock.
     pub(super) fn pivoting<const N: usize>(&self, y: &[f64; N]) -> Transition {
-        if self.rests(y) {
+        if self.is_motionless(y) {
             Transition::Rests
-        } else if !self.stands(y) {
+        } else if !self.has_contact_at_rest(y) {
             Transition::RockingStops
         } else {
             Transition::Pivots {
@@ -266,6 +270,7 @@ impl FreeRotation {
         } else {
             0.0
         };
+        // The slip is 1e-9 m/s, so this is normally less than a nanosecond: one Euler step suffices.
         let slope = self.derivative(0.0, y);
         let state: [f64; N] = std::array::from_fn(|i| y[i] + delay * slope[i]);
         (self.with_phase(Phase::Sticking).completed(&state), delay)
@@ -293,6 +298,7 @@ impl FreeRotation {
         }
         let hit = impact(&body, before, restitution)?;
         let mut state = *y;
+        // Positions don't change in an impact; momentum and velocity jump.
         let moment = parts.arm.cross(&hit.impulse) + hit.couple;
         let turned = parts
             .lean
@@ -318,7 +324,9 @@ impl FreeRotation {
                 impact: Some(hit),
             });
         }
+        // The peg stays down, unless the table would have to pull it.
         let next = self.on_table(&state, hit.is_held);
+        // The state is completed for the impact's own result: the next phase may be flight.
         let landed = if hit.is_held {
             Phase::Sticking
         } else {
@@ -343,8 +351,8 @@ impl FreeRotation {
         self.stopping(y).unwrap_or(Transition::Lands)
     }
 
-    /// The state and next phase after a contact without approach velocity. If the peg stays in flight, the contact was
-    /// an error of the dense output.
+    /// The beginning of the next phase after a contact without approach velocity: on the table, or in flight again if the
+    /// contact was an error of the dense output.
     fn after_grazing_contact<const N: usize>(
         &self,
         y: &[f64; N],

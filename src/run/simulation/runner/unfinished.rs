@@ -47,7 +47,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let Some(watch) = self.watches.iter().find(|watch| watch.kind == kind) else {
             return true;
         };
-        let floor = watch.tracker.floor();
+        let floor = watch.tracker.noise_level();
         let motions = self.motions_between(dense, start, end);
         let values = kind.values(self.integrator.system(), self.sense, &motions);
         match slope {

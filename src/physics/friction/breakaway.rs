@@ -1,11 +1,13 @@
-//! Friction on a fixed peg whose contact point has just begun to slip.
+//! Breakaway: friction on a fixed peg whose contact point has just begun to slip.
+//!
+//! This is no law of friction but a regularisation of the first instants after a hold, which the laws leave stiff.
 
 use super::Friction;
 use crate::physics::kinematics::Tilt;
 use crate::physics::top::Top;
 use nalgebra::Vector3;
 
-/// Slip speed from which friction that has given way is that of the law, m/s.
+/// Slip speed at which the breakaway ends and the direction of friction is that of the law, m/s.
 ///
 /// Where a hold gives way, its load exceeds the bound by nothing at first, and the slip speed grows as `v = c t²/2`.
 /// Meanwhile friction turns the slip into the direction of the load within a time proportional to `v`. An explicit
@@ -13,7 +15,7 @@ use nalgebra::Vector3;
 /// speed is given the direction that it would take anyway. Friction turns it within `v/(k g)`, at this speed 1e-7 s, and
 /// what the slip misses in that time is below the tolerances: with a tenth of this speed, later events of sticking and
 /// slipping tops move by 2e-12 s, and by 1e-11 s with rolling resistance.
-pub(crate) const GIVING_WAY: f64 = 1e-7;
+pub(crate) const BREAKAWAY_SPEED: f64 = 1e-7;
 
 impl Friction {
     /// The inclination and angular velocity whose friction acts on a top in the state `tilt` with a fixed peg, after a
@@ -22,7 +24,7 @@ impl Friction {
     ///
     /// Equal to `tilt` if friction can hold the top again.
     #[cold]
-    pub(super) fn giving_way(&self, top: &Top, normal_force: f64, tilt: &Tilt) -> Tilt {
+    pub(super) fn breakaway_tilt(&self, top: &Top, normal_force: f64, tilt: &Tilt) -> Tilt {
         let load = self.load(top, normal_force, tilt);
         let strength = load.norm();
         if strength <= self.grip(top, normal_force, tilt).maximum {
@@ -31,7 +33,8 @@ impl Friction {
         }
         let omega = tilt.omega_lean;
         let rate = omega.xy().norm();
-        let share = top.slip_speed(tilt) / GIVING_WAY;
+        // From the direction of the load at rest to that of the rotation at the breakaway speed.
+        let share = top.slip_speed(tilt) / BREAKAWAY_SPEED;
         let rocking = (1.0 - share) * rate / strength * load + share * omega;
         Tilt {
             omega_lean: Vector3::new(rocking.x, rocking.y, omega.z),
