@@ -1,5 +1,8 @@
 //! `toprise figures`.
 
+mod files;
+
+use self::files::{FilePlan, Kind};
 use super::arguments::OUTPUT;
 use super::input::{Input, open};
 use super::output;
@@ -9,11 +12,8 @@ use super::report;
 use super::status::Status;
 use super::sweep::figures::{SweepFigure, SweepPlan};
 use super::table::Table;
-use crate::archive::publish::{self, Drafts, Existing};
-use crate::archive::sink::SinkError;
-use crate::figures::{
-    Drawing, FIGURES, Figure, FigureFile, FiguresReport, Lacking, LeftOut, RunData, RunLoss,
-};
+use crate::archive::publish::{Drafts, Existing};
+use crate::figures::{FIGURES, Figure, FiguresReport, Lacking, LeftOut, RunData, RunLoss};
 use anyhow::{Context as _, bail};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
@@ -56,31 +56,6 @@ pub(super) struct FiguresArguments {
     /// Overwrite existing files.
     #[arg(long, help_heading = OUTPUT)]
     force: bool,
-}
-
-/// The kind of a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Kind {
-    /// Vector graphics
-    Svg,
-    /// Bitmap, 300 dpi
-    Png,
-}
-
-impl Kind {
-    fn extension(self) -> &'static str {
-        match self {
-            Self::Svg => "svg",
-            Self::Png => "png",
-        }
-    }
-
-    fn bytes(self, drawing: &Drawing) -> Result<Vec<u8>, anyhow::Error> {
-        Ok(match self {
-            Self::Svg => drawing.svg().into_bytes(),
-            Self::Png => drawing.png()?,
-        })
-    }
 }
 
 fn names() -> PossibleValuesParser {
@@ -128,13 +103,6 @@ struct RunsPlan {
     is_paper: bool,
     /// Whether the figures were chosen by name: those that don't apply are then reported.
     is_chosen: bool,
-}
-
-/// The files that are written.
-struct FilePlan {
-    directory: PathBuf,
-    kinds: Vec<Kind>,
-    existing: Existing,
 }
 
 impl FiguresArguments {
@@ -266,54 +234,6 @@ impl RunsPlan {
 /// The name of a run in a legend.
 fn stem(word: &Path) -> &OsStr {
     word.file_stem().unwrap_or(word.as_os_str())
-}
-
-impl FilePlan {
-    fn path(&self, figure: &str, kind: Kind) -> PathBuf {
-        self.directory
-            .join(format!("{figure}.{}", kind.extension()))
-    }
-
-    /// Checks that the files of some figures can be written and are no inputs.
-    fn check(&self, figures: &[&str], inputs: &[PathBuf]) -> Result<(), SinkError> {
-        for figure in figures {
-            for kind in &self.kinds {
-                let path = self.path(figure, *kind);
-                publish::check_not_an_input(&path, inputs.iter().map(PathBuf::as_path))?;
-                if self.existing == Existing::Keep && path.symlink_metadata().is_ok() {
-                    let advice = "choose another directory, or replace it with --force".to_owned();
-                    return Err(SinkError::Exists { path, advice });
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Writes the files of a figure, given its name and title.
-    fn write(
-        &self,
-        drafts: &Drafts,
-        (figure, title): (&'static str, &'static str),
-        runs: &[String],
-        drawing: &Drawing,
-    ) -> Result<Vec<FigureFile>, anyhow::Error> {
-        let mut files = Vec::new();
-        for kind in &self.kinds {
-            let path = self.path(figure, *kind);
-            let name = path.display().to_string();
-            let bytes = kind.bytes(drawing).with_context(|| name.clone())?;
-            output::warn_of_link(&path, self.existing == Existing::Replace);
-            publish::write_in(drafts, &path, self.existing, &bytes)?;
-            files.push(FigureFile {
-                figure,
-                title,
-                runs: runs.to_vec(),
-                path: name,
-                bytes: bytes.len() as u64,
-            });
-        }
-        Ok(files)
-    }
 }
 
 /// Draws figures.

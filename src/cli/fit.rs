@@ -1,6 +1,8 @@
 //! `toprise fit`.
 
+mod numbers;
 mod page;
+mod remarks;
 
 use super::arguments::{Override, parse_override, parse_positive};
 use super::input::checked;

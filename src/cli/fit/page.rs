@@ -1,24 +1,23 @@
 //! The human-readable report of a fit.
 
 use super::FitReport;
+use super::numbers::{
+    decimals, format_estimate, format_probability, format_probability_cell, format_rounded,
+    format_time,
+};
+use super::remarks::{losses, remarks};
 use crate::cli::numbers::{format_count, format_fixed, format_integer};
 use crate::cli::page::{Section, Tone};
 use crate::cli::report::WrittenFile;
 use crate::cli::table::Table;
 use crate::fit::Loss;
 use crate::fit::report::{
-    Comparison, Estimate, Extension, ExtensionKind, LawFit, Limit, Mode, Oddity, Profile, Quality,
-    Report, SignalReport, Verdict,
+    Comparison, Estimate, Extension, ExtensionKind, LawFit, Limit, Profile, Quality, Report,
+    SignalReport, Verdict,
 };
 
 /// A profile whose interval differs from the curvature's by more than this is mentioned.
 const CURVATURE_LIES: f64 = 0.2;
-
-/// p-values below this reject a fit.
-const REJECTED: f64 = 1e-3;
-
-/// p-values below this are printed as a bound.
-const SMALLEST_P: f64 = 1e-6;
 
 /// The report as sections.
 pub(super) fn page(report: &FitReport, all: bool) -> Vec<Section> {
@@ -83,8 +82,8 @@ fn headline(fit: &Report) -> Section {
     section.line(format!(
         "{} in {} s; the scenario starts at t = {} s in the data. {}.",
         format_count(samples as u64, "sample"),
-        plain(fit.until),
-        plain(fit.origin),
+        format_time(fit.until),
+        format_time(fit.origin),
         format_count(fit.evaluations, "simulation")
     ));
     section
@@ -99,26 +98,9 @@ fn goodness(quality: &Quality) -> String {
         quality.freedom
     );
     match quality.p_value {
-        Some(p) => format!("{chi2}, {}", probability(p)),
+        Some(p) => format!("{chi2}, {}", format_probability(p)),
         None => chi2,
     }
-}
-
-fn probability(p: f64) -> String {
-    if p < SMALLEST_P {
-        "p < 1e-6".to_owned()
-    } else if p < 0.01 {
-        format!("p = {p:.1e}")
-    } else {
-        format!("p = {p:.2}")
-    }
-}
-
-/// A number without trailing zeros.
-fn plain(value: f64) -> String {
-    let text = format!("{value:.6}");
-    let short = text.trim_end_matches('0').trim_end_matches('.');
-    short.replace('-', "−")
 }
 
 fn parameters(fit: &Report, all: bool) -> Section {
@@ -140,28 +122,31 @@ fn estimates(parameters: &[Estimate], all: bool) -> Table {
             "" => estimate.name.clone(),
             unit => format!("{} [{unit}]", estimate.name),
         };
+        // The standard deviation of a parameter with a limit only would mislead, so only --all shows its estimate.
         let value = match (estimate.sd, estimate.limit) {
-            (Some(sd), None) => with_error(estimate.value, sd),
+            (Some(sd), None) => format_estimate(estimate.value, sd),
+            (Some(_) | None, Some(_)) if all => format_rounded(estimate.value, 6),
             (Some(_) | None, _) => "–".to_owned(),
         };
         let interval = match (estimate.interval, estimate.limit) {
-            (_, Some(Limit::Below(limit))) => format!("< {}", rounded(limit, 3)),
-            (_, Some(Limit::Above(limit))) => format!("> {}", rounded(limit, 3)),
-            (_, Some(Limit::AtBound)) => format!("at its bound, {}", rounded(estimate.value, 3)),
+            (_, Some(Limit::Below(limit))) => format!("< {}", format_rounded(limit, 3)),
+            (_, Some(Limit::Above(limit))) => format!("> {}", format_rounded(limit, 3)),
+            (_, Some(Limit::AtBound)) => {
+                format!("at its bound, {}", format_rounded(estimate.value, 3))
+            }
             (_, Some(Limit::None)) => "not determined".to_owned(),
             (Some([low, high]), None) => {
                 let sd = estimate.sd.unwrap_or_default();
                 let digits = decimals(sd);
-                format!("{} to {}", fixed(low, digits), fixed(high, digits))
+                format!(
+                    "{} to {}",
+                    format_fixed(low, digits),
+                    format_fixed(high, digits)
+                )
             }
             (None, None) => "–".to_owned(),
         };
-        let start = rounded(estimate.start, 4);
-        let value = if all && estimate.limit.is_some() {
-            rounded(estimate.value, 6)
-        } else {
-            value
-        };
+        let start = format_rounded(estimate.start, 4);
         rows.push(vec![name, value, interval, start]);
     }
     if parameters.is_empty() {
@@ -172,40 +157,6 @@ fn estimates(parameters: &[Estimate], all: bool) -> Table {
         rows,
         left: 1,
     }
-}
-
-/// Decimals that show two digits of a standard deviation.
-fn decimals(sd: f64) -> usize {
-    // The exponent of the rounded number: 0.0996 with two digits is 0.10.
-    let scientific = format!("{sd:.1e}");
-    let exponent = scientific.rsplit_once('e').map_or("0", |(_, e)| e);
-    let exponent: i32 = exponent.parse().unwrap_or_default();
-    usize::try_from(1 - exponent).unwrap_or_default().min(17)
-}
-
-fn fixed(value: f64, digits: usize) -> String {
-    format_fixed(value, digits)
-}
-
-/// An estimate and its standard deviation with the digits that are known.
-fn with_error(value: f64, sd: f64) -> String {
-    let digits = decimals(sd);
-    format!("{} ± {}", fixed(value, digits), fixed(sd, digits))
-}
-
-/// A number with significant digits.
-fn rounded(value: f64, digits: usize) -> String {
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let scientific = format!("{value:.*e}", digits - 1);
-    let rounded: f64 = scientific.parse().unwrap_or(value);
-    let text = if (1e-4..1e6).contains(&rounded.abs()) {
-        rounded.to_string()
-    } else {
-        scientific
-    };
-    text.replacen('-', "−", usize::from(value < 0.0))
 }
 
 fn signals(signals: &[SignalReport]) -> Section {
@@ -225,17 +176,17 @@ fn signals(signals: &[SignalReport]) -> Section {
         let mut row = vec![
             signal.field.clone(),
             format_integer(signal.samples as u64),
-            format!("{} {}{given}", rounded(signal.sigma, 3), signal.unit),
-            rounded(signal.rms, 3),
+            format!("{} {}{given}", format_rounded(signal.sigma, 3), signal.unit),
+            format_rounded(signal.rms, 3),
         ];
         if has_held_out {
             row.push(
                 signal
                     .held_out_rms
-                    .map_or("–".to_owned(), |rms| rounded(rms, 3)),
+                    .map_or("–".to_owned(), |rms| format_rounded(rms, 3)),
             );
         }
-        row.push(signal.whiteness.map_or("–".to_owned(), probability));
+        row.push(signal.whiteness.map_or("–".to_owned(), format_probability));
         row.push(losses(signal));
         rows.push(row);
     }
@@ -248,80 +199,6 @@ fn signals(signals: &[SignalReport]) -> Section {
     section
 }
 
-/// What a signal lacks.
-fn losses(signal: &SignalReport) -> String {
-    let mut losses = Vec::new();
-    if signal.missing > 0 {
-        losses.push(format!("{} missing", format_integer(signal.missing)));
-    }
-    if signal.out_of_order > 0 {
-        losses.push(format!(
-            "{} out of order",
-            format_integer(signal.out_of_order)
-        ));
-    }
-    if signal.outside > 0 {
-        losses.push(format!("{} outside", format_integer(signal.outside as u64)));
-    }
-    if signal.outliers > 0 {
-        losses.push(format!(
-            "{} above 5 σ",
-            format_integer(signal.outliers as u64)
-        ));
-    }
-    losses.join(", ")
-}
-
-fn remarks(fit: &Report) -> Section {
-    let mut remarks = fit.notes.clone();
-    for loss in &fit.losses {
-        remarks.push(format!("Not read: {loss}."));
-    }
-    let quality = &fit.quality;
-    let reduced = quality.chi2 / quality.freedom as f64;
-    if quality.p_value.is_some_and(|p| p < REJECTED) {
-        remarks.push(format!(
-            "The residuals are larger than σ (χ²/ν = {reduced:.2}): the model is wrong, or σ is. The standard deviations of the parameters are too small."
-        ));
-    }
-    let mut tests = fit.signals.iter().filter_map(|signal| signal.whiteness);
-    if tests.any(|p| p < REJECTED) {
-        remarks.push(
-            "The residuals are correlated in time: the model misses something, and the standard deviations of the parameters are too small."
-                .to_owned(),
-        );
-    }
-    for signal in &fit.signals {
-        let SignalReport { field, unit, .. } = signal;
-        if signal.mean_p_value.is_some_and(|p| p < REJECTED) {
-            remarks.push(format!(
-                "The residuals of {field} have the mean {} σ: a constant error, such as a camera that is not level.",
-                rounded(signal.mean, 2)
-            ));
-        }
-        match signal.oddity {
-            Some(Oddity::Constant { value }) => remarks.push(format!(
-                "All values of {field} are {} {unit}: they have no noise from which σ could be estimated. Check the sensor, or give σ.",
-                rounded(value, 6)
-            )),
-            Some(Oddity::OneValue { time, value }) => remarks.push(format!(
-                "One value of {field}, {} {unit} at {} s after the start, makes most of the estimated σ. Remove it, or give σ.",
-                rounded(value, 6),
-                plain(time)
-            )),
-            None => {}
-        }
-    }
-    let outliers: usize = fit.signals.iter().map(|signal| signal.outliers).sum();
-    if outliers > 0 && fit.loss == Loss::Squares {
-        let outliers = format_count(outliers as u64, "residual");
-        remarks.push(format!(
-            "{outliers} above 5 σ: if these are outliers, use --loss huber."
-        ));
-    }
-    Section::from_lines("Remarks", remarks.into_iter())
-}
-
 fn modes(fit: &Report) -> Section {
     let mut section = Section::with_tone(Tone::Weak, "Other minima");
     "the data don't exclude them".clone_into(&mut section.note);
@@ -331,16 +208,17 @@ fn modes(fit: &Report) -> Section {
             .iter()
             .map(|parameter| parameter.name.clone()),
     );
-    let row = |mode: &Mode| {
+    let mut rows = Vec::new();
+    for mode in &fit.modes {
         let mut row = vec![format_fixed(mode.delta_chi2, 2)];
         for (value, sd) in mode.values.iter().zip(&mode.sds) {
-            row.push(with_error(*value, *sd));
+            row.push(format_estimate(*value, *sd));
         }
-        row
-    };
+        rows.push(row);
+    }
     section.table(Table {
         header,
-        rows: fit.modes.iter().map(row).collect(),
+        rows,
         left: 0,
     });
     section
@@ -352,11 +230,11 @@ fn profile_section(profile: &Profile, all: bool) -> Section {
         ("68.3 % (Δχ² < 1)", profile.interval_1),
         ("95.4 % (Δχ² < 4)", profile.interval_4),
     ] {
-        let [low, high] = [low, high].map(|side| match side {
-            Some(value) => rounded(value, 6),
-            None => "not reached".to_owned(),
-        });
-        section.line(format!("{level}: {low} to {high}"));
+        section.line(format!(
+            "{level}: {} to {}",
+            format_bound(low),
+            format_bound(high)
+        ));
     }
     if let Some(error) = profile.curvature_error
         && error > CURVATURE_LIES
@@ -372,12 +250,20 @@ fn profile_section(profile: &Profile, all: bool) -> Section {
         section.table(Table {
             header: vec![profile.parameter.clone(), "Δχ²".to_owned()],
             rows: rows
-                .map(|(value, delta)| vec![rounded(*value, 8), format_fixed(*delta, 4)])
+                .map(|(value, delta)| vec![format_rounded(*value, 8), format_fixed(*delta, 4)])
                 .collect(),
             left: 0,
         });
     }
     section
+}
+
+/// Formats an end of an interval, which a profile may not have reached.
+fn format_bound(bound: Option<f64>) -> String {
+    match bound {
+        Some(value) => format_rounded(value, 6),
+        None => "not reached".to_owned(),
+    }
 }
 
 fn laws(fit: &Report, comparison: &Comparison) -> Section {
@@ -409,20 +295,21 @@ fn laws(fit: &Report, comparison: &Comparison) -> Section {
             law.law.clone(),
             law.parameters.len().to_string(),
             if has_estimated_sigma {
-                let sigmas: Vec<String> = law.sigmas.iter().map(|s| rounded(*s, 4)).collect();
+                let sigmas: Vec<String> =
+                    law.sigmas.iter().map(|s| format_rounded(*s, 4)).collect();
                 sigmas.join(", ")
             } else {
-                rounded(quality.chi2 / quality.freedom as f64, 5)
+                format_rounded(quality.chi2 / quality.freedom as f64, 5)
             },
-            cell_of_probability(quality.p_value),
-            cell_of_probability(law.residual_p_value),
+            format_probability_cell(quality.p_value),
+            format_probability_cell(law.residual_p_value),
             format_fixed(law.delta_aic, 1),
             format_fixed(law.delta_bic, 1),
         ];
         if has_held_out {
             row.push(
                 law.held_out_rms
-                    .map_or("–".to_owned(), |rms| rounded(rms, 3)),
+                    .map_or("–".to_owned(), |rms| format_rounded(rms, 3)),
             );
         }
         let verdict = match law.verdict {
@@ -452,27 +339,16 @@ fn laws(fit: &Report, comparison: &Comparison) -> Section {
     section
 }
 
-/// A p-value as a cell under a header that names it.
-fn cell_of_probability(p: Option<f64>) -> String {
-    let Some(p) = p else {
-        return "–".to_owned();
-    };
-    let text = probability(p);
-    text.trim_start_matches("p ")
-        .trim_start_matches("= ")
-        .to_owned()
-}
-
 fn extension(extension: &Extension) -> String {
-    let delta = rounded(extension.delta_chi2, 2);
+    let delta = format_rounded(extension.delta_chi2, 2);
     match extension.kind {
         ExtensionKind::Longer => format!(
             "measure {} s (expected Δχ² = {delta})",
-            rounded(extension.amount, 3)
+            format_rounded(extension.amount, 3)
         ),
         ExtensionKind::Finer => format!(
             "take {} times as many samples, or repeat the measurement as often (expected Δχ² = {delta})",
-            rounded(extension.amount, 2)
+            format_rounded(extension.amount, 2)
         ),
         ExtensionKind::Azimuth => format!("measure φ, too (expected Δχ² = {delta})"),
         ExtensionKind::Inclination => format!("measure θ, too (expected Δχ² = {delta})"),
@@ -483,23 +359,4 @@ fn law_parameters(law: &LawFit) -> Section {
     let mut section = Section::new(format!("Parameters of {}", law.law));
     section.table(estimates(&law.parameters, true));
     section
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rounds_estimates_to_their_errors() {
-        for (value, sd, expected) in [
-            (0.0517144, 1.507e-5, "0.051714 ± 0.000015"),
-            (-0.1203, 0.0047, "−0.1203 ± 0.0047"),
-            (231.0009, 0.0996, "231.00 ± 0.10"),
-            (1234.0, 56.0, "1234 ± 56"),
-        ] {
-            assert_eq!(with_error(value, sd), expected);
-        }
-        assert_eq!(rounded(0.00001234, 3), "1.23e-5");
-        assert_eq!(rounded(-2.0, 3), "−2");
-    }
 }
