@@ -27,7 +27,7 @@ mod story;
 
 pub use self::claim::{Claim, Hold, Inversion, Stopped};
 use self::evidence::Evidence;
-pub use self::fact::Fact;
+pub use self::fact::{Fact, PrecessionRoot};
 use self::observations::Observations;
 pub use self::precession::Stage;
 pub use self::story::Story;

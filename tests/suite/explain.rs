@@ -10,7 +10,7 @@ use crate::support::{Folder, Run, archive, assert_contains, assert_near, scenari
 use std::f64::consts::FRAC_PI_2;
 use std::fs;
 use tempfile::tempdir;
-use toprise::analysis::explain::{Explanation, Fact, explain, explain_while};
+use toprise::analysis::explain::{Explanation, Fact, PrecessionRoot, explain, explain_while};
 use toprise::archive::recording::Recording;
 use toprise::archive::writer::Form;
 use toprise::physics::kinematics::Tilt;
@@ -201,7 +201,7 @@ fn val_friction_drives_the_precession() {
         for fact in facts(&explanation) {
             match fact {
                 Fact::FollowsRoot { root, within } => {
-                    assert_eq!(*root, "slow");
+                    assert_eq!(*root, PrecessionRoot::Slow);
                     let distance = run.cycles.iter().map(|cycle| {
                         let tilt = Tilt::from_rates(cycle.theta_mean, cycle.mean_rates);
                         let slow = top.precession_roots(&tilt).unwrap().slow;

@@ -4,6 +4,25 @@ use crate::analysis::phrase::{moment, quantity, significant, works};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+/// One of the two rates of regular precession.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PrecessionRoot {
+    /// The rate of the smaller size, at which gravity and the gyroscopic torque balance.
+    Slow,
+    /// The rate of the larger size, near that of a free top.
+    Fast,
+}
+
+impl PrecessionRoot {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Slow => "slow",
+            Self::Fast => "fast",
+        }
+    }
+}
+
 /// A fact about a run: numbers in SI units and radians.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case")]
@@ -111,8 +130,8 @@ pub enum Fact {
     },
     /// The mean φ̇ follows a rate of regular precession.
     FollowsRoot {
-        /// `slow` or `fast`.
-        root: &'static str,
+        /// The rate that it follows.
+        root: PrecessionRoot,
         /// The largest difference, rad/s.
         within: f64,
     },
@@ -376,7 +395,8 @@ impl Fact {
                 quantity(*duration, 3, "s")
             ),
             Self::FollowsRoot { root, within } => format!(
-                "The mean φ̇ follows the {root} rate of regular precession (± {}).",
+                "The mean φ̇ follows the {} rate of regular precession (± {}).",
+                root.name(),
                 quantity(*within, 2, "rad/s")
             ),
             Self::FollowsNoRoot => {

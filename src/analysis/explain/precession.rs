@@ -1,10 +1,11 @@
 //! The averaged precession and the rates of regular precession.
 
 use super::evidence::Evidence;
-use super::fact::Fact;
+use super::fact::{Fact, PrecessionRoot};
 use crate::analysis::history::{Cycle, PegPhase};
 use crate::physics::dynamics::Phase;
 use crate::physics::kinematics::{Euler, Tilt};
+use crate::physics::top::PrecessionRoots;
 use crate::run::simulation::UPRIGHT;
 use crate::telemetry::fields::nutation;
 use schemars::JsonSchema;
@@ -57,7 +58,7 @@ fn stage(evidence: &Evidence, part: &[Cycle]) -> Stage {
     // The slow rate of a stage is known if that of each of its cycles is.
     let slow_sum: Option<f64> = part
         .iter()
-        .map(|cycle| Some(cycle.period * roots(evidence, cycle)?[0]))
+        .map(|cycle| Some(cycle.period * roots(evidence, cycle)?.slow))
         .sum();
     Stage {
         from: part[0].start,
@@ -109,30 +110,32 @@ fn phase(evidence: &Evidence, cycle: &Cycle) -> Option<Phase> {
     }
 }
 
-/// The slow and the fast rate of regular precession at the mean motion of a cycle, rad/s.
-fn roots(evidence: &Evidence, cycle: &Cycle) -> Option<[f64; 2]> {
+/// The rates of regular precession at the mean motion of a cycle, rad/s.
+fn roots(evidence: &Evidence, cycle: &Cycle) -> Option<PrecessionRoots> {
     let (tilt, phase) = (mean_motion(cycle)?, phase(evidence, cycle)?);
-    let roots = evidence.scenario.model.precession_roots(&tilt, phase)?;
-    Some([roots.slow, roots.fast])
+    evidence.scenario.model.precession_roots(&tilt, phase)
 }
 
 /// The mean φ̇ of a cycle, and the rates of regular precession then, rad/s.
 struct Comparison {
     phi_dot: f64,
-    /// The slow and the fast rate.
-    roots: [f64; 2],
+    roots: PrecessionRoots,
 }
 
 impl Comparison {
     /// The distance from a rate of regular precession, if φ̇ is near it.
-    fn near(&self, root: usize) -> Option<f64> {
-        let difference = (self.phi_dot - self.roots[root]).abs();
-        (difference <= NEAR * self.roots[root].abs()).then_some(difference)
+    fn near(&self, root: PrecessionRoot) -> Option<f64> {
+        let rate = match root {
+            PrecessionRoot::Slow => self.roots.slow,
+            PrecessionRoot::Fast => self.roots.fast,
+        };
+        let difference = (self.phi_dot - rate).abs();
+        (difference <= NEAR * rate.abs()).then_some(difference)
     }
 }
 
 /// The largest distance from a rate of regular precession, if φ̇ is always near it.
-fn follows(cycles: &[Comparison], root: usize) -> Option<f64> {
+fn follows(cycles: &[Comparison], root: PrecessionRoot) -> Option<f64> {
     let mut largest = 0.0_f64;
     for cycle in cycles {
         largest = largest.max(cycle.near(root)?);
@@ -157,14 +160,14 @@ pub(super) fn regular(evidence: &Evidence) -> Option<Fact> {
     if known.is_empty() {
         return is_weak_at_start(evidence).then_some(Fact::NoRoots);
     }
-    for (at, root) in ["slow", "fast"].into_iter().enumerate() {
-        if let Some(within) = follows(&known, at) {
+    for root in [PrecessionRoot::Slow, PrecessionRoot::Fast] {
+        if let Some(within) = follows(&known, root) {
             return Some(Fact::FollowsRoot { root, within });
         }
     }
-    let is_ever_near = known
-        .iter()
-        .any(|cycle| cycle.near(0).or(cycle.near(1)).is_some());
+    let is_ever_near = known.iter().any(|cycle| {
+        cycle.near(PrecessionRoot::Slow).is_some() || cycle.near(PrecessionRoot::Fast).is_some()
+    });
     (!is_ever_near).then_some(Fact::FollowsNoRoot)
 }
 

@@ -2,7 +2,7 @@
 
 use super::claim::{Claim, Hold, Inversion, Stopped};
 use super::evidence::{Evidence, ROUNDED};
-use super::fact::Fact;
+use super::fact::{Fact, PrecessionRoot};
 use super::fixed;
 use super::observations::{Ends, GripSpan};
 use super::precession;
@@ -130,7 +130,7 @@ fn friction_speeds_precession(evidence: &Evidence) -> Option<Claim> {
         return None;
     }
     let Some(Fact::FollowsRoot {
-        root: "slow",
+        root: PrecessionRoot::Slow,
         within,
     }) = precession::regular(evidence)
     else {
