@@ -48,7 +48,7 @@ mod topic;
 
 pub use self::averages::{Averaged, Deviation};
 pub use self::discrepancy::{Discrepancy, Residual};
-pub use self::error::DiffError;
+pub use self::error::{DiffError, ToleranceProblem};
 pub use self::field::FieldDifference;
 pub use self::finding::{EndCondition, Finding, Quantity};
 pub use self::integration_error::{IntegrationErrors, IntegratorError};
@@ -143,7 +143,8 @@ fn compare_runs(
     check_messages(runs, &paired)?;
     let integrations = match paired.common_end() {
         Some(end) if options.integration_error => {
-            let runs = [0, 1].map(|side| (runs[side], &paired.runs[side].history));
+            let runs =
+                Side::BOTH.map(|side| (runs[side.index()], &paired.runs[side.index()].history));
             let limits = Limits {
                 until: Some(seconds(end)),
                 ..limits
@@ -175,14 +176,12 @@ fn check_messages(runs: [Subject<'_>; 2], paired: &Paired) -> Result<(), DiffErr
             return Err(DiffError::NoMessages);
         }
     }
-    for (run, side) in paired.runs.iter().zip(["A", "B"]) {
+    for (run, side) in paired.runs.iter().zip(Side::BOTH) {
         if run.history.messages == 0 && has_messages != [false; 2] {
-            let losses = match run.losses.join("; ").as_str() {
-                "" => String::new(),
-                losses => format!(" ({losses})"),
-            };
-            let reason = format!("{side} has no readable messages{losses}");
-            return Err(DiffError::Refused(reason));
+            return Err(DiffError::NoReadableMessages {
+                side,
+                losses: run.losses.clone(),
+            });
         }
     }
     let is_whole = paired.runs.iter().all(|run| run.losses.is_empty());
@@ -283,17 +282,15 @@ fn common_topics(
         return Err(DiffError::AllIgnored);
     }
     if common.is_empty() {
-        let [a, b] = [of_a, of_b].map(|topics| match topics.join(", ").as_str() {
-            "" => "none".to_owned(),
-            names => names.to_owned(),
+        return Err(DiffError::NoCommonTopics {
+            topics: [of_a, of_b],
         });
-        let reason = format!("no common topics to compare: A has {a}; B has {b}");
-        return Err(DiffError::Refused(reason));
     }
     if let Some(topic) = options.topics.iter().find(|topic| !common.contains(topic)) {
-        let names = common.join(", ");
-        let reason = format!("topic {topic} can't be compared; common topics: {names}");
-        return Err(DiffError::Refused(reason));
+        return Err(DiffError::TopicNotCommon {
+            topic: topic.clone(),
+            common,
+        });
     }
     if options.topics.is_empty() {
         return Ok((common, [of_a, of_b]));
@@ -322,9 +319,8 @@ fn compare_files(
     observer: &mut dyn Observer,
 ) -> Result<Report, DiffError> {
     let [Subject::Recording(a), Subject::Recording(b)] = runs else {
-        let side = if runs[0].is_ours() { "B" } else { "A" };
-        let reason = "is not a toprise recording; it can only be compared with another MCAP file";
-        return Err(DiffError::Refused(format!("{side} {reason}")));
+        let side = if runs[0].is_ours() { Side::B } else { Side::A };
+        return Err(DiffError::OnlyWithFile { side });
     };
     let topics = [a, b].map(|recording| {
         let channels = recording.channels().iter();

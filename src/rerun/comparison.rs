@@ -67,7 +67,7 @@ impl Comparison {
         if let Some(geometry) = identity.common_geometry() {
             log_stage(&geometry, output);
         }
-        let runs = [Side::A, Side::B].map(|side| {
+        let runs = Side::BOTH.map(|side| {
             let run = identity.with_common_scales(side);
             Entities::new(&run, &identity.role(side), output)
         });

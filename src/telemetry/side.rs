@@ -10,6 +10,9 @@ pub enum Side {
 }
 
 impl Side {
+    /// Both sides, in the order of arrays.
+    pub const BOTH: [Self; 2] = [Self::A, Self::B];
+
     /// Index in arrays of both sides: 0 for A, 1 for B.
     pub fn index(self) -> usize {
         self as usize

@@ -8,6 +8,7 @@ use super::pairing::Paired;
 use crate::analysis::history::RunHistory;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::EventKind;
+use crate::telemetry::side::Side;
 
 /// Everything that the findings are computed from.
 pub(super) struct Evidence<'e> {
@@ -42,7 +43,7 @@ impl Evidence<'_> {
         let Some(integrations) = self.integrations else {
             return IntegrationError::Unknown;
         };
-        let errors = [0, 1].map(|side| integrations.error_of(side, &number));
+        let errors = Side::BOTH.map(|side| integrations.error_of(side, &number));
         match errors {
             [Some(a), Some(b)] => {
                 let numbers = self.histories().map(|run| number(run).unwrap_or_default());

@@ -15,6 +15,7 @@ use crate::analysis::history::RunHistory;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::StopReason;
 use crate::telemetry::fields::{EVENTS, energy};
+use crate::telemetry::side::Side;
 
 /// All findings, the most important first.
 pub(super) fn findings(evidence: &Evidence<'_>) -> Vec<Finding> {
@@ -101,7 +102,10 @@ fn end_condition(run: &RunHistory, scenario: Option<&Scenario>) -> Option<EndCon
 /// The ends of the runs. Their times have a difference only if one condition ends both.
 fn end(evidence: &Evidence<'_>) -> Option<Finding> {
     let histories = evidence.histories();
-    let ends = [0, 1].map(|side| end_condition(histories[side], evidence.scenarios[side].as_ref()));
+    let ends = Side::BOTH.map(|side| {
+        let scenario = evidence.scenarios[side.index()].as_ref();
+        end_condition(histories[side.index()], scenario)
+    });
     let times = histories.map(|run| run.stop_reason().and(run.stop_time()));
     let mut finding = Finding::new(Quantity::End { ends }, times);
     if ends[0] != ends[1] {
@@ -115,23 +119,21 @@ fn end_error(evidence: &Evidence<'_>, times: [Option<f64>; 2]) -> IntegrationErr
     let Some(integrations) = evidence.integrations else {
         return IntegrationError::Unknown;
     };
-    let [of_a, of_b] = evidence.histories().map(RunHistory::stop_reason);
-    let errors = [
-        integrations.error_of(0, |run| stop_time_of(run, of_a)),
-        integrations.error_of(1, |run| stop_time_of(run, of_b)),
-    ];
+    let reasons = evidence.histories().map(RunHistory::stop_reason);
+    let errors = Side::BOTH
+        .map(|side| integrations.error_of(side, |run| stop_time_for(run, reasons[side.index()])));
     let [Some(a), Some(b)] = errors else {
         return IntegrationError::Undetermined;
     };
     // `stop.duration` is exact.
-    if of_a == Some(StopReason::Duration) && of_a == of_b {
+    if reasons == [Some(StopReason::Duration); 2] {
         return IntegrationError::Within(0.0);
     }
     IntegrationError::Within(combined([a, b], times.map(Option::unwrap_or_default)))
 }
 
 /// The time of the end of a run, if it ends for this reason, s.
-fn stop_time_of(run: &RunHistory, reason: Option<StopReason>) -> Option<f64> {
+fn stop_time_for(run: &RunHistory, reason: Option<StopReason>) -> Option<f64> {
     run.stop_time().filter(|_| run.stop_reason() == reason)
 }
 
@@ -144,7 +146,7 @@ fn first_reach(evidence: &Evidence<'_>) -> Option<Finding> {
     }
     let finding = evidence.compare_times(Quantity::FirstReach { level }, first_crossing)?;
     let integration = finding.integration_error;
-    let [a, b] = [0, 1].map(|side| largest_ripple(evidence, side));
+    let [a, b] = Side::BOTH.map(|side| largest_ripple(evidence, side));
     let by_nutation = a.zip(b).filter(|_| finding.difference.is_some());
     Some(Finding {
         uncertainty: by_nutation
@@ -166,8 +168,8 @@ fn first_crossing(run: &RunHistory) -> Option<f64> {
 }
 
 /// The largest shift of the first crossing by the nutation of a run, s.
-fn largest_ripple(evidence: &Evidence<'_>, side: usize) -> Option<f64> {
-    let recorded = evidence.histories()[side];
+fn largest_ripple(evidence: &Evidence<'_>, side: Side) -> Option<f64> {
+    let recorded = evidence.histories()[side.index()];
     let time = first_crossing(recorded)?;
     // A recording may lack the nutations, but the simulation for the integration error has them.
     let simulated = evidence
@@ -204,18 +206,17 @@ fn energy_lost(evidence: &Evidence<'_>) -> Option<Finding> {
     let [Some(a), Some(b)] = &evidence.paired.common else {
         return None;
     };
-    let energies = [a, b];
     let field = energy::TOTAL.to_string();
     let errors = evidence.integrations.map(|integrations| {
         let errors = &integrations.errors;
         [&errors.a, &errors.b].map(|error| error.field(&field).unwrap_or_default())
     });
-    let lost = [0, 1].map(|side| {
+    let lost = Side::BOTH.map(|side| {
         // At equal times: `common` has only samples with a partner.
-        let energies = energies[side];
+        let energies = [a, b][side.index()];
         let lost = energies.first - energies.last;
         let own = errors.map_or(0.0, |errors| {
-            combined([errors[side], 0.0], [energies.first, energies.last])
+            combined([errors[side.index()], 0.0], [energies.first, energies.last])
         });
         // A loss below the error is none that is known.
         if lost.abs() <= own { 0.0 } else { lost }

@@ -14,6 +14,7 @@ use crate::run::scenario::{FormulationKind, Scenario};
 use crate::run::simulation::{EventKind, StopReason};
 use crate::telemetry::Topic;
 use crate::telemetry::fields::{NumberField, nutation};
+use crate::telemetry::side::Side;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -118,10 +119,10 @@ impl Integrations {
     /// all lack it.
     pub(super) fn error_of(
         &self,
-        side: usize,
+        side: Side,
         number: impl Fn(&RunHistory) -> Option<f64>,
     ) -> Option<f64> {
-        let Repeated { own, others, .. } = &self.sides[side];
+        let Repeated { own, others, .. } = &self.sides[side.index()];
         let own = number(own);
         let mut error = 0.0_f64;
         for other in others {
@@ -135,8 +136,8 @@ impl Integrations {
     }
 
     /// A run as it is integrated with its own tolerances, with all topics.
-    pub(super) fn own(&self, side: usize) -> &RunHistory {
-        &self.sides[side].own
+    pub(super) fn own(&self, side: Side) -> &RunHistory {
+        &self.sides[side.index()].own
     }
 
     /// The errors of A's and B's averages.

@@ -6,6 +6,7 @@ use crate::archive::recording::{Recording, Selection};
 use crate::run::plural::plural;
 use crate::run::time::seconds;
 use crate::telemetry::Topics;
+use crate::telemetry::side::Side;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -85,27 +86,26 @@ impl TopicBytes {
             }
         }
         // The first messages with these bytes have been matched.
-        let others_of_b = b.iter().filter(|message| {
-            let Some(left) = equal_of_b.get_mut(&*message.data).filter(|left| **left > 0) else {
-                return true;
-            };
-            *left -= 1;
-            false
-        });
-        let others_of_b: Vec<_> = others_of_b.collect();
+        let mut others_of_b = Vec::new();
+        for message in &b {
+            match equal_of_b.get_mut(&*message.data) {
+                Some(left) if *left > 0 => *left -= 1,
+                _ => others_of_b.push(message),
+            }
+        }
         for (of_a, of_b) in others_of_a.iter().zip(&others_of_b) {
             self.add(time_ns, of_a, of_b);
         }
         for _ in others_of_b.len()..others_of_a.len() {
-            self.add_unmatched(time_ns, 0);
+            self.add_unmatched(time_ns, Side::A);
         }
         for _ in others_of_a.len()..others_of_b.len() {
-            self.add_unmatched(time_ns, 1);
+            self.add_unmatched(time_ns, Side::B);
         }
     }
 
-    fn add_unmatched(&mut self, time_ns: u64, side: usize) {
-        self.unmatched[side] += 1;
+    fn add_unmatched(&mut self, time_ns: u64, side: Side) {
+        self.unmatched[side.index()] += 1;
         self.first.get_or_insert(seconds(time_ns));
     }
 }

@@ -219,7 +219,7 @@ impl<'o> Pairing<'o> {
     ) -> Result<(), DiffError> {
         while let Some(side) = self.behind() {
             if !carry_on() {
-                return Err(DiffError::Refused("interrupted".to_owned()));
+                return Err(DiffError::Interrupted);
             }
             match incoming[side.index()].recv() {
                 Ok(Parcel::Batch(messages, bytes)) => {
@@ -229,7 +229,7 @@ impl<'o> Pairing<'o> {
                     }
                 }
                 Ok(Parcel::End(ended)) => self.end(side, ended),
-                // Its thread has panicked.
+                // The thread of this run has panicked.
                 Err(_) => self.end(side, ReadEnd::default()),
             }
             for topic in Topic::all().filter(|topic| topic.info().is_sampled) {

@@ -112,15 +112,15 @@ impl Report {
         let errors = integrations
             .as_ref()
             .map(|integrations| &integrations.errors);
-        let [a, b] = [0, 1].map(|side| {
+        let [a, b] = Side::BOTH.map(|side| {
             let RunData {
                 history, losses, ..
-            } = &paired.runs[side];
+            } = &paired.runs[side.index()];
             ComparedRun {
                 messages: history.messages,
                 last: history.last_ns.map_or(0.0, seconds),
                 summary: Some(history.summary()),
-                ..ComparedRun::new(runs[side], losses)
+                ..ComparedRun::new(runs[side.index()], losses)
             }
         });
         let averaged = averages::compare(
@@ -137,7 +137,7 @@ impl Report {
             scenarios: runs.map(Subject::scenario),
         };
         let findings = findings(&evidence);
-        setup.fields_only_in = [Side::A, Side::B].map(|side| {
+        setup.fields_only_in = Side::BOTH.map(|side| {
             let fields = paired.compared().flat_map(|topic| topic.only_in(side));
             fields.cloned().collect()
         });
@@ -186,18 +186,19 @@ impl Report {
         others: Vec<TopicBytes>,
         losses: &[Vec<String>; 2],
     ) -> Self {
-        let [a, b] = [0, 1].map(|side| {
+        let [a, b] = Side::BOTH.map(|side| {
+            let at = side.index();
             let messages = others
                 .iter()
-                .map(|topic| topic.pairs() + topic.unmatched[side]);
+                .map(|topic| topic.pairs() + topic.unmatched[at]);
             ComparedRun {
                 messages: messages.sum(),
-                ..ComparedRun::new(runs[side], &losses[side])
+                ..ComparedRun::new(runs[at], &losses[at])
             }
         });
         let is_cut = [&a, &b].map(|run| !run.losses.is_empty());
         let is_complete = is_cut == [false; 2];
-        let has_more = [Side::A, Side::B].into_iter().any(|side| {
+        let has_more = Side::BOTH.into_iter().any(|side| {
             let at = side.index();
             let lacks = !setup.topics_only_in[at].is_empty()
                 || others.iter().any(|topic| topic.unmatched[at] > 0);
@@ -256,7 +257,7 @@ fn verdict(
     is_cut: [bool; 2],
 ) -> Verdict {
     // Unmatched messages are a difference, unless the other run is truncated.
-    let has_more = [Side::A, Side::B]
+    let has_more = Side::BOTH
         .into_iter()
         .any(|side| has_more_than_other(side, paired, setup) && !is_cut[side.other().index()]);
     let agrees = paired.compared().all(TopicTally::is_equal);

@@ -1,7 +1,6 @@
 //! Options of a comparison, and tolerances for comparing numbers.
 
-use super::error::DiffError;
-use crate::telemetry::fields::state::THETA;
+use super::error::{DiffError, ToleranceProblem};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -49,7 +48,7 @@ impl Tolerances {
         let (pattern, bounds) = text
             .rsplit_once('=')
             .filter(|(pattern, _)| !pattern.is_empty())
-            .ok_or_else(|| malformed(text, &format!("must be PATTERN=VALUE, e.g. {THETA}=1e-9")))?;
+            .ok_or_else(|| malformed(text, ToleranceProblem::NoPattern))?;
         let mut tolerance = Tolerance::default();
         for bound in bounds.split(',') {
             let (kind, value) = bound.split_once(':').unwrap_or(("abs", bound));
@@ -57,10 +56,7 @@ impl Tolerances {
                 ("abs", Ok(number)) => tolerance.abs = number,
                 ("rel", Ok(number)) => tolerance.rel = number,
                 _ => {
-                    return Err(malformed(
-                        text,
-                        "the value must be NUMBER, abs:NUMBER, rel:NUMBER or abs:NUMBER,rel:NUMBER",
-                    ));
+                    return Err(malformed(text, ToleranceProblem::Bounds));
                 }
             }
         }
@@ -82,7 +78,7 @@ impl Tolerances {
             for (kind, value) in [("abs", bound.abs), ("rel", bound.rel)] {
                 if !(value >= 0.0 && value.is_finite()) {
                     let text = format!("{name}: {kind} = {value}");
-                    return Err(malformed(&text, "must be finite and not negative"));
+                    return Err(malformed(&text, ToleranceProblem::OutOfRange));
                 }
             }
         }
@@ -129,8 +125,11 @@ impl Tolerances {
     }
 }
 
-fn malformed(text: &str, reason: &str) -> DiffError {
-    DiffError::Refused(format!("tolerance {text:?}: {reason}"))
+fn malformed(text: &str, problem: ToleranceProblem) -> DiffError {
+    DiffError::Tolerance {
+        text: text.to_owned(),
+        problem,
+    }
 }
 
 fn check_name(pattern: &str, names: &[String]) -> Result<(), DiffError> {
@@ -146,12 +145,10 @@ fn check_name(pattern: &str, names: &[String]) -> Result<(), DiffError> {
         strsim::jaro_winkler(pattern, y).total_cmp(&strsim::jaro_winkler(pattern, x))
     });
     similar.truncate(MAX_SIMILAR);
-    let hint = match similar.join(", ").as_str() {
-        "" => "there are no fields".to_owned(),
-        similar => format!("did you mean {similar}?"),
-    };
-    let reason = format!("no field matches {pattern:?}; {hint}");
-    Err(DiffError::Refused(reason))
+    Err(DiffError::NoField {
+        pattern: pattern.to_owned(),
+        similar,
+    })
 }
 
 /// The name of a field with its topic, as in `/top/state.theta`, which patterns are matched with.

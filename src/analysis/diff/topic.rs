@@ -80,7 +80,7 @@ impl TopicTally {
         let mut fields_only_in = [Vec::new(), Vec::new()];
         for number in topic.numbers() {
             let name = number.to_string();
-            match [0, 1].map(|side| missing[side].contains(&name)) {
+            match missing.each_ref().map(|missing| missing.contains(&name)) {
                 _ if tolerances.ignores(&name) => {}
                 [false, false] => {
                     let tolerance = tolerances.for_field(topic.name(), number.path());

@@ -89,7 +89,7 @@ fn scenes(layout: &mut Layout, identity: &PairIdentity) -> Option<Child> {
     let geometry = identity.common_geometry()?;
     let runs = roles(identity, POSE);
     if !geometry.is_free {
-        let names = [Side::A, Side::B].map(|side| titled_run(identity, side));
+        let names = Side::BOTH.map(|side| titled_run(identity, side));
         return Some(scene_view(
             layout,
             &names.join(" · "),
@@ -145,7 +145,7 @@ fn scene_view(
 
 /// The looks and geometries of the runs that have a topic.
 fn roles(identity: &PairIdentity, topic: Topic) -> Vec<(Role, &Geometry)> {
-    [Side::A, Side::B]
+    Side::BOTH
         .into_iter()
         .filter(|side| identity.run(*side).has(topic))
         .map(|side| (identity.role(side), &identity.run(side).geometry))
@@ -155,7 +155,7 @@ fn roles(identity: &PairIdentity, topic: Topic) -> Vec<(Role, &Geometry)> {
 /// Tabs with the summary and the run descriptions.
 fn texts(layout: &mut Layout, identity: &PairIdentity) -> Child {
     let mut pages = vec![layout.view("TextDocument", "Summary", SUMMARY, &["$origin"])];
-    for side in [Side::A, Side::B] {
+    for side in Side::BOTH {
         let about = identity.role(side).entity(ABOUT);
         pages.push(layout.view("TextDocument", identity.name_of(side), &about, &["$origin"]));
     }
@@ -212,7 +212,7 @@ impl Charts<'_> {
     /// The curves of both runs.
     fn overlay(&mut self, contrast: &Chart) -> Option<Child> {
         let identity = self.identity;
-        let contents = [Side::A, Side::B].map(|side| {
+        let contents = Side::BOTH.map(|side| {
             entities(
                 contrast.plots,
                 |plot| identity.run(side).has(plot.topic()),
