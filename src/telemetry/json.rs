@@ -91,9 +91,10 @@ impl JsonDecoder {
                 Content::Text(index) => Target::Text(index),
                 Content::Number(index) => Target::Number(index),
                 Content::Object(inner) => {
-                    let inner = inner.iter();
-                    let inner = inner.map(|(name, at)| ((*name).to_owned(), Target::Number(*at)));
-                    Target::Object(Object(inner.collect()))
+                    let numbers = inner
+                        .iter()
+                        .map(|(name, at)| ((*name).to_owned(), Target::Number(*at)));
+                    Target::Object(Object(numbers.collect()))
                 }
             };
             members.push((name.to_owned(), target));

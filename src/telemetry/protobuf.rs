@@ -33,35 +33,40 @@ pub fn file_descriptor_set(channel: &ChannelInfo) -> Vec<u8> {
 
 /// The schema of a channel's messages as a `.proto` file, with units, frames and descriptions as comments.
 pub fn proto_file(channel: &ChannelInfo) -> String {
-    let mut text = format!(
-        "// {}: {}\n\nsyntax = \"proto3\";\n\npackage {PACKAGE};\n\nimport \"{TIMESTAMP_FILE}\";\n\n",
-        channel.topic, channel.meaning
-    );
-    let mut line = |line: &str| text.push_str(&format!("{line}\n"));
-    line(&format!("message {} {{", message_name(channel)));
+    let mut lines = vec![
+        format!("// {}: {}", channel.topic, channel.meaning),
+        String::new(),
+        "syntax = \"proto3\";".to_owned(),
+        String::new(),
+        format!("package {PACKAGE};"),
+        String::new(),
+        format!("import \"{TIMESTAMP_FILE}\";"),
+        String::new(),
+        format!("message {} {{", message_name(channel)),
+    ];
     let members = channel.members();
     for (name, leaves) in nested_types(channel, &members) {
-        line(&format!("  message {name} {{"));
-        for (index, leaf) in leaves.iter().enumerate() {
-            line(&format!("    double {leaf} = {};", index + 1));
+        lines.push(format!("  message {name} {{"));
+        for (leaf, number) in leaves.iter().zip(1..) {
+            lines.push(format!("    double {leaf} = {number};"));
         }
-        line("  }\n");
+        lines.extend(["  }".to_owned(), String::new()]);
     }
-    line("  // simulation time since the start");
-    line(&format!("  {TIMESTAMP_TYPE} timestamp = 1;"));
+    lines.push("  // simulation time since the start".to_owned());
+    lines.push(format!("  {TIMESTAMP_TYPE} timestamp = 1;"));
     for ((name, content), number) in members.iter().zip(FIRST_FIELD..) {
         for comment in comments(channel, content) {
-            line(&format!("  // {comment}"));
+            lines.push(format!("  // {comment}"));
         }
         let kind = match content {
             Content::Text(_) => "string".to_owned(),
             Content::Number(_) => "double".to_owned(),
             Content::Object(leaves) => nested_name(channel, name, leaves),
         };
-        line(&format!("  {kind} {name} = {number};"));
+        lines.push(format!("  {kind} {name} = {number};"));
     }
-    line("}");
-    text
+    lines.extend(["}".to_owned(), String::new()]);
+    lines.join("\n")
 }
 
 /// The name of a channel's `.proto` file in `schemas/`.
@@ -98,8 +103,9 @@ fn message_name(channel: &ChannelInfo) -> &str {
 
 /// Whether these are the components of one quantity.
 fn is_components(channel: &ChannelInfo, leaves: &[(&str, usize)]) -> bool {
-    let mut leaves = leaves.iter();
-    leaves.all(|(_, index)| channel.numbers[*index].is_component)
+    leaves
+        .iter()
+        .all(|(_, index)| channel.numbers[*index].is_component)
 }
 
 /// The name of the message type of an object.
