@@ -186,13 +186,13 @@ fn parse_item(key: &Key, item: &str) -> Result<Value, AxisProblem> {
 }
 
 fn parse_number(text: &str) -> Result<f64, AxisProblem> {
-    let text = text.trim();
-    if text.is_empty() {
+    let word = text.trim();
+    if word.is_empty() {
         return Err(AxisProblem::EmptyValue);
     }
-    match text.parse::<f64>() {
+    match word.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
-        Ok(_) | Err(_) => Err(AxisProblem::NotANumber(text.to_owned())),
+        Ok(_) | Err(_) => Err(AxisProblem::NotANumber(word.to_owned())),
     }
 }
 

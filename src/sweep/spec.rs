@@ -111,8 +111,9 @@ impl Spec {
                 values
             }
             Design::Sample(_, axes) => {
-                let axes = axes.iter().enumerate();
-                axes.map(|(i, axis)| Some(axis.sampled(self.points.at(row, i))))
+                let numbered = axes.iter().enumerate();
+                numbered
+                    .map(|(i, axis)| Some(axis.sampled(self.points.at(row, i))))
                     .collect()
             }
             Design::Table(table) => table.row(row),
