@@ -123,10 +123,10 @@ fn decompress(header: &ChunkHeader, data: &[u8], records: &mut Vec<u8>) -> io::R
 fn read_pieces(decoder: impl Read, size: u64, records: &mut Vec<u8>) -> io::Result<()> {
     records.clear();
     // One extra byte to detect excess data.
-    let mut decoder = decoder.take(size + 1);
+    let mut content = decoder.take(size + 1);
     let mut next = 0;
     loop {
-        let length = decoder
+        let length = content
             .by_ref()
             .take(PIECE)
             .read_to_end(records)

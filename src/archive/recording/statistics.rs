@@ -112,15 +112,13 @@ pub(super) fn find_fault(layout: &Layout, tally: &Tally) -> Option<StatisticsFau
         .chain(tally.counts.keys());
     for id in ids {
         // Some writers list channels without messages, too.
-        let stated = stated.channel_message_counts.get(id).copied();
-        let found = tally.counts.get(id).copied();
-        let (stated, found) = (stated.unwrap_or(0), found.unwrap_or(0));
-        if stated != found {
-            return Some(StatisticsFault {
-                name: format!("messages of channel {id}"),
-                stated,
-                found,
-            });
+        let fault = StatisticsFault {
+            name: format!("messages of channel {id}"),
+            stated: stated.channel_message_counts.get(id).copied().unwrap_or(0),
+            found: tally.counts.get(id).copied().unwrap_or(0),
+        };
+        if fault.stated != fault.found {
+            return Some(fault);
         }
     }
     None

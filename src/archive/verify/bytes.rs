@@ -29,20 +29,19 @@ pub(super) fn are_equal(
     let file = BufWriter::with_capacity(64 * 1024, comparer);
     let mut sink = Pipeline::start(file, recording.path().to_owned(), header).ok()?;
     let mut reported = 0;
-    let mut report = || {
-        let at = position.load(Ordering::Relaxed);
-        progress(at - std::mem::replace(&mut reported, at));
-    };
     let sinks: &mut [&mut dyn Sink] = &mut [&mut sink];
     let recorded = record(&mut run, sinks, |_, _| {
-        report();
+        let equal = position.load(Ordering::Relaxed);
+        progress(equal - std::mem::replace(&mut reported, equal));
         Ok(ControlFlow::Continue(()))
     });
     let (file, _) = sink.end(&recorded.ok()?.end).ok()?;
-    let comparer = file.into_inner().ok()?;
-    report();
+    // The last bytes are compared when the buffer is emptied.
+    file.into_inner().ok()?;
+    let equal = position.load(Ordering::Relaxed);
+    progress(equal - reported);
     // A file that goes on after the run has the same bytes up to there.
-    Some(comparer.position.load(Ordering::Relaxed) == recording.size())
+    Some(equal == recording.size())
 }
 
 /// Writer that fails at the first byte that differs from a file.
