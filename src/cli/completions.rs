@@ -8,12 +8,12 @@ use clap_complete::{Shell, generate};
 
 /// The completion script of a command line.
 pub(super) fn script(shell: Shell, command: Command) -> String {
-    let mut command = command.mut_subcommands(|command| {
+    let mut suggesting = command.mut_subcommands(|command| {
         let name = command.get_name().to_owned();
         command.mut_args(|argument| with_values(argument, &name))
     });
     let mut script = Vec::new();
-    generate(shell, &mut command, "toprise", &mut script);
+    generate(shell, &mut suggesting, "toprise", &mut script);
     String::from_utf8_lossy(&script).into_owned()
 }
 

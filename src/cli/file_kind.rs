@@ -53,12 +53,18 @@ impl FileKind {
         if extension == own || extension == "partial" {
             return Ok(());
         }
-        let path = path.to_owned();
+        // For Rerun recordings there is an option, which the error names.
         Err(if self == Self::Mcap && extension == "rrd" {
-            ExtensionError::IsRerun { option, path }
+            ExtensionError::IsRerun {
+                option,
+                path: path.to_owned(),
+            }
         } else {
-            let name = path.with_extension(own);
-            ExtensionError::Other { option, noun, name }
+            ExtensionError::Other {
+                option,
+                noun,
+                name: path.with_extension(own),
+            }
         })
     }
 }

@@ -166,15 +166,11 @@ pub(super) fn fit(arguments: &FitArguments, drafts: &Drafts) -> Result<Status, a
     };
     let written = plan.write(&fitted, drafts)?;
     let status = match fitted.report.verdict {
+        // A verdict on a part of the data is not one on the data.
+        _ if !fitted.report.losses.is_empty() => Status::Partial,
         Verdict::Fitted => Status::Success,
         Verdict::BadFit | Verdict::Undecided => Status::Different,
         Verdict::NotConverged => Status::Partial,
-    };
-    // A verdict on a part of the data is not one on the data.
-    let status = if fitted.report.losses.is_empty() {
-        status
-    } else {
-        Status::Partial
     };
     let report = FitReport {
         fit: fitted.report,
@@ -303,12 +299,15 @@ fn write_recording(
     fitted: &Fit,
     request: &Request,
 ) -> Result<WrittenFile, anyhow::Error> {
-    let path = draft.path().to_owned();
-    let recorded = fit::record(fitted, request, BufWriter::new(draft));
-    let buffer = recorded.with_context(|| format!("cannot write {}", path.display()))?;
-    let draft = buffer.into_inner().map_err(IntoInnerError::into_error);
-    let draft = draft.with_context(|| format!("cannot write {}", path.display()))?;
-    Ok(WrittenFile::publish(draft)?)
+    let problem = format!("cannot write {}", draft.path().display());
+    let buffer =
+        fit::record(fitted, request, BufWriter::new(draft)).with_context(|| problem.clone())?;
+    // The rest of the buffer is written here; when dropped, an error would be lost.
+    let written = buffer
+        .into_inner()
+        .map_err(IntoInnerError::into_error)
+        .with_context(|| problem)?;
+    Ok(WrittenFile::publish(written)?)
 }
 
 fn parse_signal(text: &str) -> Result<SignalSpec, fit::DataError> {

@@ -47,17 +47,15 @@ pub(super) fn print_error(error: &str, key: Option<&str>) {
 /// The key of the scenario that an error is about.
 pub(super) fn wrong_key(error: &Error) -> Option<&str> {
     error.chain().find_map(|cause| {
-        let scenario_error = if let Some(error) = cause.downcast_ref::<InputError>() {
-            error.scenario_error()
-        } else {
-            cause.downcast_ref::<ScenarioError>()
-        };
         #[cfg(feature = "sweep")]
-        let scenario_error = scenario_error.or_else(|| {
-            cause
-                .downcast_ref::<SweepError>()
-                .and_then(SweepError::scenario_error)
-        });
+        if let Some(error) = cause.downcast_ref::<SweepError>() {
+            return error.scenario_error()?.key.as_deref();
+        }
+        // These are transparent: the error of the scenario is no cause of its own in the chain.
+        let scenario_error = match cause.downcast_ref::<InputError>() {
+            Some(error) => error.scenario_error(),
+            None => cause.downcast_ref::<ScenarioError>(),
+        };
         scenario_error?.key.as_deref()
     })
 }

@@ -14,7 +14,6 @@ use super::status::Status;
 use crate::archive::input::read_file;
 use crate::archive::publish::Drafts;
 use crate::run::scenario::Values;
-use crate::run::simulation::StopReason;
 use crate::sweep::{
     Axis, Base, Counts, Design, Finished, Method, Options, Sample, Shard, Spec, Sweep, SweepError,
     Table, Watch, is_catching, parts_directory, remaining_rows, run, values_of_row,
@@ -218,23 +217,22 @@ fn compute(arguments: &SweepArguments, sweep: &Sweep, left: u64) -> Result<Finis
         "{bar:16} {percent:>3} %  {per_sec}  [{elapsed}, {eta} left]  {wide_msg}",
     );
     let counts = Mutex::new((Counts::default(), Instant::now()));
-    let done = |stop: Option<StopReason>| {
-        progress.add(1);
-        let mut guard = counts.lock().unwrap_or_else(PoisonError::into_inner);
-        let (counts, shown) = &mut *guard;
-        match stop {
-            Some(stop) => counts.count_stop(stop),
-            None => counts.errors += 1,
-        }
-        // More often would take longer than a short run.
-        if shown.elapsed() > Duration::from_millis(100) {
-            *shown = Instant::now();
-            progress.set_text(summary(&counts.stops, counts.errors));
-        }
-    };
     let watch = Watch {
         carry_on: &|| !interrupt::is_requested(),
-        row_done: &done,
+        row_done: &|stop| {
+            progress.add(1);
+            let mut guard = counts.lock().unwrap_or_else(PoisonError::into_inner);
+            let (counts, shown) = &mut *guard;
+            match stop {
+                Some(stop) => counts.count_stop(stop),
+                None => counts.errors += 1,
+            }
+            // More often would take longer than a short run.
+            if shown.elapsed() > Duration::from_millis(100) {
+                *shown = Instant::now();
+                progress.set_text(summary(&counts.stops, counts.errors));
+            }
+        },
     };
     let options = Options {
         threads: arguments.jobs.map_or(0, |jobs| jobs as usize),
@@ -336,7 +334,8 @@ mod tests {
             assert!(error.contains(message), "{line}: {error}");
             assert!(!error.contains("-- -"), "{line}: {error}");
         }
-        let seed = |line| parse::<SweepArguments>(line).unwrap().seed;
-        assert_eq!((seed(""), seed("--sample 9 --seed 7")), (0, 7));
+        for (line, seed) in [("", 0), ("--sample 9 --seed 7", 7)] {
+            assert_eq!(parse::<SweepArguments>(line).unwrap().seed, seed, "{line}");
+        }
     }
 }

@@ -241,8 +241,11 @@ pub(in crate::cli) fn view(arguments: &ViewArguments, drafts: &Drafts) -> Result
 
 /// Opens Rerun recordings as they are, in a new viewer; `None` if the files are others.
 fn show_rrd(arguments: &ViewArguments) -> Result<Option<Status>, Error> {
-    let is_rrd = |file: &&PathBuf| has_extension(file, "rrd");
-    let count = arguments.files.iter().filter(is_rrd).count();
+    let count = arguments
+        .files
+        .iter()
+        .filter(|file| has_extension(file, "rrd"))
+        .count();
     if count == 0 {
         return Ok(None);
     }

@@ -43,15 +43,15 @@ pub(super) fn complete(
     ended: Result<Vec<ViewerError>, RerunError>,
     draft: Option<Draft>,
 ) -> Result<Completed, Error> {
-    let ended = ended.map_err(|error| SinkError::Viewer(Box::new(error)));
+    let warnings = ended.map_err(|error| SinkError::Viewer(Box::new(error)));
     let Some(draft) = draft else {
         return Ok(Completed {
             file: None,
-            is_viewer_lost: warn_all(&ended?),
+            is_viewer_lost: warn_all(&warnings?),
         });
     };
     let lost = format!("{} is not written", draft.path().display());
-    match ended {
+    match warnings {
         Ok(warnings) => {
             let is_viewer_lost = warn_all(&warnings);
             Ok(Completed {
