@@ -85,6 +85,7 @@ impl ComparisonArguments {
             ignored: self.ignore.clone(),
             ..Tolerances::default()
         };
+        // Each --tol checks all tolerances, but there may be none.
         tolerances.check()?;
         for tolerance in &self.tol {
             tolerances.add(tolerance)?;
@@ -139,6 +140,7 @@ pub(super) fn diff(arguments: &DiffArguments, drafts: &Drafts) -> Result<Status,
     let compared = compare_observed(subjects[0], subjects[1], &plan.options, &mut observers);
     progress.finish();
     let mut report = compared?;
+    // Runs are called as on the command line, which the comparison doesn't know.
     [report.a.name, report.b.name] = names;
     // A document has room for whole values.
     let is_cut = !plan.all && output::format() == Format::Text;
@@ -150,6 +152,7 @@ pub(super) fn diff(arguments: &DiffArguments, drafts: &Drafts) -> Result<Status,
     Ok(match report.verdict {
         Verdict::Different => Status::Different,
         Verdict::Agreeing => Status::Partial,
+        // The comparison is complete, but not what was to be shown of it.
         _ if is_viewer_lost => Status::Partial,
         Verdict::Identical | Verdict::SameValues | Verdict::Equal => Status::Success,
     })

@@ -199,6 +199,7 @@ impl RunsPlan {
         let stems: Vec<&OsStr> = words.iter().map(|word| stem(word)).collect();
         let mut inputs = Vec::new();
         for (word, stem) in words.iter().zip(&stems) {
+            // Files of one name in several directories need their directories in the legend.
             let is_unique = stems.iter().filter(|other| *other == stem).count() == 1;
             let name = if is_unique { stem } else { word.as_os_str() };
             inputs.push((name.to_string_lossy().into_owned(), open(word, &[], &[])?));

@@ -87,6 +87,7 @@ impl InfoReport {
         }
         let losses = loss_lines(&overview.losses, overview.more_losses);
         facts.extend(losses.into_iter().map(|line| ("lost", line)));
+        // The end record has the counts of the run: others show that messages were removed or added.
         let wrong = overview.counts.iter().filter(|c| c.found != c.recorded);
         facts.extend(wrong.map(|c| {
             let (found, recorded) = (format_integer(c.found), format_integer(c.recorded));
@@ -170,6 +171,7 @@ fn exact_seconds(time_ns: u64) -> String {
 }
 
 fn entry<'a>(entries: &'a BTreeMap<String, String>, key: &str) -> &'a str {
+    // Other versions may have other entries.
     entries.get(key).map_or("?", String::as_str)
 }
 

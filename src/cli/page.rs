@@ -127,6 +127,7 @@ impl Section {
         let mut follows_table = false;
         for part in &self.parts {
             let is_table = matches!(part, Part::Table(_));
+            // Without a line between them, two tables would look like one.
             if is_table && follows_table {
                 text.push('\n');
             }
@@ -164,6 +165,7 @@ pub(super) fn text(sections: &[Section], columns: Option<usize>) -> String {
     sections
         .iter()
         .map(|section| section.text(columns))
+        // A section may have a table without rows only.
         .filter(|block| !block.trim().is_empty())
         .collect::<Vec<_>>()
         .join("\n")
@@ -176,6 +178,7 @@ pub(super) fn markdown(sections: &[Section]) -> String {
 
 /// The text width.
 fn width(columns: Option<usize>) -> usize {
+    // Long lines are hard to read, however wide the terminal is.
     columns.map_or(MAX_WIDTH, |columns| columns.min(MAX_WIDTH))
 }
 

@@ -75,6 +75,7 @@ impl PresetsReport {
     fn page(&self, is_one: bool) -> Vec<Section> {
         let mut section = Section::default();
         if is_one {
+            // Verbatim, so that the output is a scenario file.
             for preset in &self.0 {
                 section.parts.push(Part::Code(preset.scenario.clone()));
             }

@@ -98,6 +98,7 @@ impl SchemaReport {
     fn page(&self, is_one: bool) -> Vec<Section> {
         let mut section = Section::default();
         if is_one {
+            // Verbatim, so that the output is a schema file.
             for channel in &self.channels {
                 section.parts.push(Part::Code(channel.definition.clone()));
             }

@@ -90,6 +90,7 @@ impl Table {
             column.set_padding((2, 0));
             if at >= self.left {
                 column.set_cell_alignment(CellAlignment::Right);
+                // A number broken into two lines could be read as two.
                 column.set_constraint(ColumnConstraint::ContentWidth);
             }
         }

@@ -103,6 +103,7 @@ impl VerifyReport {
         self.0
             .iter()
             .map(VerifiedFile::status)
+            // By rank, not by exit code: a file that differs is worse than one that is incomplete.
             .max_by_key(|(rank, _)| *rank)
             .map_or(Status::Success, |(_, status)| status)
     }

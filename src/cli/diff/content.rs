@@ -147,6 +147,7 @@ fn excerpt(key: &KeyDifference, value: Option<&str>) -> String {
     // By characters, not bytes: a cut within a character would panic.
     let common = a.chars().zip(b.chars()).take_while(|(a, b)| a == b).count();
     let start = match common.saturating_sub(CONTEXT) {
+        // To leave out as little as that would not save anything.
         start if common < MAX_LENGTH && start <= CONTEXT => 0,
         start => start,
     };

@@ -136,6 +136,7 @@ fn estimates(parameters: &[Estimate], all: bool) -> Table {
             }
             (_, Some(Limit::None)) => "not determined".to_owned(),
             (Some([low, high]), None) => {
+                // With as many decimals as the estimate next to it.
                 let sd = estimate.sd.unwrap_or_default();
                 let digits = decimals(sd);
                 format!(

@@ -113,10 +113,11 @@ impl PairViewer {
 }
 
 fn identity(subjects: [Subject<'_>; 2], names: [&str; 2]) -> Result<PairIdentity, Error> {
+    // Runs of one name are told apart by what was changed in their scenarios.
     let is_same_name = names[0] == names[1];
-    let [a, b] = [0, 1].map(|side| {
-        let name = (!is_same_name).then_some(names[side]);
-        side_identity(subjects[side], ["A", "B"][side], name)
+    let [a, b] = Side::BOTH.map(|side| {
+        let name = (!is_same_name).then_some(names[side.index()]);
+        side_identity(subjects[side.index()], side, name)
     });
     let (a, b) = (a?, b?);
     Ok(PairIdentity {
@@ -128,13 +129,12 @@ fn identity(subjects: [Subject<'_>; 2], names: [&str; 2]) -> Result<PairIdentity
 }
 
 /// Identity of a run; without a name it is that of the scenario and what has been changed.
-fn side_identity(
-    subject: Subject<'_>,
-    letter: &str,
-    name: Option<&str>,
-) -> Result<Identity, Error> {
+fn side_identity(subject: Subject<'_>, side: Side, name: Option<&str>) -> Result<Identity, Error> {
     let scenario = subject.scenario().with_context(|| {
-        format!("{letter} can't be shown: it has no scenario that this version can read")
+        format!(
+            "{} can't be shown: it has no scenario that this version can read",
+            side.name()
+        )
     })?;
     let title = name.map_or_else(|| scenario.title(), str::to_owned);
     let topics = subject.topics();

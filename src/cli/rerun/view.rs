@@ -310,6 +310,7 @@ fn show(
     };
     let mut sink = ExplainedSink::new(&scenario, &identity, destinations);
     let warnings = sink.take_warnings();
+    // Neither a file nor a viewer is left to show anything in.
     if draft.is_none() && !sink.is_live() {
         let reasons: Vec<String> = warnings.iter().map(ToString::to_string).collect();
         bail!("{}", reasons.join("; "));
@@ -323,6 +324,7 @@ fn show(
     if let Some(outcome) = outcome_of(recording, &plan.selection) {
         sink.set_outcome(&outcome);
     }
+    // Half a recording would look like a whole one.
     let interrupted = draft.take_if(|_| interrupt::is_requested());
     let completed = viewer::complete(sink.finish(), draft)?;
     if let Some(draft) = interrupted {
@@ -350,6 +352,7 @@ fn outcome_of(recording: &Recording, selection: &Selection) -> Option<Outcome> {
     }
     let (scenario, end) = (recording.scenario().ok()?, recording.end()?);
     let outcome = outcome(&scenario, || !interrupt::is_requested()).ok()?;
+    // Another version may have computed another motion, which is the one that is shown.
     is_end_of(end, &outcome).then_some(outcome)
 }
 

@@ -61,6 +61,7 @@ pub(crate) struct RunArguments {
 impl RunArguments {
     /// Resolves the arguments. The input is opened and read here, once.
     pub(super) fn plan(&self) -> Result<RunPlan, Error> {
+        // A wrong name is reported before anything is read.
         if let Some(path) = &self.output {
             FileKind::Mcap.check("-o", path)?;
         }
@@ -68,6 +69,7 @@ impl RunArguments {
         let scenario = checked(&self.scenario, base.clone(), &self.overrides)?;
         let (mut form, mut topics) = form.unwrap_or_default();
         form.encoding = self.encoding.unwrap_or(form.encoding);
+        // A recording without views is repeated without them.
         form.views &= !self.no_views;
         if !self.topics.is_empty() {
             topics = Topics::named(&self.topics)?;

@@ -78,6 +78,7 @@ impl SweepFigure {
 
 /// The column of a key.
 fn column(name: &str) -> String {
+    // As columns of sweeps are named; keys are accepted, too.
     name.replace('.', "_")
 }
 
@@ -111,6 +112,7 @@ impl SweepPlan {
             let (met, left): (Vec<_>, Vec<_>) = rows
                 .into_iter()
                 .partition(|row| is_value(cells[*row].as_deref(), value));
+            // The condition that leaves no rows is to blame, not those after it.
             if met.is_empty() && !left.is_empty() {
                 let existing = left.into_iter().filter_map(|row| cells[row].clone());
                 bail!(
@@ -128,6 +130,7 @@ impl SweepPlan {
 /// Whether a cell equals the --where value (numbers are compared numerically).
 fn is_value(cell: Option<&str>, value: &str) -> bool {
     cell.is_some_and(|cell| {
+        // `--where friction_k=1e-2` means the cell 0.01.
         let numbers = cell.parse::<f64>().ok().zip(value.parse::<f64>().ok());
         cell == value || numbers.is_some_and(|(one, other)| one == other)
     })
@@ -140,6 +143,7 @@ fn existing_values(mut cells: Vec<String>, value: &str) -> String {
     cells.sort_unstable();
     cells.dedup();
     let is_near = cells.len() > SHOWN && cells.iter().all(|cell| distance(cell, value).is_finite());
+    // After a rounded value was typed, its neighbours are what is looked for.
     if is_near {
         cells.sort_by(|a, b| distance(a, value).total_cmp(&distance(b, value)));
     }

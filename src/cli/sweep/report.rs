@@ -35,6 +35,7 @@ pub(crate) struct SweepReport {
 /// Counts of results, in a few words.
 pub(super) fn summary(stops: &BTreeMap<String, u64>, errors: u64) -> String {
     let mut all: Vec<_> = stops.iter().collect();
+    // The most frequent first, because the progress line is cut at its end.
     all.sort_by_key(|(_, number)| std::cmp::Reverse(**number));
     let mut words: Vec<_> = all
         .into_iter()
