@@ -127,8 +127,8 @@ impl Run {
                 }
             }
             Record::Event(event) => {
-                self.tally.count(event.kind, event.time);
-                if !event.kind.is_of_nutation() {
+                self.tally.record(event.kind, event.time);
+                if !event.kind.is_nutation_extreme() {
                     self.events.push(json!({
                         "time": event.time,
                         "text": event.sentence(&self.scenario.model.top),

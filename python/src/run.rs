@@ -194,7 +194,7 @@ fn simulate(
     let mut tally = Tally::default();
     let recorded = record(&mut run, &mut [&mut tables], |record, _| {
         if let Record::Event(event) = record {
-            tally.count(event.kind, event.time);
+            tally.record(event.kind, event.time);
         }
         Ok(ControlFlow::Continue(()))
     })

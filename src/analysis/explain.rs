@@ -346,7 +346,7 @@ fn event_summaries(history: &RunHistory, top: &Top) -> Vec<EventSummary> {
     let mut summaries: Vec<EventSummary> = Vec::new();
     for event in &history.events {
         let Some(kind) = event.kind else { continue };
-        if kind == EventKind::Start || kind.is_of_nutation() {
+        if kind == EventKind::Start || kind.is_nutation_extreme() {
             continue;
         }
         match summaries.iter_mut().find(|known| known.name == kind.name()) {

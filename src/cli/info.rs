@@ -150,7 +150,7 @@ impl InfoReport {
         for event in &self.overview.events {
             let kind = EventKind::find(&event.name);
             // Each nutation has its extremes: they would hide everything else.
-            let is_common = kind.is_some_and(EventKind::is_of_nutation);
+            let is_common = kind.is_some_and(EventKind::is_nutation_extreme);
             if counts[event.name.as_str()] <= MAX_LISTED && !is_common {
                 rows.push(vec![
                     format!("{:.6} s", event.time),

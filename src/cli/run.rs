@@ -83,7 +83,7 @@ fn record_run(
     }
     let recorded = record(run, &mut sinks, |record, sinks| {
         if let Record::Event(event) = record {
-            counts.count(event.kind, event.time);
+            counts.record(event.kind, event.time);
         }
         pace.after(record, sinks)
     });

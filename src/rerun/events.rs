@@ -51,7 +51,7 @@ impl Events {
         let time = events::TIME.of(message);
         let text = format!("{time:.6} s: {}", event_sentence(message, &self.top));
         let kind = EventKind::find(events::NAME.of(message));
-        if kind.is_some_and(EventKind::is_of_nutation) {
+        if kind.is_some_and(EventKind::is_nutation_extreme) {
             self.nutation.push(output, time_ns, [text]);
             return;
         }

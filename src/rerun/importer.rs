@@ -198,7 +198,7 @@ fn show(scenario: &Scenario, identity: &Identity, output: File) -> Result<(), Im
     let mut sinks: [&mut dyn Sink; 1] = [&mut sink];
     let RecordedRun { end, error } = record(&mut run, &mut sinks, |record, _| {
         if let Record::Event(event) = record {
-            tally.count(event.kind, event.time);
+            tally.record(event.kind, event.time);
         }
         Ok(ControlFlow::Continue(()))
     })?;

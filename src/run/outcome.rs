@@ -191,6 +191,7 @@ impl Column {
 
     /// The description as a sentence, with the unit; a JSON member that would be null is absent.
     fn sentence(&self) -> String {
+        // One text serves tables, where it continues a line, and the JSON schema, where it is a sentence.
         let mut letters = self.meaning.chars();
         let first = letters.next().map(char::to_uppercase);
         let mut sentence: String = first.into_iter().flatten().chain(letters).collect();
@@ -227,7 +228,8 @@ const fn column(
     }
 }
 
-fn counted(count: u64) -> Option<i64> {
+/// A count as a value of an Int64 column; `None` beyond the range of that type.
+fn to_int64(count: u64) -> Option<i64> {
     i64::try_from(count).ok()
 }
 
@@ -242,8 +244,8 @@ pub const COLUMNS: &[Column] = &[
         Number(|o| o.tally.first(EventKind::WeakTop))).null("if it did not, or was weak from the start"),
     column("loop_time", "s", "time of the first loop (for a tippe top: of the first reversal of precession)",
         Number(|o| o.tally.first(EventKind::LoopingBegins))).null("if there is none"),
-    column("loops", "", "number of loops (for a tippe top: of reversals of precession)", Integer(|o| counted(o.tally.number(EventKind::LoopingBegins)))),
-    column("nutations", "", "number of complete nutation cycles", Integer(|o| counted(o.end.nutations))),
+    column("loops", "", "number of loops (for a tippe top: of reversals of precession)", Integer(|o| to_int64(o.tally.count_of(EventKind::LoopingBegins)))),
+    column("nutations", "", "number of complete nutation cycles", Integer(|o| to_int64(o.end.nutations))),
     column("theta", "rad", "inclination θ at the end", Number(|o| Some(o.end.motion.angles.theta))),
     column("phi_dot", "rad/s", "precession rate φ̇ at the end", Number(|o| Some(o.end.motion.tilt.rates.phi))),
     column("theta_dot", "rad/s", "nutation rate θ̇ at the end", Number(|o| Some(o.end.motion.tilt.rates.theta))),
@@ -257,7 +259,7 @@ pub const COLUMNS: &[Column] = &[
         Number(|o| o.tally.first(EventKind::RollBegins))).null("if it did not, or if the peg is fixed"),
     column("inversion_time", "s", "time at which the axis of a tippe top passed the horizontal",
         Number(|o| o.end.inversion_time)).null("otherwise"),
-    column("hops", "", "number of hops", Integer(|o| counted(o.is_free.then(|| o.tally.number(EventKind::LiftOff))?))).null("for a fixed peg"),
-    column("impacts", "", "number of impacts on the table", Integer(|o| counted(o.is_free.then_some(o.end.impacts)?))).null("for a fixed peg"),
-    column("steps", "", "number of integrator steps", Integer(|o| counted(o.end.statistics.accepted))),
+    column("hops", "", "number of hops", Integer(|o| to_int64(o.is_free.then(|| o.tally.count_of(EventKind::LiftOff))?))).null("for a fixed peg"),
+    column("impacts", "", "number of impacts on the table", Integer(|o| to_int64(o.is_free.then_some(o.end.impacts)?))).null("for a fixed peg"),
+    column("steps", "", "number of integrator steps", Integer(|o| to_int64(o.end.statistics.accepted))),
 ];

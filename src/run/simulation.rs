@@ -46,6 +46,7 @@ impl Simulation {
         type Body = Runner<BodyRotation, { BodyRotation::STATE_LENGTH }>;
         Ok(Self {
             run: match scenario.formulation {
+                // A free peg has one formulation; scenarios are checked to name no other.
                 _ if scenario.model.support.is_free() => {
                     Box::new(Free::new(scenario, Detail::All)?)
                 }
@@ -91,6 +92,7 @@ pub fn run_without_samples(
     scenario: &Scenario,
     mut carry_on: impl FnMut() -> bool,
 ) -> Result<(RunEnd, Tally), SimulationError> {
+    // Fewer running integrals make a step cheaper and don't change the motion.
     type Free = Runner<FreeRotation, { FreeRotation::SHORT_STATE_LENGTH }>;
     type Euler = Runner<EulerAngles, { EulerAngles::SHORT_STATE_LENGTH }>;
     type Body = Runner<BodyRotation, { BodyRotation::SHORT_STATE_LENGTH }>;

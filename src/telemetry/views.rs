@@ -294,7 +294,7 @@ impl Views {
             }
             Kind::Log => {
                 let name = events::NAME.of(message);
-                if EventKind::find(name).is_some_and(EventKind::is_of_nutation) {
+                if EventKind::find(name).is_some_and(EventKind::is_nutation_extreme) {
                     return false;
                 }
                 cdr.time(time).u8(INFO).string(name);

@@ -837,7 +837,7 @@ fn starts_inside_the_painleve_range_jam_or_lift_off() {
         let events = run
             .events
             .iter()
-            .filter(|event| !event.kind.is_of_nutation());
+            .filter(|event| !event.kind.is_nutation_extreme());
         let names: Vec<_> = events.map(|event| event.kind.name()).collect();
         assert_eq!(names, expected, "{name}");
     }

@@ -15,7 +15,7 @@ fn tolerances(tolerance: &str) -> [(&str, &str); 2] {
 /// Number of loops of a run without samples.
 fn loops(preset: &str, keys: &[(&str, &str)]) -> u64 {
     let outcome = outcome(&scenario(preset, keys), || true).unwrap();
-    outcome.tally.number(EventKind::LoopingBegins)
+    outcome.tally.count_of(EventKind::LoopingBegins)
 }
 
 /// A top released with φ̇ = 0 and θ̇ = 0 returns to this state in each nutation: its path has cusps. The integration

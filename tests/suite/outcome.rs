@@ -13,7 +13,7 @@ fn outcome_of_simulation(scenario: &Scenario) -> Outcome {
     let run = Run::of(scenario);
     let mut tally = Tally::default();
     for event in &run.events {
-        tally.count(event.kind, event.time);
+        tally.record(event.kind, event.time);
     }
     assert_eq!(run.end.nutations, run.cycles.len() as u64);
     assert_eq!(run.end.impacts, run.impacts.len() as u64);
@@ -70,7 +70,7 @@ fn tippe_top_inverts_at_the_horizontal() {
         let scenario = scenario(preset, &[("stop.duration", duration)]);
         let outcome = outcome(&scenario, || true).unwrap();
         assert_eq!(outcome.end.inversion_time, None, "{preset}");
-        assert_eq!(outcome.tally.number(EventKind::Inverts), 0, "{preset}");
+        assert_eq!(outcome.tally.count_of(EventKind::Inverts), 0, "{preset}");
     }
 }
 
@@ -190,7 +190,7 @@ fn counts_events() {
     );
     let loops = run.events_of(EventKind::LoopingBegins).count() as u64;
     assert_eq!(
-        (outcome.tally.number(EventKind::LoopingBegins), loops > 0),
+        (outcome.tally.count_of(EventKind::LoopingBegins), loops > 0),
         (loops, true)
     );
     assert_eq!(outcome.tally.first(EventKind::WeakTop), None);

@@ -181,7 +181,7 @@ fn compare(scenario: &Scenario) -> Comparison {
         }
         other => return Comparison::Wrong(format!("ends with {other:?}")),
     }
-    if found.tally.number(EventKind::LiftOff) > 0 {
+    if found.tally.count_of(EventKind::LiftOff) > 0 {
         return Comparison::Undecided("lifts off");
     }
     let motion = found.end.motion;

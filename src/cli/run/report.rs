@@ -191,7 +191,7 @@ impl RunReport {
     fn event_lines(&self, top: &Top) -> Vec<String> {
         let mut lines = Vec::new();
         for event in &self.events {
-            if event.first_time <= 0.0 || event.name.is_of_nutation() {
+            if event.first_time <= 0.0 || event.name.is_nutation_extreme() {
                 continue;
             }
             match (event.count, event.name.plural(top)) {

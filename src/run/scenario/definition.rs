@@ -51,27 +51,27 @@ impl Scenario {
         }
         let model = model(&values)?;
         let max_tolerance = model.support.max_tolerance();
-        let period = nanoseconds(values.number("sampling.period")?);
+        let period = nanoseconds(values.required_number("sampling.period")?);
         let scenario = Self {
             formulation: values.choice("formulation", FormulationKind::find)?,
             model,
             angles: Euler {
-                phi: values.number("initial.phi")?,
-                theta: values.number("initial.theta")?,
-                psi: values.number("initial.psi")?,
+                phi: values.required_number("initial.phi")?,
+                theta: values.required_number("initial.theta")?,
+                psi: values.required_number("initial.psi")?,
             },
             rates: Euler {
-                phi: values.number("initial.phi_dot")?,
-                theta: values.number("initial.theta_dot")?,
-                psi: values.number("initial.psi_dot")?,
+                phi: values.required_number("initial.phi_dot")?,
+                theta: values.required_number("initial.theta_dot")?,
+                psi: values.required_number("initial.psi_dot")?,
             },
             tolerances: Tolerances {
                 relative: values
-                    .number("integrator.relative_tolerance")?
+                    .required_number("integrator.relative_tolerance")?
                     // With coarser steps, the end of the slip of a free peg is missed.
                     .min(max_tolerance),
                 absolute: values
-                    .number("integrator.absolute_tolerance")?
+                    .required_number("integrator.absolute_tolerance")?
                     .min(max_tolerance),
             },
             sample_period_ns: period.ok_or_else(|| values.not_allowed("sampling.period"))?,
@@ -164,17 +164,17 @@ impl Scenario {
 
     /// The scenario's name, used for file names.
     pub fn name(&self) -> &str {
-        self.values.text("name").unwrap_or_default()
+        self.values.required_text("name").unwrap_or_default()
     }
 
     /// The description; may be empty.
     pub fn description(&self) -> &str {
-        self.values.text("description").unwrap_or_default()
+        self.values.required_text("description").unwrap_or_default()
     }
 
     /// The text value of a key, or an empty string.
     pub fn word(&self, path: &'static str) -> &str {
-        self.values.text(path).unwrap_or_default()
+        self.values.required_text(path).unwrap_or_default()
     }
 
     /// SHA-256 (hex) of all keys and values except name and description. Equal for scenarios that define the same run.

@@ -21,6 +21,7 @@ impl Scenario {
                 Some(Value::Text(word)) => format!("_{key}-{word}"),
             };
         }
+        // File systems limit names, and lists of names get unreadable before; the digest still tells them apart.
         if stem != name && stem.len() > MAX_LENGTH {
             return format!("{name}_{:.8}", self.digest());
         }

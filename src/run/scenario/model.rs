@@ -28,18 +28,18 @@ fn support(values: &Values) -> Result<Support, ScenarioError> {
 
 fn top(values: &Values) -> Result<Top, ScenarioError> {
     Ok(Top {
-        mass: values.number("top.mass")?,
-        transverse_moment: values.number("top.transverse_moment")?,
-        axial_moment: values.number("top.axial_moment")?,
-        center_distance: values.number("top.center_distance")?,
-        peg_radius: values.number("top.peg_radius")?,
-        gravity: values.number("gravity")?,
+        mass: values.required_number("top.mass")?,
+        transverse_moment: values.required_number("top.transverse_moment")?,
+        axial_moment: values.required_number("top.axial_moment")?,
+        center_distance: values.required_number("top.center_distance")?,
+        peg_radius: values.required_number("top.peg_radius")?,
+        gravity: values.required_number("gravity")?,
     })
 }
 
 fn friction(values: &Values) -> Result<Friction, ScenarioError> {
     let make_law = values.choice("friction.law", find_sliding_law)?;
-    let law = make_law(&|key| values.number(key))?;
+    let law = make_law(&|key| values.required_number(key))?;
     let losses = losses(values);
     if matches!(law, FrictionLaw::Contensou { .. }) && values.has("drilling.k") {
         return Err(values.invalid("drilling.k", Problem::AlreadyIncluded));

@@ -94,11 +94,13 @@ impl Values {
         paths.into_iter().find(|path| self.has(path))
     }
 
-    pub(super) fn number(&self, path: &'static str) -> Result<f64, ScenarioError> {
+    /// The number of a key that is required.
+    pub(super) fn required_number(&self, path: &'static str) -> Result<f64, ScenarioError> {
         self.optional_number(path)
             .ok_or_else(|| missing_keys(&[path]))
     }
 
+    /// The number of a key, if it is set.
     pub(super) fn optional_number(&self, path: &str) -> Option<f64> {
         match self.get(path) {
             Some(Value::Number(number)) => Some(*number),
@@ -106,11 +108,13 @@ impl Values {
         }
     }
 
-    pub(super) fn text(&self, path: &'static str) -> Result<&str, ScenarioError> {
+    /// The text of a key that is required.
+    pub(super) fn required_text(&self, path: &'static str) -> Result<&str, ScenarioError> {
         self.optional_text(path)
             .ok_or_else(|| missing_keys(&[path]))
     }
 
+    /// The text of a key, if it is set.
     pub(super) fn optional_text(&self, path: &str) -> Option<&str> {
         match self.get(path) {
             Some(Value::Text(text)) => Some(text),

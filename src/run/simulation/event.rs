@@ -99,8 +99,8 @@ listed! {
 pub const UPRIGHT: f64 = 0.01;
 
 impl EventKind {
-    /// Whether it occurs in every nutation; such events are omitted from lists.
-    pub fn is_of_nutation(self) -> bool {
+    /// Whether the event is an extreme of θ, which every nutation has; lists omit such events.
+    pub fn is_nutation_extreme(self) -> bool {
         matches!(self, Self::NutationMinimum | Self::NutationMaximum)
     }
 
@@ -224,9 +224,18 @@ listed! {
     }
 }
 
-/// The event of a transition, if it has one, and the reason for which it ends the run, if it does.
-pub(super) fn consequences(transition: Transition) -> (Option<EventKind>, Option<StopReason>) {
-    match transition {
+/// The consequences of a transition for a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Consequences {
+    /// The event, if the transition is one.
+    pub event: Option<EventKind>,
+    /// The reason for which the run ends, if it does.
+    pub stop: Option<StopReason>,
+}
+
+/// The event of a transition, and whether it ends the run.
+pub(super) fn consequences(transition: Transition) -> Consequences {
+    let (event, stop) = match transition {
         Transition::Sticks => (Some(EventKind::Stick), None),
         Transition::SlipStops => (Some(EventKind::SlipStops), None),
         Transition::SlipResumes => (Some(EventKind::SlipResumes), None),
@@ -237,6 +246,7 @@ pub(super) fn consequences(transition: Transition) -> (Option<EventKind>, Option
             is_final.then_some(StopReason::Pivot),
         ),
         Transition::Rests => (Some(EventKind::Rest), Some(StopReason::Rest)),
+        // Rolling, flight and landing are events of a change of phase, whatever the transition.
         Transition::Departs
         | Transition::RockingStops
         | Transition::RockingResumes
@@ -247,11 +257,12 @@ pub(super) fn consequences(transition: Transition) -> (Option<EventKind>, Option
         | Transition::LiftsOff
         | Transition::Bounces
         | Transition::Lands => (None, None),
-    }
+    };
+    Consequences { event, stop }
 }
 
 impl StopReason {
-    /// Whether the run came to an end of its own.
+    /// Whether the run ended by itself, neither interrupted nor failed.
     pub fn is_complete(self) -> bool {
         !matches!(self, Self::Interrupted | Self::Failed)
     }

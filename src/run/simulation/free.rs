@@ -41,19 +41,22 @@ impl FreeSample {
             return None;
         }
         let top = &model.top;
-        let world = |lean: &Vector3<f64>| lean_to_world(lean, motion.angles.phi);
-        let center_velocity = world(&motion.center_velocity_lean(top));
+        let phi = motion.angles.phi;
+        let center_velocity = lean_to_world(&motion.center_velocity_lean(top), phi);
         let force = contact.force + Vector3::new(0.0, 0.0, contact.normal_force);
+        // What the terms of a fixed peg leave out is due to the acceleration of the peg.
         let whole = model.euler_accelerations(contact, motion);
         let terms = model.accelerations(contact, &motion.tilt).total();
         Some(Self {
             phase: motion.phase,
             gap: motion.peg.position.z - top.peg_radius,
-            peg_velocity: world(&motion.peg.velocity_lean),
-            center: motion.peg.position + top.center_distance * world(&motion.tilt.axis()),
+            peg_velocity: lean_to_world(&motion.peg.velocity_lean, phi),
+            center: motion.peg.position
+                + top.center_distance * lean_to_world(&motion.tilt.axis(), phi),
             center_velocity,
-            center_acceleration: world(&force) / top.mass - Vector3::new(0.0, 0.0, top.gravity),
-            central_momentum: world(&model.central_momentum_lean(motion)),
+            center_acceleration: lean_to_world(&force, phi) / top.mass
+                - Vector3::new(0.0, 0.0, top.gravity),
+            central_momentum: lean_to_world(&model.central_momentum_lean(motion), phi),
             jellett: model.jellett(motion),
             routh: model.routh(motion),
             translational_energy: 0.5 * top.mass * center_velocity.norm_squared(),
@@ -102,6 +105,7 @@ impl ImpactRecord {
         let phi = motion.angles.phi;
         let peg = motion.peg.position;
         Self {
+            // The queue numbers impacts and bounces when they are emitted.
             index: 0,
             time,
             time_ns,

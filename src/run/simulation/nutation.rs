@@ -177,7 +177,9 @@ impl NutationTracker {
         if self.last_jump == Some(time) {
             return None;
         }
+        // This maximum also begins the next cycle, whether or not the last one counts.
         let open = std::mem::replace(&mut self.open, OpenCycle::new(time, &motion));
+        // The first maximum of θ̇ only begins a cycle: the motion before it is a part of one.
         let has_begun = std::mem::replace(&mut self.has_begun, true);
         let is_shifted = self.last_jump.is_some_and(|jump| jump >= open.start);
         let factor = if is_shifted {
@@ -190,7 +192,6 @@ impl NutationTracker {
             return None;
         }
         let period = time - open.start;
-        let mean = |of: fn(&Motion) -> f64| (of(&motion) - of(&open.motion)) / period;
         let cycle = NutationCycle {
             index: self.count,
             start: open.start,
@@ -198,15 +199,17 @@ impl NutationTracker {
             time_ns,
             theta_min: open.theta_min,
             theta_max: open.theta_max,
-            theta_mean: mean(|m| m.integrals.theta),
+            theta_mean: (motion.integrals.theta - open.motion.integrals.theta) / period,
             mean_rates: Euler::new(
-                mean(|m| m.angles.phi),
-                mean(|m| m.angles.theta),
-                mean(|m| m.angles.psi),
+                (motion.angles.phi - open.motion.angles.phi) / period,
+                (motion.angles.theta - open.motion.angles.theta) / period,
+                (motion.angles.psi - open.motion.angles.psi) / period,
             ),
             least_rates: open.least_rates,
             greatest_rates: open.greatest_rates,
-            mean_phi_frictional: mean(|m| m.integrals.terms.phi_frictional),
+            mean_phi_frictional: (motion.integrals.terms.phi_frictional
+                - open.motion.integrals.terms.phi_frictional)
+                / period,
         };
         self.count += 1;
         Some(cycle)

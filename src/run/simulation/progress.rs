@@ -15,12 +15,20 @@ const CHATTER_TIME: f64 = 1e-9;
 /// Detects a run that no longer advances.
 #[derive(Default)]
 pub(super) struct Progress {
-    /// Steps since it was last checked that the run advances, and the time of that check, s.
-    steps: (u32, f64),
-    /// Phases entered since the run last advanced by [`CHATTER_TIME`], and the time of that, s.
-    phases: (u32, f64),
+    /// Steps since it was last checked that the run advances.
+    steps: CountSince,
+    /// Phases entered since the run last advanced by [`CHATTER_TIME`].
+    phases: CountSince,
     /// The different contacts of these phases.
     contacts: Vec<ContactPhase>,
+}
+
+/// A number of steps or phases since a time.
+#[derive(Default)]
+struct CountSince {
+    count: u32,
+    /// The time, s.
+    time: f64,
 }
 
 impl Progress {
@@ -32,22 +40,22 @@ impl Progress {
         contact: ContactPhase,
         turning_rate: impl FnOnce() -> f64,
     ) -> Result<(), SimulationError> {
-        let (steps, since) = &mut self.steps;
-        *steps += 1;
+        self.steps.count += 1;
         // Checked rarely: a stiff but short interval is no stall.
-        if *steps < STALLED_STEPS {
+        if self.steps.count < STALLED_STEPS {
             return Ok(());
         }
-        if time - *since < STALLED_TIME {
+        let advance = time - self.steps.time;
+        if advance < STALLED_TIME {
             return Err(SimulationError::TinySteps {
                 time,
                 contact,
                 steps: STALLED_STEPS,
                 advance: STALLED_TIME,
-                turn: turning_rate() * (time - *since) / f64::from(STALLED_STEPS),
+                turn: turning_rate() * advance / f64::from(STALLED_STEPS),
             });
         }
-        self.steps = (0, time);
+        self.steps = CountSince { count: 0, time };
         Ok(())
     }
 
@@ -58,17 +66,16 @@ impl Progress {
         time: f64,
         contact: ContactPhase,
     ) -> Result<u32, SimulationError> {
-        let (phases, since) = &mut self.phases;
-        if time - *since >= CHATTER_TIME {
-            (*phases, *since) = (0, time);
+        if time - self.phases.time >= CHATTER_TIME {
+            self.phases = CountSince { count: 0, time };
             self.contacts.clear();
         }
         if !self.contacts.contains(&contact) {
             self.contacts.push(contact);
         }
-        *phases += 1;
-        if *phases < CHATTER_PHASES {
-            Ok(*phases)
+        self.phases.count += 1;
+        if self.phases.count < CHATTER_PHASES {
+            Ok(self.phases.count)
         } else {
             Err(SimulationError::Alternates {
                 time,

@@ -7,6 +7,14 @@ use crate::physics::dynamics::Motion;
 use crate::run::time::nanoseconds;
 use std::collections::VecDeque;
 
+/// A motion at a time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TimedMotion {
+    /// Time, s.
+    pub time: f64,
+    pub motion: Motion,
+}
+
 /// Pending records in time order, with counts of the emitted ones.
 #[derive(Default)]
 pub(super) struct Queue {
@@ -29,8 +37,16 @@ impl Queue {
         self.pending.push_back(pending);
     }
 
-    pub(super) fn extend(&mut self, pending: impl IntoIterator<Item = Record>) {
-        self.pending.extend(pending);
+    /// Adds an event at a time, s.
+    pub(super) fn push_event(&mut self, kind: EventKind, time: f64, motion: Motion) {
+        self.push(Record::Event(Box::new(Event {
+            kind,
+            time,
+            time_ns: nanoseconds(time),
+            // Set when the event is emitted: a later one may be discarded.
+            index: 0,
+            motion,
+        })));
     }
 
     /// Discards records after a time, s.
@@ -49,6 +65,7 @@ impl Queue {
         let mut record = self.pending.pop_front()?;
         match &mut record {
             Record::Event(event) => {
+                // The impact that ends a flight is emitted before its landing, so it is still one of its bounces.
                 if event.kind == EventKind::Landing {
                     self.bounces = 0;
                 }
@@ -70,8 +87,8 @@ impl Queue {
         Some(record)
     }
 
-    /// Counts all records without emitting them. Returns the time, s, and the motion of the last event.
-    pub(super) fn count_all(&mut self, tally: &mut Tally) -> Option<(f64, Motion)> {
+    /// Counts all records without emitting them. Returns the motion at the last event.
+    pub(super) fn count_all(&mut self, tally: &mut Tally) -> Option<TimedMotion> {
         let mut last = None;
         for pending in self.pending.drain(..) {
             match pending {
@@ -80,8 +97,11 @@ impl Queue {
                     if event.kind == EventKind::Inverts {
                         self.inversion.get_or_insert(event.time);
                     }
-                    tally.count(event.kind, event.time);
-                    last = Some((event.time, event.motion));
+                    tally.record(event.kind, event.time);
+                    last = Some(TimedMotion {
+                        time: event.time,
+                        motion: event.motion,
+                    });
                 }
                 Record::Nutation(_) => self.cycles += 1,
                 Record::Impact(_) => self.impacts += 1,
@@ -90,15 +110,4 @@ impl Queue {
         }
         last
     }
-}
-
-/// An event at a time, s, for the queue.
-pub(super) fn event_at(kind: EventKind, time: f64, motion: Motion) -> Record {
-    Record::Event(Box::new(Event {
-        kind,
-        time,
-        time_ns: nanoseconds(time),
-        index: 0,
-        motion,
-    }))
 }

@@ -21,7 +21,7 @@ pub enum Record {
 }
 
 impl Record {
-    /// Its time, ns.
+    /// Time of the record, ns.
     pub fn time_ns(&self) -> u64 {
         match self {
             Self::Sample(sample) => sample.time_ns,

@@ -26,6 +26,7 @@ impl Regime {
 
     /// The regime of a recorded number; `None` for any other number.
     pub fn from_code(code: f64) -> Option<Self> {
+        // Exactly: every encoding keeps small whole numbers.
         Self::ALL.into_iter().find(|regime| regime.code() == code)
     }
 }

@@ -74,7 +74,7 @@ pub struct Torques {
     pub gravity: Frames,
     /// Torque of friction.
     pub friction: Frames,
-    /// Their sum.
+    /// Sum of both torques.
     pub total: Frames,
 }
 
@@ -102,6 +102,17 @@ pub struct Energies {
     pub friction_power: f64,
 }
 
+impl Frames {
+    /// A vector of the lean frame of a motion.
+    fn from_lean(lean: &Vector3<f64>, motion: &Motion) -> Self {
+        let node = motion.tilt.lean_to_node(lean);
+        Self {
+            body: node_to_body(&node, motion.angles.psi),
+            node,
+        }
+    }
+}
+
 impl Energies {
     /// Total energy, J.
     pub fn total(&self) -> f64 {
@@ -123,7 +134,7 @@ pub struct Momenta {
 /// Regular precession at an inclination and a spin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Precession {
-    /// Its rates, if they are real.
+    /// The precession rates, if they are real.
     pub roots: Option<PrecessionRoots>,
     /// Above 1 for a strong top, below 1 for a weak one; see [`crate::physics::top::Top::strength_ratio`].
     pub strength_ratio: f64,
@@ -143,14 +154,6 @@ impl Sample {
         let contact = model.contact_in(motion);
         let friction = model.friction_torque(&contact, &tilt);
         let gravity = top.gravity_torque(&tilt);
-        let frames = |lean: &Vector3<f64>| {
-            let node = tilt.lean_to_node(lean);
-            Frames {
-                body: node_to_body(&node, angles.psi),
-                node,
-            }
-        };
-        let world = |lean: &Vector3<f64>| lean_to_world(lean, angles.phi);
         let momentum_node = model.momentum_node(motion);
         let momentum_lean = tilt.node_to_lean(&momentum_node);
         let free = FreeSample::new(model, motion, &contact);
@@ -164,20 +167,20 @@ impl Sample {
             euler_accelerations: model.euler_accelerations(&contact, motion),
             pose: Pose {
                 world_from_body,
-                axis: world(&Vector3::new(tilt.sin, 0.0, tilt.cos)),
-                omega_body: frames(&tilt.omega_lean).body,
-                omega_world: world(&tilt.omega_lean),
+                axis: lean_to_world(&Vector3::new(tilt.sin, 0.0, tilt.cos), angles.phi),
+                omega_body: Frames::from_lean(&tilt.omega_lean, motion).body,
+                omega_world: lean_to_world(&tilt.omega_lean, angles.phi),
                 peg_position,
             },
             torque: Torques {
-                gravity: frames(&gravity),
-                friction: frames(&friction),
-                total: frames(&(gravity + friction)),
+                gravity: Frames::from_lean(&gravity, motion),
+                friction: Frames::from_lean(&friction, motion),
+                total: Frames::from_lean(&(gravity + friction), motion),
             },
             slip: Slip {
-                body: frames(&contact.slip).body,
-                world: world(&contact.slip),
-                friction_force: world(&contact.force),
+                body: Frames::from_lean(&contact.slip, motion).body,
+                world: lean_to_world(&contact.slip, angles.phi),
+                friction_force: lean_to_world(&contact.force, angles.phi),
                 contact_point: peg_position - Vector3::new(0.0, 0.0, top.peg_radius),
             },
             contact,
@@ -190,7 +193,7 @@ impl Sample {
             momentum: Momenta {
                 vertical: momentum_lean.z,
                 axial: momentum_node.z,
-                world: world(&momentum_lean),
+                world: lean_to_world(&momentum_lean, angles.phi),
             },
             precession: Precession {
                 roots: model.precession_roots(&tilt, motion.phase),

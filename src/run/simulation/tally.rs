@@ -22,8 +22,9 @@ pub struct EventCount {
 pub struct Tally(Vec<EventCount>);
 
 impl Tally {
-    /// Counts an event at this time, s.
-    pub fn count(&mut self, kind: EventKind, time: f64) {
+    /// Adds an event at this time, s.
+    pub fn record(&mut self, kind: EventKind, time: f64) {
+        // Searched rather than hashed: there are about twenty kinds, and their order is that of the first times.
         match self.0.iter_mut().find(|known| known.name == kind) {
             Some(known) => {
                 known.count += 1;
@@ -44,7 +45,7 @@ impl Tally {
     }
 
     /// Number of events of this kind.
-    pub fn number(&self, kind: EventKind) -> u64 {
+    pub fn count_of(&self, kind: EventKind) -> u64 {
         self.find(kind).map_or(0, |known| known.count)
     }
 

@@ -6,20 +6,23 @@ use crate::physics::kinematics::Euler;
 use crate::run::scenario::Stop;
 use std::f64::consts::FRAC_PI_2;
 
-/// Noise floors of θ̇ (rad/s) and θ̈ (rad/s²); smaller values are rounding errors.
-const NUTATION_FLOOR: (f64, f64) = (1e-10, 1e-8);
+/// Noise level of θ̇, rad/s; smaller values are rounding errors.
+const NUTATION_NOISE: f64 = 1e-10;
+/// Noise level of θ̈, rad/s²; smaller values are rounding errors.
+const NUTATION_RATE_NOISE: f64 = 1e-8;
 
 /// A reversal of the precession, or an extreme of θ at the end of a phase, counts only beyond this many standard
 /// deviations of the integration error.
 const REVERSAL_DEVIATIONS: f64 = 3.0;
 
-/// Noise floor of φ̇ sin² θ after a number of steps, rad/s: the integration error that may have accumulated by then.
+/// Noise level of φ̇ sin² θ after a number of steps, rad/s: a multiple of the integration error that may have accumulated
+/// by then.
 ///
 /// φ̇ sin² θ is the angular velocity, multiplied by a vector of length sin θ that depends on the axis. A step adds an
 /// error within the tolerances to the angular velocity ω (absolute + relative · |ω|) and to the direction of the axis
 /// (absolute + relative), which turns ω. The errors of the steps add like independent ones: with the square root of
 /// their number.
-pub(super) fn precession_floor(tolerances: &Tolerances, steps: u64, motions: &[Motion]) -> f64 {
+pub(super) fn precession_noise(tolerances: &Tolerances, steps: u64, motions: &[Motion]) -> f64 {
     let Tolerances { relative, absolute } = *tolerances;
     let mut largest = 0.0;
     for motion in motions {
@@ -30,18 +33,45 @@ pub(super) fn precession_floor(tolerances: &Tolerances, steps: u64, motions: &[M
     REVERSAL_DEVIATIONS * (steps as f64).sqrt() * largest
 }
 
-/// Noise floor of θ after a number of steps, rad: the integration error of the direction of the axis that may have
-/// accumulated by then, as in [`precession_floor`].
-pub(super) fn inclination_floor(tolerances: &Tolerances, steps: u64) -> f64 {
+/// Noise level of θ after a number of steps, rad: a multiple of the integration error of the direction of the axis that
+/// may have accumulated by then, as in [`precession_noise`].
+pub(super) fn inclination_noise(tolerances: &Tolerances, steps: u64) -> f64 {
     REVERSAL_DEVIATIONS * (steps as f64).sqrt() * (tolerances.absolute + tolerances.relative)
 }
 
-/// A watched function of the motion.
-pub(super) struct Watch {
-    /// Kind of its zeros.
+/// A function of the motion whose zeros are events.
+pub(super) struct WatchedFunction {
+    /// Kind of the zeros.
     pub kind: ZeroKind,
-    /// Its sign so far.
+    /// Sign of the function so far.
     pub tracker: SignTracker,
+}
+
+impl WatchedFunction {
+    fn new(kind: ZeroKind, noise_level: f64) -> Self {
+        Self {
+            kind,
+            tracker: SignTracker::with_noise_level(noise_level),
+        }
+    }
+}
+
+/// A zero of a watched function in a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Zero {
+    /// Fraction of the step at which it happens.
+    pub s: f64,
+    /// Kind of the zero.
+    pub kind: ZeroKind,
+    /// Direction in which the function passes zero.
+    pub slope: Slope,
+}
+
+impl Zero {
+    /// Whether the zero ends the phase.
+    pub fn ends_phase(&self) -> bool {
+        matches!(self.kind, ZeroKind::Guard(_)) && self.slope == Slope::Falling
+    }
 }
 
 /// Kind of a zero of a watched function.
@@ -119,10 +149,13 @@ pub(super) fn accelerations(model: &Model, motion: &Motion) -> Euler {
 
 /// Maps each motion to a number.
 #[inline]
-fn map_motions<const K: usize>(motions: &[Motion; K], of: impl Fn(&Motion) -> f64) -> [f64; K] {
+fn map_motions<const K: usize>(
+    motions: &[Motion; K],
+    function: impl Fn(&Motion) -> f64,
+) -> [f64; K] {
     let mut numbers = [0.0; K];
     for (number, motion) in numbers.iter_mut().zip(motions) {
-        *number = of(motion);
+        *number = function(motion);
     }
     numbers
 }
@@ -131,8 +164,8 @@ fn map_motions<const K: usize>(motions: &[Motion; K], of: impl Fn(&Motion) -> f6
 /// at the knots).
 pub(super) fn envelope(
     at: impl Fn(f64) -> Euler,
-    at_knots: &[Euler; 5],
-    found: &mut Vec<(f64, ZeroKind, Slope)>,
+    at_knots: &[Euler; KNOTS.len()],
+    found: &mut Vec<Zero>,
 ) {
     for component in [|a: &Euler| a.phi, |a: &Euler| a.psi] {
         for i in 1..KNOTS.len() {
@@ -145,38 +178,43 @@ pub(super) fn envelope(
                 } else {
                     Slope::Falling
                 };
-                found.push((start + s * width, ZeroKind::Envelope, slope));
+                found.push(Zero {
+                    s: start + s * width,
+                    kind: ZeroKind::Envelope,
+                    slope,
+                });
             }
         }
     }
 }
 
 /// Copies tracker signs from the previous phase.
-pub(super) fn copy_signs(before: &[Watch], now: &mut [Watch]) {
-    for watch in now {
-        let known = before
-            .iter()
-            .find(|known| known.kind == watch.kind && !matches!(watch.kind, ZeroKind::Guard(_)));
+pub(super) fn copy_signs(before: &[WatchedFunction], now: &mut [WatchedFunction]) {
+    for function in now {
+        // Guards of different phases have nothing in common but their names.
+        let known = before.iter().find(|known| {
+            known.kind == function.kind && !matches!(function.kind, ZeroKind::Guard(_))
+        });
         if let Some(known) = known {
-            watch.tracker = known.tracker;
+            function.tracker = known.tracker;
         }
     }
 }
 
-/// Noise floor of the slip guard of a free peg, m/s. A starting slip passes it in steps that add no more than their error.
-const SLIP_FLOOR: f64 = 0.5 * NO_SLIP;
+/// Noise level of the slip guard of a free peg, m/s. A starting slip passes it in steps that add no more than their error.
+const SLIP_NOISE: f64 = 0.5 * NO_SLIP;
 
-/// Noise floor of a rate about the vertical, rad/s: it may start at zero.
-const TURNING_FLOOR: f64 = 1e-12;
+/// Noise level of a rate about the vertical, rad/s: it may start at zero.
+const TURNING_NOISE: f64 = 1e-12;
 
 /// The tracker of a guard's sign. For a free peg, guards are positive when a phase begins, except slip, which may start
 /// anywhere. A bounce at the slowest speed is 5e-14 m high; the gap is rounded to 1e-17 m.
 fn guard_tracker(guard: Guard, is_free: bool) -> SignTracker {
     match guard {
         Guard::Gap => SignTracker::with_sign(true, 1e-16),
-        Guard::Slip if is_free => SignTracker::with_noise_level(SLIP_FLOOR),
+        Guard::Slip if is_free => SignTracker::with_noise_level(SLIP_NOISE),
         Guard::Slip => SignTracker::default(),
-        Guard::Turning => SignTracker::with_sign(true, TURNING_FLOOR),
+        Guard::Turning => SignTracker::with_sign(true, TURNING_NOISE),
         Guard::TurningGrip | Guard::Departure => SignTracker::with_sign(true, 0.0),
         Guard::Grip
         | Guard::NormalForce
@@ -194,32 +232,31 @@ fn guard_tracker(guard: Guard, is_free: bool) -> SignTracker {
 }
 
 /// Functions to watch in a phase.
-pub(super) fn watches<F: Formulation<N>, const N: usize>(
+pub(super) fn watched_functions<F: Formulation<N>, const N: usize>(
     stop: &Stop,
     formulation: &F,
-) -> Vec<Watch> {
-    let watch = |kind, floor| Watch {
-        kind,
-        tracker: SignTracker::with_noise_level(floor),
-    };
+) -> Vec<WatchedFunction> {
     let model = formulation.model();
     let is_free = model.support.is_free();
     // The order of simultaneous events: guards last, because they end the phase.
-    let guards = formulation.guards().into_iter().map(|guard| Watch {
-        kind: ZeroKind::Guard(guard),
-        tracker: guard_tracker(guard, is_free),
-    });
+    let guards = formulation
+        .guards()
+        .into_iter()
+        .map(|guard| WatchedFunction {
+            kind: ZeroKind::Guard(guard),
+            tracker: guard_tracker(guard, is_free),
+        });
     // A fixed peg that sticks has constant θ: nothing else can happen.
     if formulation.phase() == Phase::Sticking && !is_free {
-        let mut watches = vec![watch(ZeroKind::Strength, 0.0)];
-        watches.extend(guards);
-        return watches;
+        let mut watched = vec![WatchedFunction::new(ZeroKind::Strength, 0.0)];
+        watched.extend(guards);
+        return watched;
     }
-    let mut watches = vec![
-        watch(ZeroKind::Nutation, NUTATION_FLOOR.0),
-        watch(ZeroKind::NutationRate, NUTATION_FLOOR.1),
-        // Its noise floor grows with the steps: see `precession_floor`.
-        Watch {
+    let mut watched = vec![
+        WatchedFunction::new(ZeroKind::Nutation, NUTATION_NOISE),
+        WatchedFunction::new(ZeroKind::NutationRate, NUTATION_RATE_NOISE),
+        // The noise level grows with the steps: see `precession_noise`.
+        WatchedFunction {
             kind: ZeroKind::Precession,
             tracker: SignTracker::looking_ahead(),
         },
@@ -227,15 +264,14 @@ pub(super) fn watches<F: Formulation<N>, const N: usize>(
     // A tippe top has no strength event, and `Inversion` replaces `Fallen`.
     if model.top.center_distance > 0.0 {
         let fallen = stop.theta_fallen.unwrap_or(FRAC_PI_2);
-        watches.push(watch(ZeroKind::Strength, 0.0));
-        watches.push(watch(ZeroKind::Fallen(fallen), 0.0));
+        watched.push(WatchedFunction::new(ZeroKind::Strength, 0.0));
+        watched.push(WatchedFunction::new(ZeroKind::Fallen(fallen), 0.0));
     } else {
-        watches.push(watch(ZeroKind::Inversion, 0.0));
+        watched.push(WatchedFunction::new(ZeroKind::Inversion, 0.0));
     }
-    watches.extend(
-        stop.theta_risen
-            .map(|limit| watch(ZeroKind::Risen(limit), 0.0)),
-    );
-    watches.extend(guards);
-    watches
+    if let Some(limit) = stop.theta_risen {
+        watched.push(WatchedFunction::new(ZeroKind::Risen(limit), 0.0));
+    }
+    watched.extend(guards);
+    watched
 }

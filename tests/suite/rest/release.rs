@@ -44,14 +44,14 @@ fn formulations_agree_after_a_release() {
             keys.push(("formulation", formulation));
             let found = outcome(&scenario("full-coulomb", &keys), || true).unwrap();
             assert_eq!(found.end.stop, StopReason::Duration, "{name} {formulation}");
-            assert!(found.tally.number(EventKind::SlipResumes) > 0, "{name}");
+            assert!(found.tally.count_of(EventKind::SlipResumes) > 0, "{name}");
             let steps = found.end.statistics.accepted as f64;
             assert!(steps <= MAX_STEPS * 2.0, "{name} {formulation}: {steps}");
             found
         });
         assert_eq!(
-            euler.tally.number(EventKind::SlipResumes),
-            body.tally.number(EventKind::SlipResumes),
+            euler.tally.count_of(EventKind::SlipResumes),
+            body.tally.count_of(EventKind::SlipResumes),
             "{name}"
         );
         // The absolute tolerance, 1e-12, is that of the momentum in kg m²/s in one of them, 1e-8 rad/s: a step moves the
@@ -89,7 +89,7 @@ fn released_contact_patches_move_on() {
         let name = format!("{theta} {psi_dot} {patch_radius}");
         let found = outcome(&scenario("free-paper", &keys), || true).unwrap();
         assert_eq!(found.end.stop, StopReason::Duration, "{name}");
-        released += found.tally.number(EventKind::RollEnds);
+        released += found.tally.count_of(EventKind::RollEnds);
         // Friction never adds energy.
         assert!(found.end.energy < found.end.energy_at_start, "{name}");
         let change = found.end.energy - found.end.energy_at_start;
@@ -184,7 +184,7 @@ fn find_wrong_releases(seed: u64, wanted: usize) -> Vec<String> {
         let is_released = found.is_err()
             || found.is_ok_and(|found| {
                 let releases = [EventKind::SlipResumes, EventKind::RollEnds];
-                releases.iter().any(|kind| found.tally.number(*kind) > 0)
+                releases.iter().any(|kind| found.tally.count_of(*kind) > 0)
             });
         if !is_released {
             continue;

@@ -2,6 +2,7 @@
 
 use super::{RecordStream, Runner, SimulationError};
 use crate::physics::dynamics::Formulation;
+use crate::run::simulation::queue::TimedMotion;
 use crate::run::simulation::record::RunEnd;
 use crate::run::simulation::sample::Sample;
 use crate::run::simulation::tally::Tally;
@@ -22,7 +23,10 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             while let Some(time) = times.get(next).filter(|time| **time <= reached) {
                 let (sample, motion) = self.sample_at(*time, next as u32, nanoseconds(*time));
                 take(next, &sample);
-                self.last = (*time, motion);
+                self.last = TimedMotion {
+                    time: *time,
+                    motion,
+                };
                 next += 1;
             }
             let is_done = next == times.len() || self.stopped.is_some();
@@ -34,8 +38,8 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
 
     /// The time up to which the motion is known, s: the end of the last step, or an earlier end of the phase or the run.
     fn reached(&self) -> f64 {
-        match (&self.end, &self.dense) {
-            (Some((end, _)), _) => *end,
+        match (&self.early_end, &self.dense) {
+            (Some(end), _) => end.time,
             (None, Some(dense)) => dense.t0 + dense.h,
             (None, None) => self.integrator.t(),
         }

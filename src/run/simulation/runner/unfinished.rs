@@ -3,20 +3,16 @@
 use super::Runner;
 use crate::physics::dynamics::{Formulation, Motion};
 use crate::physics::integrate::{Dense, KNOTS, Slope};
-use crate::run::simulation::watch::{ZeroKind, inclination_floor};
-
-/// A zero of a watched function in a step: the fraction of the step, its kind and its direction.
-type Zero = (f64, ZeroKind, Slope);
+use crate::run::simulation::watch::{Zero, ZeroKind, inclination_noise};
 
 impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     /// Discards reversals of the precession and extremes of θ just before the end of the phase, if the motion doesn't
     /// leave its noise in the rest of the phase. Only equations that no longer apply would complete them: the motion may
     /// stop for good, and if it does reverse, the next phase finds that.
     pub(super) fn discard_unfinished_turns(&mut self, dense: &Dense<N>, zeros: &mut Vec<Zero>) {
-        let Some(end) = zeros.iter().position(ends_phase) else {
+        let Some(Zero { s: end, .. }) = zeros.iter().find(|zero| zero.ends_phase()).copied() else {
             return;
         };
-        let end = zeros[end].0;
         // Before an earlier reversal is reversed, it has left the noise.
         if let Some(at) = last_before(zeros, ZeroKind::Precession, end)
             && !self.leaves_precession_noise(dense, zeros[at], end)
@@ -25,7 +21,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         }
         // Extremes have no such noise of their own: several may follow each other.
         while let Some(at) = last_before(zeros, ZeroKind::Nutation, end)
-            && !self.leaves_inclination_noise(dense, zeros[at].0, end)
+            && !self.leaves_inclination_noise(dense, zeros[at].s, end)
         {
             self.discard(zeros, at);
         }
@@ -38,32 +34,28 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     }
 
     /// Whether the precession leaves its noise between a reversal and the end of the phase.
-    fn leaves_precession_noise(
-        &self,
-        dense: &Dense<N>,
-        (start, kind, slope): Zero,
-        end: f64,
-    ) -> bool {
-        let Some(watch) = self.watches.iter().find(|watch| watch.kind == kind) else {
+    fn leaves_precession_noise(&self, dense: &Dense<N>, reversal: Zero, end: f64) -> bool {
+        let kind = reversal.kind;
+        let Some(function) = self.watched.iter().find(|known| known.kind == kind) else {
             return true;
         };
-        let floor = watch.tracker.noise_level();
-        let motions = self.motions_between(dense, start, end);
+        let noise = function.tracker.noise_level();
+        let motions = self.motions_between(dense, reversal.s, end);
         let values = kind.values(self.integrator.system(), self.sense, &motions);
-        match slope {
-            Slope::Rising => values.iter().any(|value| *value > floor),
-            Slope::Falling => values.iter().any(|value| *value < -floor),
+        match reversal.slope {
+            Slope::Rising => values.iter().any(|value| *value > noise),
+            Slope::Falling => values.iter().any(|value| *value < -noise),
         }
     }
 
     /// Whether θ leaves its noise between an extreme and the end of the phase.
     fn leaves_inclination_noise(&self, dense: &Dense<N>, start: f64, end: f64) -> bool {
         let steps = self.integrator.statistics().accepted;
-        let floor = inclination_floor(&self.tolerances, steps);
+        let noise = inclination_noise(&self.tolerances, steps);
         let thetas = self
             .motions_between(dense, start, end)
             .map(|motion| motion.angles.theta);
-        thetas.iter().any(|theta| (theta - thetas[0]).abs() > floor)
+        thetas.iter().any(|theta| (theta - thetas[0]).abs() > noise)
     }
 
     /// Motions at equal distances from one fraction of a step to another.
@@ -72,15 +64,11 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     }
 
     /// Resets the trackers of crossings that are discarded because the step ends early.
-    pub(super) fn reset_trackers(
-        &mut self,
-        crossings: impl DoubleEndedIterator<Item = (f64, ZeroKind, Slope)>,
-    ) {
+    pub(super) fn reset_trackers(&mut self, discarded: impl DoubleEndedIterator<Item = Zero>) {
         // In reverse order, so that the sign before the first crossing remains.
-        for (_, kind, slope) in crossings.rev() {
-            let watch = self.watches.iter_mut().find(|watch| watch.kind == kind);
-            if let Some(watch) = watch {
-                watch.tracker = watch.tracker.before(slope);
+        for Zero { kind, slope, .. } in discarded.rev() {
+            if let Some(function) = self.watched.iter_mut().find(|known| known.kind == kind) {
+                function.tracker = function.tracker.before(slope);
             }
         }
     }
@@ -90,10 +78,5 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
 fn last_before(zeros: &[Zero], kind: ZeroKind, end: f64) -> Option<usize> {
     zeros
         .iter()
-        .rposition(|zero| zero.1 == kind && zero.0 <= end)
-}
-
-/// Whether a crossing ends the phase.
-fn ends_phase((_, kind, slope): &(f64, ZeroKind, Slope)) -> bool {
-    matches!(kind, ZeroKind::Guard(_)) && *slope == Slope::Falling
+        .rposition(|zero| zero.kind == kind && zero.s <= end)
 }
