@@ -3,16 +3,20 @@
 //! The model is the simulation itself, sampled at the times of the data. Residuals are (model − data)/σ. [`fit`] first
 //! checks what the data can determine, then lets the window of data grow from 0.1 s to all of them.
 
+mod cell;
 mod compare;
 mod data;
+mod degeneracy;
 mod error;
 mod estimate;
 mod extension;
+mod first;
 mod fitted;
 mod identify;
 mod law;
 mod model;
 mod modes;
+mod monitor;
 mod objective;
 mod offset;
 mod parameter;
@@ -23,6 +27,7 @@ mod profile;
 mod record;
 mod recorded;
 pub mod report;
+mod request;
 mod sigma;
 mod signal;
 mod solve;
@@ -32,68 +37,25 @@ mod text_table;
 mod unit;
 
 pub use data::{Data, read};
+pub use degeneracy::{Combination, Degeneracy};
 pub use error::{DataError, FitError, SignalError};
 pub use model::{Loss, Problem};
+pub use monitor::Progress;
 pub use parameter::{Parameter, Target};
 pub use record::{RecordError, record};
 pub use report::{Report, Verdict};
+pub use request::Request;
 pub use signal::{Signal, SignalSpec};
-pub use solve::Progress;
 
 use crate::run::scenario::Scenario;
 use crate::telemetry::fields::NumberField;
-use estimate::{correlations, estimates, signals, verdict};
-use fitted::{First, Fitted, Split};
+use estimate::{PointResiduals, correlations, estimates, signals, verdict};
+use first::First;
+use fitted::{Fitted, Split};
 use model::Effort;
+use monitor::Monitor;
 use nalgebra::DMatrix;
-use solve::{Solution, Watch};
-
-/// What to fit, and how.
-#[derive(Clone, Debug)]
-pub struct Request {
-    /// The scenario; free keys start at its values.
-    pub scenario: Scenario,
-    /// The measured signals.
-    pub data: Data,
-    /// Names of the free parameters: keys, or `initial` for all of the start that the signals show.
-    pub free: Vec<String>,
-    /// Bounds of parameters.
-    pub bounds: Vec<(String, [f64; 2])>,
-    /// How residuals count.
-    pub loss: Loss,
-    /// Time in the data at which the scenario starts, s. By default that of the first sample, and 0 for recordings of
-    /// toprise.
-    pub origin: Option<f64>,
-    /// Use only the data until this time after the start, s.
-    pub until: Option<f64>,
-    /// Part of the time at the end that is not fitted, but predicted.
-    pub holdout: f64,
-    /// Laws to compare.
-    pub compare: Vec<String>,
-    /// Parameters whose profile likelihoods are wanted.
-    pub profile: Vec<String>,
-    /// Whether to multiply variances by χ²/ν.
-    pub rescale: bool,
-}
-
-impl Request {
-    /// A request with the default options.
-    pub fn new(scenario: Scenario, data: Data, free: &[&str]) -> Self {
-        Self {
-            scenario,
-            data,
-            free: free.iter().map(|name| (*name).to_owned()).collect(),
-            bounds: Vec::new(),
-            loss: Loss::default(),
-            origin: None,
-            until: None,
-            holdout: 0.0,
-            compare: Vec::new(),
-            profile: Vec::new(),
-            rescale: false,
-        }
-    }
-}
+use solve::Solution;
 
 /// A fitted model.
 #[derive(Clone, Debug)]
@@ -121,7 +83,7 @@ impl Fit {
 /// A measured value and its residual.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Residual {
-    /// Index of its signal in the report.
+    /// Index of the signal in the report.
     pub signal: usize,
     /// Time on the clock of the model, s.
     pub time: f64,
@@ -140,16 +102,16 @@ pub struct Residual {
 /// # Errors
 /// [`FitError`]; parameters that can't be told apart are an error, found before anything is fitted.
 pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitError> {
-    let watch = Watch::new(progress);
+    let monitor = Monitor::new(progress);
     let First {
         mut fitted,
         notes,
         origin,
         refused,
-    } = fitted::first(request, &watch)?;
+    } = first::first(request, &monitor)?;
     let mut comparison = None;
     if !request.compare.is_empty() {
-        let compared = compare::compare(request, &fitted, refused, &watch)?;
+        let compared = compare::compare(request, &fitted, refused, &monitor)?;
         comparison = Some(compared.comparison);
         // From here on everything is about the preferred law.
         fitted = compared.preferred.unwrap_or(fitted);
@@ -162,7 +124,7 @@ pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitErr
     } = &fitted;
     let mut profiles = Vec::new();
     for name in &request.profile {
-        let profile = profile::profile(problem, &split.fitted, solution, name, &watch)?;
+        let profile = profile::profile(problem, &split.fitted, solution, name, &monitor)?;
         profiles.push(profile);
     }
     let quality = fitted.quality();
@@ -177,8 +139,14 @@ pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitErr
         .filter(|residuals| !residuals.is_empty());
     let signals = signals(
         problem,
-        (&split.fitted, &solution.residuals),
-        held_out.as_deref().map(|r| (&split.held_out[..], r)),
+        PointResiduals {
+            points: &split.fitted,
+            residuals: &solution.residuals,
+        },
+        held_out.as_deref().map(|residuals| PointResiduals {
+            points: &split.held_out,
+            residuals,
+        }),
     );
     let verdict = match &comparison {
         Some(comparison) => comparison.verdict(),
@@ -187,7 +155,7 @@ pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitErr
     let mut parameters = estimates(problem, solution, rescale);
     for (at, estimate) in parameters.iter_mut().enumerate() {
         if solution.held[at] {
-            let limit = profile::limit(problem, &split.fitted, solution, at, &watch)?;
+            let limit = profile::limit(problem, &split.fitted, solution, at, &monitor)?;
             estimate.limit = Some(limit);
         }
     }
@@ -207,7 +175,7 @@ pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitErr
         modes: modes.clone(),
         profiles,
         comparison,
-        evaluations: watch.evaluations(),
+        evaluations: monitor.evaluations(),
     };
     // The motion covers the held-out part, too, if it goes on so long.
     let end = if held_out.is_some() {
@@ -232,14 +200,17 @@ pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitErr
 /// As [`fit`], but parameters need not be identifiable.
 pub fn sensitivities(request: &Request) -> Result<Vec<(String, Vec<f64>)>, FitError> {
     let Request { scenario, data, .. } = request;
-    let named = parameter::parameters(&request.free, &request.bounds, scenario, data.files)?;
-    let parameters = named.into_iter().map(|named| named.parameter).collect();
+    let selected = parameter::select(&request.free, &request.bounds, scenario, data.files)?;
+    let parameters = selected
+        .into_iter()
+        .map(|selected| selected.parameter)
+        .collect();
     let origin = request.origin.unwrap_or_else(|| data.origin());
     let signals = data.signals.clone();
     let problem = Problem::new(scenario, parameters, signals, request.loss, origin)?;
     let start = problem.start();
     let points = &problem.points;
-    problem.predict(&start, points).map_err(solve::error_from)?;
+    problem.predict(&start, points)?;
     let fixed = vec![false; start.len()];
     let columns = problem.jacobian(Effort::Final, &start, points, &fixed);
     let names = problem.parameters.iter().map(Parameter::name);

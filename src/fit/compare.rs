@@ -1,16 +1,18 @@
 //! Comparison of friction laws.
 
 use super::error::FitError;
-use super::estimate::{REJECTED, estimates, lowest_p, signals, verdict};
+use super::estimate::{PointResiduals, REJECTED, estimates, lowest_p, signals, verdict};
 use super::extension::extensions;
-use super::law::{find_laws, problem_for, slip_speed, speeds};
+use super::fitted::Fitted;
+use super::law::{Refused, find_laws, problem_for, slip_speed, speeds};
 use super::model::{Effort, Point, Problem};
 use super::modes::{Modes, modes};
+use super::monitor::Monitor;
 use super::report::{Comparison, LawFit, Quality, Verdict};
+use super::request::Request;
 use super::sigma::settle;
-use super::solve::{Solution, Watch, complete, error_from, grow, minimise, refused_step};
+use super::solve::{Solution, complete, grow_window, minimise, refused_step};
 use super::statistics::{median_size, rms};
-use super::{Fitted, Request};
 use crate::run::scenario::Law;
 use rayon::prelude::*;
 
@@ -19,12 +21,6 @@ const DECISIVE: f64 = 6.0;
 
 /// χ² of a law, relative to that of the scenario's own, above which another start is tried if it has not converged.
 const MUCH_WORSE: f64 = 1.5;
-
-/// A law that has no complete motion near its minimum, or can't be fitted, and why.
-pub(super) struct Refused {
-    pub law: &'static str,
-    pub reason: String,
-}
 
 /// A comparison, and the fit of the law that it prefers if that is another one.
 pub(super) struct Compared {
@@ -38,7 +34,7 @@ pub(super) fn compare(
     request: &Request,
     own: &Fitted,
     refused: Vec<Refused>,
-    watch: &Watch<'_>,
+    monitor: &Monitor<'_>,
 ) -> Result<Compared, FitError> {
     let mut laws = find_laws(&request.compare)?;
     laws.retain(|law| !refused.iter().any(|refused| refused.law == law.name));
@@ -46,14 +42,14 @@ pub(super) fn compare(
     let results: Vec<_> = laws
         .par_iter()
         .map(|law| {
-            let silent = Watch::new(&|_| {});
+            let silent = Monitor::new(&|_| {});
             let candidate = fit_law(request, own, law, &silent);
             (law.name, candidate, silent.evaluations())
         })
         .collect();
     let (mut candidates, mut failures) = (Vec::new(), refused);
     for (law, candidate, evaluations) in results {
-        watch.add(evaluations);
+        monitor.add(evaluations);
         match candidate {
             Ok(candidate) => candidates.push(candidate),
             Err(error) => failures.push(Refused {
@@ -70,7 +66,7 @@ pub(super) fn compare(
         let Modes {
             best: found,
             others,
-        } = modes(&best.problem, &best.split.fitted, &best.solution, watch)?;
+        } = modes(&best.problem, &best.split.fitted, &best.solution, monitor)?;
         best.solution = found;
         best.modes = others;
     }
@@ -79,13 +75,16 @@ pub(super) fn compare(
         fits.push(law_fit(candidate, request));
     }
     set_differences(&mut fits);
-    let (is_decided, sentence) = conclusion(&fits);
+    let Conclusion {
+        is_decided,
+        sentence,
+    } = conclusion(&fits);
     let mut extended = Vec::new();
     if let [best, rival, ..] = &candidates[..]
         && !is_decided
         && fits[0].verdict == Verdict::Fitted
     {
-        extended = extensions(best, rival, watch)?;
+        extended = extensions(best, rival, monitor)?;
     }
     for refused in failures {
         fits.push(failed(refused, &fits));
@@ -119,10 +118,10 @@ fn set_differences(fits: &mut [LawFit]) {
 impl Comparison {
     /// The verdict on all laws together.
     pub(super) fn verdict(&self) -> Verdict {
-        let has = |verdict| self.laws.iter().any(|law| law.verdict == verdict);
+        let describes = self.laws.iter().any(|law| law.verdict == Verdict::Fitted);
         if self.is_decided {
             Verdict::Fitted
-        } else if has(Verdict::Fitted) {
+        } else if describes {
             Verdict::Undecided
         } else {
             // A law that is ahead without a minimum might describe the data.
@@ -170,8 +169,11 @@ fn law_fit(candidate: &Fitted, request: &Request) -> LawFit {
         1.0
     };
     let held_out = problem.residuals(Effort::Final, &solution.values, &split.held_out);
-    let signals = signals(problem, (&split.fitted, &solution.residuals), None);
-    let sigmas = problem.signals.iter().map(|s| median_size(&s.sigmas));
+    let fitted = PointResiduals {
+        points: &split.fitted,
+        residuals: &solution.residuals,
+    };
+    let signals = signals(problem, fitted, None);
     LawFit {
         law: candidate.law().to_owned(),
         verdict: verdict(&quality, &signals),
@@ -179,24 +181,41 @@ fn law_fit(candidate: &Fitted, request: &Request) -> LawFit {
         quality,
         delta_aic: 0.0,
         delta_bic: 0.0,
-        sigmas: sigmas.collect(),
+        sigmas: problem
+            .signals
+            .iter()
+            .map(|signal| median_size(&signal.sigmas))
+            .collect(),
         held_out_rms: held_out.ok().filter(|r| !r.is_empty()).map(|r| rms(&r)),
         parameters: estimates(problem, solution, rescale),
         failure: None,
     }
 }
 
-/// Whether one law, the first, is to be preferred, and a sentence about it.
-fn conclusion(fits: &[LawFit]) -> (bool, String) {
+/// What a comparison has shown.
+struct Conclusion {
+    /// Whether the first law is to be preferred.
+    is_decided: bool,
+    sentence: String,
+}
+
+impl Conclusion {
+    fn undecided(sentence: String) -> Self {
+        Self {
+            is_decided: false,
+            sentence,
+        }
+    }
+}
+
+/// The conclusion from the fits of all laws, by BIC.
+fn conclusion(fits: &[LawFit]) -> Conclusion {
     let Some(first) = fits.first() else {
-        return (false, "None of the laws could be fitted.".to_owned());
+        return Conclusion::undecided("None of the laws could be fitted.".to_owned());
     };
-    let describing = fits.iter().find(|fit| fit.verdict == Verdict::Fitted);
-    let Some(best) = describing else {
-        return (
-            false,
-            format!("None of the laws describes the data: {}.", flaw(first)),
-        );
+    let Some(best) = fits.iter().find(|fit| fit.verdict == Verdict::Fitted) else {
+        let sentence = format!("None of the laws describes the data: {}.", flaw(first));
+        return Conclusion::undecided(sentence);
     };
     if best.law != first.law {
         let sentence = format!(
@@ -204,10 +223,11 @@ fn conclusion(fits: &[LawFit]) -> (bool, String) {
             best.law,
             flaw(first)
         );
-        return (false, sentence);
+        return Conclusion::undecided(sentence);
     }
     let others = &fits[1..];
     let mut equals = Vec::new();
+    // Both criteria: AIC favours laws with more parameters, BIC those with fewer.
     for other in others {
         if other.delta_aic - best.delta_aic < DECISIVE || other.delta_bic < DECISIVE {
             equals.push(other.law.as_str());
@@ -219,7 +239,7 @@ fn conclusion(fits: &[LawFit]) -> (bool, String) {
             best.law,
             equals.join(" and ")
         );
-        return (false, sentence);
+        return Conclusion::undecided(sentence);
     }
     let mut sentence = match others {
         [] => format!("{} describes the data.", best.law),
@@ -239,7 +259,10 @@ fn conclusion(fits: &[LawFit]) -> (bool, String) {
             );
         }
     }
-    (true, sentence)
+    Conclusion {
+        is_decided: true,
+        sentence,
+    }
 }
 
 /// Why a law does not describe the data.
@@ -263,7 +286,7 @@ fn fit_law(
     request: &Request,
     own: &Fitted,
     law: &'static Law,
-    watch: &Watch<'_>,
+    monitor: &Monitor<'_>,
 ) -> Result<Fitted, FitError> {
     if own.law() == law.name {
         return Ok(own.clone());
@@ -275,7 +298,7 @@ fn fit_law(
     let mut best: Option<(Problem, Solution)> = None;
     for speed in speeds(law, slip_speed(&solved, end)?) {
         let problem = problem_for(request, own, law, speed)?;
-        let solution = solve_law(&problem, &split.fitted, own.solution.chi2, watch)?;
+        let solution = solve_law(&problem, &split.fitted, own.solution.chi2, monitor)?;
         let is_better = best
             .as_ref()
             .is_none_or(|(_, known)| solution.chi2 < known.chi2);
@@ -284,11 +307,11 @@ fn fit_law(
         }
     }
     let (mut problem, found) = best.ok_or(FitError::NothingFree)?;
-    let solution = settle(&mut problem, &mut split, found, watch)?;
+    let solution = settle(&mut problem, &mut split, found, monitor)?;
     if !solution.is_converged
         && let Some(refusal) = refused_step(&problem, &split.fitted, &solution)
     {
-        return Err(error_from(refusal));
+        return Err(refusal.into());
     }
     Ok(Fitted {
         problem,
@@ -303,20 +326,20 @@ fn solve_law(
     problem: &Problem,
     points: &[Point],
     chi2: f64,
-    watch: &Watch<'_>,
+    monitor: &Monitor<'_>,
 ) -> Result<Solution, FitError> {
     let start = problem.start();
     let fixed = vec![false; start.len()];
     let near = match complete(problem, points, start.clone()) {
-        Ok(values) => Some(minimise(problem, points, &values, None, &fixed, watch)?),
+        Ok(values) => Some(minimise(problem, points, &values, None, &fixed, monitor)?),
         Err(_) => None,
     };
     match near {
         Some(near) if near.is_converged || near.chi2 < MUCH_WORSE * chi2 => Ok(near),
         Some(near) => {
-            let grown = grow(problem, points, &start, false, watch)?;
+            let grown = grow_window(problem, points, &start, false, monitor)?;
             Ok(if grown.chi2 < near.chi2 { grown } else { near })
         }
-        None => grow(problem, points, &start, false, watch),
+        None => grow_window(problem, points, &start, false, monitor),
     }
 }

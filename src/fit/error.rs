@@ -1,5 +1,6 @@
 //! Errors of fits.
 
+use super::degeneracy::{Degeneracy, join_clauses};
 use crate::archive::recording::RecordingError;
 use crate::run::scenario::ScenarioError;
 use crate::run::simulation::SimulationError;
@@ -74,7 +75,7 @@ pub enum DataError {
         path: PathBuf,
         /// What is missing: a column, topic or field.
         what: &'static str,
-        /// Its name.
+        /// Name of the missing column, topic or field.
         name: String,
         /// What the file has instead.
         known: Vec<String>,
@@ -84,7 +85,7 @@ pub enum DataError {
     NoSignals {
         /// The file.
         path: PathBuf,
-        /// Its columns.
+        /// The columns of the file.
         columns: Vec<String>,
     },
     /// A recording has all fields: some must be chosen.
@@ -150,7 +151,7 @@ pub enum DataError {
     Duplicate {
         /// The file.
         path: PathBuf,
-        /// Its column, or topic and path.
+        /// Column of the signal, or topic and path.
         source_name: String,
     },
     /// Columns that were found by their names measure the same field.
@@ -206,7 +207,7 @@ pub enum SignalError {
     /// There is no such field.
     #[error("unknown field {name}; fields: {known}")]
     UnknownField {
-        /// Its name.
+        /// The name that no field has.
         name: String,
         /// The fields that can be measured.
         known: String,
@@ -239,7 +240,7 @@ pub enum FitError {
     /// There is no such law.
     #[error("unknown law {name}; laws: {known}")]
     UnknownLaw {
-        /// Its name.
+        /// The name that no law has.
         name: String,
         /// The laws.
         known: String,
@@ -270,9 +271,9 @@ pub enum FitError {
     OutOfRange {
         /// The field.
         field: String,
-        /// Its first time, s.
+        /// First time of the signal, s.
         first: f64,
-        /// Its last time, s.
+        /// Last time of the signal, s.
         last: f64,
         /// Time at which the scenario starts, s.
         origin: f64,
@@ -286,11 +287,11 @@ pub enum FitError {
     Size {
         /// The field.
         field: String,
-        /// Its time, s.
+        /// Time of the value, s.
         time: f64,
         /// The value, SI units.
         value: f64,
-        /// Its standard deviation.
+        /// Standard deviation of the value.
         sigma: f64,
     },
     /// No motion near the start of a parameter reaches the data.
@@ -328,10 +329,10 @@ pub enum FitError {
         parameters: usize,
     },
     /// Parameters can't be told apart.
-    #[error("{}", sentences.join("; "))]
+    #[error("{}", join_clauses(degeneracies))]
     NotIdentifiable {
-        /// A sentence for each group of parameters.
-        sentences: Vec<String>,
+        /// The groups of parameters.
+        degeneracies: Vec<Degeneracy>,
     },
     /// The model ends before the data.
     #[error(

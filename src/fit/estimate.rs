@@ -44,6 +44,7 @@ pub(super) fn estimates(problem: &Problem, solution: &Solution, rescale: f64) ->
         let [low, high] = parameter.bounds;
         let sd = (solution.covariance[(at, at)] * rescale).sqrt();
         let is_known = !solution.held[at] && sd > 0.0 && sd < high - low;
+        // An interval that reaches below zero would be meaningless for a magnitude: it gets a limit.
         let is_significant = !parameter.is_magnitude() || value > SIGNIFICANT * sd;
         let (mut interval, mut limit) = (None, None);
         if solution.held[at] {
@@ -89,9 +90,13 @@ pub(super) fn correlations(problem: &Problem, solution: &Solution) -> Vec<Correl
 
 /// Goodness of a fit to these points.
 pub(super) fn quality(problem: &Problem, points: &[Point], solution: &Solution) -> Quality {
-    let signals = problem.signals.iter();
-    let estimated = signals.filter(|s| s.is_sigma_estimated).count();
+    let estimated = problem
+        .signals
+        .iter()
+        .filter(|signal| signal.is_sigma_estimated)
+        .count();
     let freedom = points.len().saturating_sub(problem.parameters.len());
+    // Estimated deviations make χ²/ν about 1 whatever the fit, and Huber's loss is no sum of squares.
     let is_tested = estimated == 0 && problem.loss == Loss::Squares;
     let deviance = deviance(problem, points, solution);
     // An estimated σ is a parameter like the others.
@@ -131,22 +136,45 @@ fn deviance(problem: &Problem, points: &[Point], solution: &Solution) -> f64 {
     deviance
 }
 
+/// Points with their residuals, in σ.
+#[derive(Clone, Copy)]
+pub(super) struct PointResiduals<'a> {
+    pub points: &'a [Point],
+    pub residuals: &'a [f64],
+}
+
+impl<'a> PointResiduals<'a> {
+    /// The points and residuals of a signal.
+    fn for_signal(self, signal: usize) -> impl Iterator<Item = (&'a Point, f64)> {
+        self.points
+            .iter()
+            .zip(self.residuals)
+            .filter(move |(point, _)| point.signal == signal)
+            .map(|(point, residual)| (point, *residual))
+    }
+
+    /// The residuals of a signal.
+    fn residuals_for(self, signal: usize) -> Vec<f64> {
+        self.for_signal(signal)
+            .map(|(_, residual)| residual)
+            .collect()
+    }
+}
+
 /// The signals with their residuals in the fitted and the held-out part.
 pub(super) fn signals(
     problem: &Problem,
-    fitted: (&[Point], &[f64]),
-    held_out: Option<(&[Point], &[f64])>,
+    fitted: PointResiduals<'_>,
+    held_out: Option<PointResiduals<'_>>,
 ) -> Vec<SignalReport> {
     let mut reports = Vec::new();
     for (index, signal) in problem.signals.iter().enumerate() {
-        let own = |(points, residuals): (&[Point], &[f64])| -> Vec<f64> {
-            let pairs = points.iter().zip(residuals);
-            let own = pairs.filter(|(point, _)| point.signal == index);
-            own.map(|(_, residual)| *residual).collect()
-        };
-        let residuals = own(fitted);
-        let later = held_out.map(own).unwrap_or_default();
+        let residuals = fitted.residuals_for(index);
+        let later = held_out
+            .map(|held_out| held_out.residuals_for(index))
+            .unwrap_or_default();
         let rms_here = rms(&residuals);
+        // Outliers that the loss clips must not decide the tests.
         let clipped: Vec<f64> = residuals
             .iter()
             .map(|r| problem.loss.transformed(*r) * problem.loss.slope(*r))
@@ -183,12 +211,8 @@ pub(super) fn signals(
 }
 
 /// What makes the standard deviation of a signal, estimated from its residuals, meaningless.
-fn oddity((points, residuals): (&[Point], &[f64]), signal: usize) -> Option<Oddity> {
-    let pairs = points.iter().zip(residuals);
-    let own: Vec<(&Point, f64)> = pairs
-        .filter(|(point, _)| point.signal == signal)
-        .map(|(point, residual)| (point, *residual))
-        .collect();
+fn oddity(fitted: PointResiduals<'_>, signal: usize) -> Option<Oddity> {
+    let own: Vec<(&Point, f64)> = fitted.for_signal(signal).collect();
     if own.len() < FEWEST {
         return None;
     }
@@ -197,8 +221,7 @@ fn oddity((points, residuals): (&[Point], &[f64]), signal: usize) -> Option<Oddi
         return Some(Oddity::Constant { value: first });
     }
     let total: f64 = own.iter().map(|(_, residual)| residual * residual).sum();
-    let largest = own.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-    let (point, residual) = largest?;
+    let (point, residual) = own.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
     let is_noise = (total / own.len() as f64).sqrt() > TINY;
     (is_noise && residual * residual > DOMINANT * total).then_some(Oddity::OneValue {
         time: point.time,
@@ -222,8 +245,9 @@ pub(super) fn verdict(quality: &Quality, signals: &[SignalReport]) -> Verdict {
 
 /// The lowest p-value of the tests of residuals for correlations and for a constant error.
 pub(super) fn lowest_p(signals: &[SignalReport]) -> Option<f64> {
-    let tests = signals
+    signals
         .iter()
-        .flat_map(|signal| [signal.whiteness, signal.mean_p_value]);
-    tests.flatten().min_by(f64::total_cmp)
+        .flat_map(|signal| [signal.whiteness, signal.mean_p_value])
+        .flatten()
+        .min_by(f64::total_cmp)
 }

@@ -1,11 +1,12 @@
 //! Which further data would tell two laws apart.
 
-use super::Fitted;
 use super::error::FitError;
+use super::fitted::Fitted;
 use super::model::{Point, Problem};
+use super::monitor::Monitor;
 use super::report::{Extension, ExtensionKind};
 use super::signal::Signal;
-use super::solve::{Watch, complete, minimise};
+use super::solve::{complete, minimise};
 use crate::telemetry::fields::{NumberField, state};
 
 /// Expected Δχ² that decides: the right law then wins in 99 % of cases.
@@ -24,17 +25,18 @@ const LONGER: [f64; 6] = [1.25, 1.5, 2.0, 3.0, 4.0, 6.0];
 pub(super) fn extensions(
     best: &Fitted,
     rival: &Fitted,
-    watch: &Watch<'_>,
+    monitor: &Monitor<'_>,
 ) -> Result<Vec<Extension>, FitError> {
     let mut found = Vec::new();
     let rival = &coarse(rival);
     let split = &best.split;
     let points = &split.fitted;
     for factor in LONGER {
-        let longer = prolonged(points, factor);
-        let Some(delta_chi2) = expected(best, rival, &longer, watch)? else {
+        let longer = extended_points(points, factor);
+        let Some(delta_chi2) = expected(best, rival, &longer, monitor)? else {
             break;
         };
+        // The shortest one that suffices is of interest only.
         if delta_chi2 >= WANTED {
             found.push(Extension {
                 kind: ExtensionKind::Longer,
@@ -45,7 +47,7 @@ pub(super) fn extensions(
         }
     }
     // Δχ² is proportional to the number of samples in the same time.
-    if let Some(now) = expected(best, rival, points, watch)?
+    if let Some(now) = expected(best, rival, points, monitor)?
         && now > 0.0
     {
         let amount = (WANTED / now).max(1.0);
@@ -63,7 +65,7 @@ pub(super) fn extensions(
     ] {
         if let Some([best, rival]) = with_signal([best, rival], field) {
             let more = with_points(points, &best.problem);
-            if let Some(delta_chi2) = expected(&best, &rival, &more, watch)?
+            if let Some(delta_chi2) = expected(&best, &rival, &more, monitor)?
                 && delta_chi2 >= WANTED
             {
                 found.push(Extension {
@@ -85,7 +87,7 @@ fn coarse(fitted: &Fitted) -> Fitted {
 }
 
 /// Points with the same spacing over a longer time.
-fn prolonged(points: &[Point], factor: f64) -> Vec<Point> {
+fn extended_points(points: &[Point], factor: f64) -> Vec<Point> {
     let mut longer = points.to_vec();
     let mut signals: Vec<usize> = points.iter().map(|point| point.signal).collect();
     signals.sort_unstable();
@@ -138,10 +140,12 @@ fn with_signal(candidates: [&Fitted; 2], field: NumberField) -> Option<[Fitted; 
 fn with_points(points: &[Point], problem: &Problem) -> Vec<Point> {
     let added = problem.signals.len() - 1;
     let signals = &problem.signals;
+    // The same angle whose precision the added signal has.
     let angle = signals
         .iter()
         .position(|signal| signal.field.unit() == "rad");
     let mut more = points.to_vec();
+    // Their measured values don't matter: an expectation takes those of the best law.
     for point in points {
         if Some(point.signal) == angle {
             more.push(Point {
@@ -159,7 +163,7 @@ fn expected(
     best: &Fitted,
     rival: &Fitted,
     points: &[Point],
-    watch: &Watch<'_>,
+    monitor: &Monitor<'_>,
 ) -> Result<Option<f64>, FitError> {
     let Ok(motion) = best.problem.predict(&best.solution.values, points) else {
         return Ok(None);
@@ -173,6 +177,6 @@ fn expected(
         return Ok(None);
     };
     let fixed = vec![false; start.len()];
-    let found = minimise(problem, &exact, &start, None, &fixed, watch)?;
+    let found = minimise(problem, &exact, &start, None, &fixed, monitor)?;
     Ok(found.is_converged.then_some(found.chi2))
 }

@@ -1,10 +1,10 @@
 //! What the data can determine, found before anything is fitted: from the sensitivities at the start.
 
+use super::degeneracy::{Combination, Degeneracy, join_names, pronoun};
 use super::error::FitError;
 use super::model::{Effort, Point, Problem, Refusal};
-use super::parameter::{Named, Parameter, Target};
-use super::solve::error_from;
-use super::statistics::ScaledGram;
+use super::parameter::{Parameter, SelectedParameter, Target};
+use super::statistics::{NULL_EIGENVALUE, ScaledGram};
 use crate::run::plural::plural;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
@@ -13,10 +13,7 @@ use std::f64::consts::TAU;
 /// differences it is the error of a derivative.
 const ROUNDING: f64 = 1e-12;
 
-/// An eigenvalue of the scaled JᵀJ below this is zero within the error of the derivatives: its square root is 3e-6.
-const NULL: f64 = 1e-11;
-
-/// A component of a direction that is zero within that error.
+/// A component of a direction without effect that is zero: well above the error of the derivatives, 1e-5 or less.
 const NO_COMPONENT: f64 = 1e-3;
 
 /// What the data can determine.
@@ -29,48 +26,46 @@ pub(super) struct Identified {
 
 /// Checks which parameters the data can determine. Parameters that belong to a group are left out if nothing shows
 /// them.
-pub(super) fn identify(problem: &Problem, named: &[Named]) -> Result<Identified, FitError> {
+pub(super) fn identify(
+    problem: &Problem,
+    selected: &[SelectedParameter],
+) -> Result<Identified, FitError> {
     let start = problem.start();
     let points = reached(problem, &start)?;
-    let predicted = problem.predict(&start, &points).map_err(error_from)?;
+    let predicted = problem.predict(&start, &points)?;
     let fixed = vec![false; start.len()];
     let jacobian = problem.jacobian(Effort::Final, &start, &points, &fixed);
     let noise = derivative_noise(&points, &predicted);
-    let (mut shown, mut unseen, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
-    let mut scanned = Vec::new();
-    for (at, named) in named.iter().enumerate() {
-        if norm(&jacobian[at]) * problem.parameters[at].scale > noise {
-            shown.push(at);
-        } else if named.is_optional {
-            left_out.push(named.parameter.name());
-        } else if matches!(named.parameter.target, Target::Offset(_)) {
-            // The scan finds an offset also if the clocks differ so much that nothing depends on small changes.
-            scanned.push(at);
-        } else if problem
-            .derivative(Effort::Final, at, &start, &points)
+    let Visibility {
+        mut shown,
+        scanned,
+        unseen,
+        left_out,
+    } = visibility(problem, selected, &jacobian, noise);
+    // Without any effect, and without one that can be computed, are different things to mend.
+    for at in &unseen {
+        if problem
+            .derivative(Effort::Final, *at, &start, &points)
             .is_none()
         {
             return Err(FitError::NoDerivative {
-                name: named.parameter.name(),
+                name: problem.parameters[*at].name(),
             });
-        } else {
-            unseen.push(named.parameter.name());
         }
     }
     if !unseen.is_empty() {
-        let sentence = format!(
-            "no signal depends on {}: fix {} (leave {0} out of --free)",
-            unseen.join(" or "),
-            if unseen.len() == 1 { "it" } else { "them" },
-        );
+        let names = unseen
+            .iter()
+            .map(|at| problem.parameters[*at].name())
+            .collect();
         return Err(FitError::NotIdentifiable {
-            sentences: vec![sentence],
+            degeneracies: vec![Degeneracy::Unseen { names }],
         });
     }
     if shown.is_empty() {
         return Err(FitError::NothingFree);
     }
-    let hardly_shown = leave_out_weak(problem, named, &jacobian, &mut shown);
+    let hardly_shown = leave_out_weak(problem, selected, &jacobian, &mut shown);
     if shown.is_empty() {
         return Err(FitError::NothingFree);
     }
@@ -83,9 +78,9 @@ pub(super) fn identify(problem: &Problem, named: &[Named]) -> Result<Identified,
     for at in scanned {
         free.push(problem.parameters[at].clone());
     }
-    let sentences = degeneracies(&parameters, &ScaledGram::new(&gram));
-    if !sentences.is_empty() {
-        return Err(FitError::NotIdentifiable { sentences });
+    let degeneracies = degeneracies(&parameters, &ScaledGram::new(&gram));
+    if !degeneracies.is_empty() {
+        return Err(FitError::NotIdentifiable { degeneracies });
     }
     let mut notes = Vec::new();
     if !left_out.is_empty() {
@@ -98,9 +93,9 @@ pub(super) fn identify(problem: &Problem, named: &[Named]) -> Result<Identified,
     if !hardly_shown.is_empty() {
         notes.push(format!(
             "The signals hardly depend on {}: kept at the scenario's {}, so the other estimates presuppose {}.",
-            listed(&hardly_shown),
+            join_names(&hardly_shown),
             plural(hardly_shown.len() as u64, "value"),
-            if hardly_shown.len() == 1 { "it" } else { "them" },
+            pronoun(hardly_shown.len()),
         ));
     }
     notes.extend(aliasing(problem));
@@ -108,6 +103,46 @@ pub(super) fn identify(problem: &Problem, named: &[Named]) -> Result<Identified,
         parameters: free,
         notes,
     })
+}
+
+/// What the signals show of the parameters: indices, and names of those that are left out.
+struct Visibility {
+    /// The parameters that the signals depend on.
+    shown: Vec<usize>,
+    /// Offsets of clocks without an effect here.
+    scanned: Vec<usize>,
+    /// Parameters that were named, but have no effect.
+    unseen: Vec<usize>,
+    /// Parameters of a group without an effect.
+    left_out: Vec<String>,
+}
+
+/// Finds the parameters whose columns of derivatives are more than noise.
+fn visibility(
+    problem: &Problem,
+    selected: &[SelectedParameter],
+    jacobian: &[Vec<f64>],
+    noise: f64,
+) -> Visibility {
+    let mut found = Visibility {
+        shown: Vec::new(),
+        scanned: Vec::new(),
+        unseen: Vec::new(),
+        left_out: Vec::new(),
+    };
+    for (at, selected) in selected.iter().enumerate() {
+        if norm(&jacobian[at]) * problem.parameters[at].scale > noise {
+            found.shown.push(at);
+        } else if selected.is_optional {
+            found.left_out.push(selected.parameter.name());
+        } else if matches!(selected.parameter.target, Target::Offset(_)) {
+            // The scan finds an offset also if the clocks differ so much that nothing depends on small changes.
+            found.scanned.push(at);
+        } else {
+            found.unseen.push(at);
+        }
+    }
+    found
 }
 
 /// The size of a column of derivatives, times the scale of its parameter, that errors of the simulation can make.
@@ -126,22 +161,25 @@ fn gram(jacobian: &[Vec<f64>], columns: &[usize]) -> DMatrix<f64> {
     })
 }
 
-/// Takes out parameters of a group that the data determine less well than the weak priors: such directions have no
-/// minimum that could be found. Directions that involve a parameter that was named by itself stay.
+/// Removes the parameters of a group that the data determine less well than the weak priors from `shown`, and returns
+/// their names: such directions have no minimum that could be found. Directions that involve a parameter that was named
+/// by itself stay.
 fn leave_out_weak(
     problem: &Problem,
-    named: &[Named],
+    selected: &[SelectedParameter],
     jacobian: &[Vec<f64>],
     shown: &mut Vec<usize>,
 ) -> Vec<String> {
     /// Square of a component above which a parameter is involved in a direction.
     const INVOLVED: f64 = 0.01;
     let mut left_out = Vec::new();
+    // Each removal changes the directions of the others.
     while !shown.is_empty() {
         let gram = gram(jacobian, shown);
-        let prior = |at: usize| problem.parameters[shown[at]].prior;
+        // In units of the priors, their own information is 1 in every direction.
         let in_priors = DMatrix::from_fn(shown.len(), shown.len(), |i, j| {
-            gram[(i, j)] * prior(i) * prior(j)
+            let [row, column] = [i, j].map(|index| &problem.parameters[shown[index]]);
+            gram[(i, j)] * row.prior * column.prior
         });
         let eigen = in_priors.symmetric_eigen();
         let weakest = eigen.eigenvalues.imin();
@@ -149,10 +187,10 @@ fn leave_out_weak(
             return left_out;
         }
         let direction = eigen.eigenvectors.column(weakest);
-        let is_of_group = |at: &usize| named[shown[*at]].is_optional;
-        let mut involved = (0..shown.len()).filter(|at| direction[*at] * direction[*at] > INVOLVED);
-        if !involved.all(|at| is_of_group(&at)) {
-            return left_out;
+        for (component, at) in direction.iter().zip(&*shown) {
+            if component * component > INVOLVED && !selected[*at].is_optional {
+                return left_out;
+            }
         }
         let worst = direction.map(f64::abs).imax();
         left_out.push(problem.parameters[shown.remove(worst)].name());
@@ -162,116 +200,97 @@ fn leave_out_weak(
 
 /// The points that the motion at the start reaches.
 fn reached(problem: &Problem, start: &[f64]) -> Result<Vec<Point>, FitError> {
-    match problem.predict(start, &problem.points) {
-        Ok(_) => Ok(problem.points.clone()),
-        Err(Refusal::Ends {
-            time,
-            reason,
-            needed,
-        }) => {
-            // Changed parameters may end the motion slightly earlier.
-            let end = 0.98 * time;
-            let mut points = problem.points.clone();
-            points.retain(|point| problem.model_time(start, point) < end);
-            if points.len() > problem.parameters.len() {
-                return Ok(points);
-            }
-            Err(error_from(Refusal::Ends {
-                time,
-                reason,
-                needed,
-            }))
+    let Err(refusal) = problem.predict(start, &problem.points) else {
+        return Ok(problem.points.clone());
+    };
+    if let Refusal::Ends { time, .. } = refusal {
+        // Changed parameters may end the motion slightly earlier.
+        let end = 0.98 * time;
+        let mut points = problem.points.clone();
+        points.retain(|point| problem.model_time(start, point) < end);
+        if points.len() > problem.parameters.len() {
+            return Ok(points);
         }
-        Err(refusal) => Err(error_from(refusal)),
     }
+    Err(refusal.into())
 }
 
 fn norm(column: &[f64]) -> f64 {
     column.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Sentences on the directions along which the data don't change.
-fn degeneracies(parameters: &[Parameter], gram: &ScaledGram) -> Vec<String> {
-    let directions = gram.null_directions(NULL);
-    if directions.is_empty() {
-        return Vec::new();
-    }
-    // Relative changes of the parameters along a direction; absolute ones where the start is 0.
-    let relative = |direction: &[f64]| -> Vec<f64> {
-        let mut changes = Vec::new();
-        for (at, parameter) in parameters.iter().enumerate() {
-            let unit = if parameter.start == 0.0 {
-                parameter.scale
-            } else {
-                parameter.start
-            };
-            changes.push(direction[at] / gram.norms[at] / unit);
-        }
-        changes
-    };
-    let [direction] = &directions[..] else {
-        let mut involved = Vec::new();
-        for (at, parameter) in parameters.iter().enumerate() {
-            if directions.iter().any(|d| d[at].abs() > NO_COMPONENT) {
-                involved.push(parameter.name());
-            }
-        }
-        let known = involved.len() - directions.len();
-        return vec![format!(
-            "of {} only {known} {} determined: fix {} of them",
-            listed(&involved),
-            if known == 1 {
-                "combination is"
-            } else {
-                "combinations are"
-            },
-            directions.len(),
-        )];
-    };
-    let changes = relative(direction);
-    let largest = changes.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-    let mut involved: Vec<(usize, f64)> = Vec::new();
-    for (at, change) in changes.iter().enumerate() {
-        if change.abs() > NO_COMPONENT * largest {
-            involved.push((at, *change));
-        }
-    }
-    let name = |at: usize| parameters[at].name();
-    match involved[..] {
-        [(a, x), (b, y)] if parameters[a].start > 0.0 && parameters[b].start > 0.0 => {
-            let power = -x / y;
-            let [first, second] = [a, b].map(|at| parameters[at].symbol());
-            let (combination, motion) = if (power - 1.0).abs() < 0.01 {
-                let same = format!("{first} × 2 and {second} ÷ 2 is the same motion");
-                (format!("{first}·{second}"), same)
-            } else if (power + 1.0).abs() < 0.01 {
-                let same = format!("{first} × 2 and {second} × 2 is the same motion");
-                (format!("{first}/{second}"), same)
-            } else {
-                let same = format!("{first} and {second} can change together");
-                (format!("a combination of {first} and {second}"), same)
-            };
-            let names = [name(a), name(b)];
-            vec![format!(
-                "only {combination} is determined ({motion}): fix {}",
-                names.join(" or ")
-            )]
-        }
+/// The directions along which the data don't change.
+fn degeneracies(parameters: &[Parameter], gram: &ScaledGram) -> Vec<Degeneracy> {
+    let directions = gram.null_directions(NULL_EIGENVALUE);
+    match &directions[..] {
+        [] => Vec::new(),
+        [direction] => vec![degeneracy(
+            parameters,
+            &relative_changes(parameters, gram, direction),
+        )],
+        // Eigenvectors of equal eigenvalues are any basis of their plane: only who takes part in it is certain.
         _ => {
-            let names: Vec<String> = involved.iter().map(|(at, _)| name(*at)).collect();
-            vec![format!(
-                "{} can change together without any effect: fix one of them",
-                listed(&names)
-            )]
+            let mut names = Vec::new();
+            for (at, parameter) in parameters.iter().enumerate() {
+                if directions.iter().any(|d| d[at].abs() > NO_COMPONENT) {
+                    names.push(parameter.name());
+                }
+            }
+            vec![Degeneracy::Several {
+                names,
+                directions: directions.len(),
+            }]
         }
     }
 }
 
-/// Names as a list with "and".
-fn listed(names: &[String]) -> String {
-    match names {
-        [rest @ .., last] if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
-        _ => names.concat(),
+/// Relative changes of the parameters along a direction; absolute ones, in units of the scale, where the start is 0.
+fn relative_changes(parameters: &[Parameter], gram: &ScaledGram, direction: &[f64]) -> Vec<f64> {
+    let mut changes = Vec::new();
+    for (at, parameter) in parameters.iter().enumerate() {
+        let unit = if parameter.start == 0.0 {
+            parameter.scale
+        } else {
+            parameter.start
+        };
+        changes.push(direction[at] / gram.norms[at] / unit);
+    }
+    changes
+}
+
+/// What the parameters that change along a single direction have in common.
+fn degeneracy(parameters: &[Parameter], changes: &[f64]) -> Degeneracy {
+    /// Difference of a power from ±1 that is an error of the derivatives.
+    const SAME_POWER: f64 = 0.01;
+    let largest = changes.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+    let mut involved: Vec<(&Parameter, f64)> = Vec::new();
+    for (parameter, change) in parameters.iter().zip(changes) {
+        if change.abs() > NO_COMPONENT * largest {
+            involved.push((parameter, *change));
+        }
+    }
+    match involved[..] {
+        [(a, x), (b, y)] if a.start > 0.0 && b.start > 0.0 => {
+            // a^p b is constant along the direction, with p = −(db/b)/(da/a) or its inverse: both are ±1 together.
+            let power = -x / y;
+            Degeneracy::Combined {
+                names: [a.name(), b.name()],
+                symbols: [a.symbol(), b.symbol()],
+                combination: if (power - 1.0).abs() < SAME_POWER {
+                    Combination::Product
+                } else if (power + 1.0).abs() < SAME_POWER {
+                    Combination::Quotient
+                } else {
+                    Combination::Other
+                },
+            }
+        }
+        _ => Degeneracy::Together {
+            names: involved
+                .iter()
+                .map(|(parameter, _)| parameter.name())
+                .collect(),
+        },
     }
 }
 
@@ -282,7 +301,10 @@ fn aliasing(problem: &Problem) -> Option<String> {
     let top = &scenario.model.top;
     // A small nutation turns with the angular momentum about the axis, divided by I_x.
     let nutation = (top.axial_moment * tilt.axial_rate() / top.transverse_moment).abs() / TAU;
-    let periods = problem.signals.iter().filter_map(super::Signal::period);
+    let periods = problem
+        .signals
+        .iter()
+        .filter_map(super::signal::Signal::period);
     let rate = 1.0 / periods.fold(0.0, f64::max);
     (rate < 2.0 * nutation).then(|| {
         format!(

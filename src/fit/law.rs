@@ -1,9 +1,10 @@
 //! Other friction laws for the same data.
 
 use super::error::FitError;
+use super::fitted::Fitted;
 use super::model::Problem;
 use super::parameter::{self, Parameter, Target};
-use super::{Fitted, Request};
+use super::request::Request;
 use crate::run::scenario::{KEYS, LAWS, Law, Scenario, ScenarioError, Values};
 use crate::run::simulation::sample_at;
 
@@ -12,6 +13,12 @@ const PRECISION: f64 = 1e-7;
 
 /// Coefficient of friction of a typical top.
 const TYPICAL_K: f64 = 0.03;
+
+/// A law that has no complete motion near its minimum, or can't be fitted, and why.
+pub(super) struct Refused {
+    pub law: &'static str,
+    pub reason: String,
+}
 
 /// The sliding law of this name.
 pub(super) fn find(name: &str) -> Option<&'static Law> {
@@ -31,8 +38,10 @@ pub(super) fn find_laws(names: &[String]) -> Result<Vec<&'static Law>, FitError>
 }
 
 fn unknown_law(name: &str) -> FitError {
-    let sliding = LAWS.iter().filter(|law| law.is_sliding());
-    let names: Vec<&str> = sliding.map(|law| law.name).collect();
+    let mut names = Vec::new();
+    for law in LAWS.iter().filter(|law| law.is_sliding()) {
+        names.push(law.name);
+    }
     FitError::UnknownLaw {
         name: name.to_owned(),
         known: names.join(", "),
@@ -41,8 +50,9 @@ fn unknown_law(name: &str) -> FitError {
 
 /// The keys of a law that data determine: with viscous friction only k/v_0, whatever the data.
 fn keys(law: &Law) -> impl Iterator<Item = &'static str> {
-    let keys = law.parameters().map(|key| key.path);
-    keys.filter(|path| *path != "friction.viscous_speed")
+    law.parameters()
+        .map(|key| key.path)
+        .filter(|path| *path != "friction.viscous_speed")
 }
 
 /// A request with another law, from the scenario's start.
@@ -51,6 +61,7 @@ pub(super) fn request_for(request: &Request, law: &Law) -> Result<Request, FitEr
     let speed = slip_speed(&request.scenario, duration)?;
     let mut other = request.clone();
     other.scenario = scenario_with(&request.scenario, law, speed)?;
+    // The parameters of the scenario's law have no meaning in another.
     other.free.retain(|name| !name.starts_with("friction."));
     other.free.extend(keys(law).map(str::to_owned));
     other.bounds.retain(|(name, _)| {
@@ -108,8 +119,8 @@ pub(super) fn problem_for(
     for path in keys(law) {
         let mut bounds = request.bounds.clone();
         bounds.retain(|(name, _)| name == path);
-        for named in parameter::parameters(&[path.to_owned()], &bounds, &scenario, 1)? {
-            parameters.push(named.parameter);
+        for selected in parameter::select(&[path.to_owned()], &bounds, &scenario, 1)? {
+            parameters.push(selected.parameter);
         }
     }
     let mut problem = own.clone();

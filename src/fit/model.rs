@@ -1,5 +1,6 @@
 //! The problem to solve: data, parameters, and the simulation as their model.
 
+use super::error::FitError;
 use super::parameter::{Parameter, Target};
 use super::signal::Signal;
 use crate::run::scenario::{Scenario, ScenarioError};
@@ -49,7 +50,7 @@ impl Loss {
 /// A measured value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Point {
-    /// Index of its signal.
+    /// Index of the signal.
     pub signal: usize,
     /// Time on the clock of the model, without the offset of its file, s.
     pub time: f64,
@@ -123,6 +124,24 @@ pub(super) enum Refusal {
     },
 }
 
+impl From<Refusal> for FitError {
+    fn from(refusal: Refusal) -> Self {
+        match refusal {
+            Refusal::Invalid(error) => Self::Scenario(error),
+            Refusal::Failed(error) => Self::Simulation(error),
+            Refusal::Ends {
+                time,
+                reason,
+                needed,
+            } => Self::ModelEnds {
+                end: time,
+                reason: reason.sentence().to_owned(),
+                needed,
+            },
+        }
+    }
+}
+
 impl Problem {
     /// A problem whose model starts at `origin`, s, on the clock of the first file.
     pub(super) fn new(
@@ -134,7 +153,8 @@ impl Problem {
     ) -> Result<Self, ScenarioError> {
         let tolerances = scenario.tolerances;
         let tolerance = Effort::Final.tolerance();
-        let scenario = scenario.with([
+        // Derivatives by differences need exact motions, whatever the scenario asks for.
+        let exact = scenario.with([
             (
                 "integrator.relative_tolerance",
                 tolerances.relative.min(tolerance).into(),
@@ -145,7 +165,7 @@ impl Problem {
             ),
         ])?;
         let mut problem = Self {
-            scenario,
+            scenario: exact,
             parameters,
             signals,
             loss,
@@ -166,6 +186,7 @@ impl Problem {
                     value: signal.values[at],
                     sigma: signal.sigmas[at],
                 };
+                // Points of other files may be moved into the motion by their offset.
                 if point.time >= 0.0 || signal.file > 0 {
                     self.points.push(point);
                 }
@@ -199,9 +220,13 @@ impl Problem {
 
     /// Offset of the clock of a file, s.
     pub(super) fn offset(&self, values: &[f64], file: usize) -> f64 {
-        let mut pairs = self.parameters.iter().zip(values);
-        let found = pairs.find(|(p, _)| matches!(p.target, Target::Offset(of) if of == file));
-        found.map_or(0.0, |(_, value)| *value)
+        // The first file has no offset: its clock is that of the model.
+        for (parameter, value) in self.parameters.iter().zip(values) {
+            if matches!(parameter.target, Target::Offset(known) if known == file) {
+                return *value;
+            }
+        }
+        0.0
     }
 
     /// The time of a point on the model's clock, s.
@@ -313,14 +338,15 @@ impl Problem {
         points: &[Point],
         fixed: &[bool],
     ) -> Vec<Vec<f64>> {
-        let columns = (0..self.parameters.len()).into_par_iter();
-        columns
+        // In the order of the parameters, whatever the threads do.
+        (0..self.parameters.len())
+            .into_par_iter()
             .map(|j| {
                 if fixed[j] {
                     return vec![0.0; points.len()];
                 }
-                let derivative = self.derivative(effort, j, values, points);
-                derivative.unwrap_or_else(|| vec![0.0; points.len()])
+                self.derivative(effort, j, values, points)
+                    .unwrap_or_else(|| vec![0.0; points.len()])
             })
             .collect()
     }
@@ -337,29 +363,26 @@ impl Problem {
     ) -> Option<Vec<f64>> {
         let parameter = &self.parameters[j];
         let step = effort.step() * parameter.scale.max(values[j].abs());
-        let [low, high] = parameter.bounds;
-        let moved = |steps: f64| {
-            let mut moved = values.to_vec();
-            moved[j] += steps * step;
-            if (low..=high).contains(&moved[j]) {
-                self.predict_with(effort, &moved, points).ok()
-            } else {
-                None
-            }
-        };
-        let here = || self.predict_with(effort, values, points).ok();
         let mut column = vec![0.0; points.len()];
-        match (moved(1.0), moved(-1.0)) {
+        let (up, down) = (
+            self.predict_moved(effort, j, step, values, points),
+            self.predict_moved(effort, j, -step, values, points),
+        );
+        match (up, down) {
             (Some(up), Some(down)) => {
                 for (at, derivative) in column.iter_mut().enumerate() {
                     *derivative = (up[at] - down[at]) / (2.0 * step);
                 }
             }
             (Some(one), None) => {
-                one_sided(&mut column, step, &here()?, &one, moved(2.0).as_deref());
+                let here = self.predict_with(effort, values, points).ok()?;
+                let two = self.predict_moved(effort, j, 2.0 * step, values, points);
+                one_sided(&mut column, step, &here, &one, two.as_deref());
             }
             (None, Some(one)) => {
-                one_sided(&mut column, -step, &here()?, &one, moved(-2.0).as_deref());
+                let here = self.predict_with(effort, values, points).ok()?;
+                let two = self.predict_moved(effort, j, -2.0 * step, values, points);
+                one_sided(&mut column, -step, &here, &one, two.as_deref());
             }
             (None, None) => return None,
         }
@@ -367,6 +390,25 @@ impl Problem {
             *derivative /= point.sigma;
         }
         Some(column)
+    }
+
+    /// The values of the model with one parameter changed by `change`; `None` beyond its bounds or without a complete
+    /// motion.
+    fn predict_moved(
+        &self,
+        effort: Effort,
+        j: usize,
+        change: f64,
+        values: &[f64],
+        points: &[Point],
+    ) -> Option<Vec<f64>> {
+        let mut moved = values.to_vec();
+        moved[j] += change;
+        let [low, high] = self.parameters[j].bounds;
+        if !(low..=high).contains(&moved[j]) {
+            return None;
+        }
+        self.predict_with(effort, &moved, points).ok()
     }
 }
 

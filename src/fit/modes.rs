@@ -4,8 +4,9 @@
 use super::error::FitError;
 use super::identify::{measures_more_than_theta, spin_rate};
 use super::model::{Point, Problem};
+use super::monitor::Monitor;
 use super::report::Mode;
-use super::solve::{Solution, Watch, complete, minimise};
+use super::solve::{Solution, complete, minimise};
 
 /// Distance of trial spin rates, in radians of phase over the data.
 const PHASE_STEP: f64 = 5.0;
@@ -31,7 +32,7 @@ pub(super) fn modes(
     problem: &Problem,
     points: &[Point],
     solution: &Solution,
-    watch: &Watch<'_>,
+    monitor: &Monitor<'_>,
 ) -> Result<Modes, FitError> {
     let mut best = solution.clone();
     let at = match spin_rate(problem) {
@@ -46,12 +47,13 @@ pub(super) fn modes(
     let end = points.iter().map(|point| point.time).fold(0.0, f64::max);
     let step = PHASE_STEP / end;
     let mut found: Vec<Solution> = vec![best.clone()];
+    // On each side the minima get worse with the distance, but not evenly.
     for side in [-1.0, 1.0] {
         let mut failures = 0;
         let mut start = solution.values.clone();
         for trial in 1..=MAX_TRIALS {
             start[at] = solution.values[at] + side * step * trial as f64;
-            let Some(minimum) = minimum_from(problem, points, &start, at, watch)? else {
+            let Some(minimum) = minimum_from(problem, points, &start, at, monitor)? else {
                 break;
             };
             let delta = minimum.chi2 - best.chi2;
@@ -93,15 +95,16 @@ fn minimum_from(
     points: &[Point],
     start: &[f64],
     spin: usize,
-    watch: &Watch<'_>,
+    monitor: &Monitor<'_>,
 ) -> Result<Option<Solution>, FitError> {
     let Ok(start) = complete(problem, points, start.to_vec()) else {
         return Ok(None);
     };
+    // With a free spin rate at once, the optimiser would fall back into the minimum that is known.
     let mut fixed = vec![false; start.len()];
     fixed[spin] = true;
-    let held = minimise(problem, points, &start, None, &fixed, watch)?;
+    let held = minimise(problem, points, &start, None, &fixed, monitor)?;
     fixed[spin] = false;
-    let free = minimise(problem, points, &held.values, None, &fixed, watch)?;
+    let free = minimise(problem, points, &held.values, None, &fixed, monitor)?;
     Ok(Some(free))
 }

@@ -2,7 +2,7 @@
 
 use super::error::FitError;
 use super::model::{Effort, Point, Problem};
-use super::solve::Watch;
+use super::monitor::Monitor;
 use rmpfit::{MPConfig, MPError, MPFitter, MPPar, MPResult, MPSide};
 
 /// What a residual of a refused motion counts: more than any that can be measured, but its square is finite.
@@ -22,7 +22,7 @@ pub(super) struct Objective<'a> {
     limits: Vec<MPPar>,
     effort: Effort,
     config: MPConfig,
-    watch: &'a Watch<'a>,
+    monitor: &'a Monitor<'a>,
     /// The last values that were computed, and their residuals.
     last: Option<(Vec<f64>, Vec<f64>)>,
 }
@@ -33,21 +33,22 @@ impl<'a> Objective<'a> {
         points: &'a [Point],
         priors: Option<&'a [f64]>,
         held: Vec<bool>,
-        watch: &'a Watch<'a>,
+        monitor: &'a Monitor<'a>,
     ) -> Self {
-        let parameters = problem.parameters.iter().zip(&held);
-        let limits = parameters.map(|(parameter, held)| {
+        let mut limits = Vec::new();
+        for (parameter, is_held) in problem.parameters.iter().zip(&held) {
             let [low, high] = parameter.bounds;
-            MPPar {
-                fixed: *held,
+            limits.push(MPPar {
+                fixed: *is_held,
                 limited_low: low > f64::MIN,
                 limited_up: high < f64::MAX,
                 limit_low: low / parameter.scale,
                 limit_up: high / parameter.scale,
+                // The derivatives are those of `jacobian` below, not the optimiser's one-sided differences.
                 side: MPSide::User,
                 ..MPPar::new()
-            }
-        });
+            });
+        }
         let max_iter = if priors.is_some() {
             ITERATIONS
         } else {
@@ -57,14 +58,14 @@ impl<'a> Objective<'a> {
             problem,
             points,
             priors,
-            limits: limits.collect(),
+            limits,
             held,
             effort: Effort::Final,
             config: MPConfig {
                 max_iter,
                 ..MPConfig::new()
             },
-            watch,
+            monitor,
             last: None,
         }
     }
@@ -77,7 +78,7 @@ impl<'a> Objective<'a> {
         precision: f64,
     ) -> Result<Vec<f64>, FitError> {
         let draft = self.problem.residuals(Effort::Draft, start, self.points);
-        self.watch.count(1, f64::NAN);
+        self.monitor.count(1, f64::NAN);
         if draft.is_err() {
             return Ok(start.to_vec());
         }
@@ -94,6 +95,7 @@ impl<'a> Objective<'a> {
     ) -> Result<Vec<f64>, FitError> {
         self.effort = Effort::Final;
         self.config.ftol = precision;
+        // Those of drafts are not exact.
         self.last = None;
         self.run(start)
     }
@@ -101,8 +103,11 @@ impl<'a> Objective<'a> {
     /// Optimises from `start`.
     fn run(&mut self, start: &[f64]) -> Result<Vec<f64>, FitError> {
         // The optimiser's steps are isotropic, so it gets numbers of order 1.
-        let scales = self.problem.parameters.iter().map(|p| p.scale);
-        let mut scaled: Vec<f64> = start.iter().zip(scales).map(|(v, s)| v / s).collect();
+        let mut scaled: Vec<f64> = start
+            .iter()
+            .zip(&self.problem.parameters)
+            .map(|(value, parameter)| value / parameter.scale)
+            .collect();
         // Rounding must not take the start out of the bounds.
         for (value, limits) in scaled.iter_mut().zip(&self.limits) {
             *value = value.max(limits.limit_low).min(limits.limit_up);
@@ -115,9 +120,12 @@ impl<'a> Objective<'a> {
 
     /// The values of the parameters. Dividing by a scale and multiplying again may round to beyond a bound.
     fn values(&self, scaled: &[f64]) -> Vec<f64> {
-        let parameters = self.problem.parameters.iter();
-        let pairs = parameters.zip(scaled);
-        pairs.map(|(p, scaled)| p.clamp(scaled * p.scale)).collect()
+        self.problem
+            .parameters
+            .iter()
+            .zip(scaled)
+            .map(|(parameter, scaled)| parameter.clamp(scaled * parameter.scale))
+            .collect()
     }
 
     /// Fills in the residuals as their loss counts them, and those of the priors.
@@ -141,7 +149,7 @@ impl MPFitter for Objective<'_> {
             Ok(residuals) => {
                 self.fill(&values, &residuals, deviates);
                 let chi2 = deviates.iter().map(|d| d * d).sum();
-                self.watch.count(1, chi2);
+                self.monitor.count(1, chi2);
                 self.last = Some((values, residuals));
             }
             // A motion that ends before the data is no candidate: the step is shortened.
@@ -179,7 +187,7 @@ impl MPFitter for Objective<'_> {
         let jacobian = self
             .problem
             .jacobian(self.effort, &values, self.points, &self.held);
-        self.watch.count(2 * jacobian.len(), f64::NAN);
+        self.monitor.count(2 * jacobian.len(), f64::NAN);
         for (j, derivative) in derivs.iter_mut().enumerate() {
             let Some(column) = derivative else { continue };
             let parameter = &self.problem.parameters[j];
@@ -198,6 +206,7 @@ impl MPFitter for Objective<'_> {
     }
 }
 
+/// Why the optimiser failed, in words of this program: those of the library are about its interface.
 fn reason(error: &MPError) -> &'static str {
     match error {
         MPError::Input => "wrong input",

@@ -2,8 +2,9 @@
 
 use super::error::FitError;
 use super::model::{Point, Problem};
+use super::monitor::Monitor;
 use super::parameter::{Parameter, Target};
-use super::solve::{Solution, Watch, error_from, minimise};
+use super::solve::{Solution, minimise};
 use std::f64::consts::TAU;
 
 /// Samples of the model per cycle of its nutation.
@@ -25,7 +26,7 @@ pub(super) fn fit_offsets(
     problem: &Problem,
     values: Vec<f64>,
     end: f64,
-    watch: &Watch<'_>,
+    monitor: &Monitor<'_>,
 ) -> Result<(Solution, Vec<Point>), FitError> {
     let mut best = values;
     let mut points: Vec<Point> = Vec::new();
@@ -63,7 +64,7 @@ pub(super) fn fit_offsets(
             for (index, other) in problem.parameters.iter().enumerate() {
                 later[index] = matches!(other.target, Target::Offset(other) if other > file);
             }
-            let trial = minimise(problem, &both, &start, None, &later, watch)?;
+            let trial = minimise(problem, &both, &start, None, &later, monitor)?;
             let is_better = found.as_ref().is_none_or(|(best, points)| {
                 trial.chi2 / both.len() as f64 <= best.chi2 / points.len() as f64
             });
@@ -80,7 +81,7 @@ pub(super) fn fit_offsets(
     if let Some(solution) = solution {
         return Ok((solution, points));
     }
-    let solution = minimise(problem, &points, &best, None, &fixed, watch)?;
+    let solution = minimise(problem, &points, &best, None, &fixed, monitor)?;
     Ok((solution, points))
 }
 
@@ -92,6 +93,33 @@ struct Scanned {
     step: f64,
 }
 
+/// The mean loss of a file's points with an offset.
+#[derive(Clone, Copy)]
+struct Cost {
+    /// The offset, s.
+    offset: f64,
+    /// Mean loss of the points within the motion.
+    loss: f64,
+}
+
+/// The offsets whose neighbours don't have a lower loss.
+fn local_minima(costs: &[Cost]) -> Vec<Cost> {
+    let mut minima = Vec::new();
+    for (at, cost) in costs.iter().enumerate() {
+        let before = at.checked_sub(1).map(|at| &costs[at]);
+        let neighbours = [before, costs.get(at + 1)];
+        // At the ends, one neighbour is enough.
+        if neighbours
+            .into_iter()
+            .flatten()
+            .all(|other| cost.loss <= other.loss)
+        {
+            minima.push(*cost);
+        }
+    }
+    minima
+}
+
 /// Compares the points of a file with the motion for all offsets that keep them within it.
 fn scan(
     problem: &Problem,
@@ -100,6 +128,7 @@ fn scan(
     parameter: &Parameter,
     end: f64,
 ) -> Result<Scanned, FitError> {
+    // A small nutation turns with the angular momentum about the axis, divided by I_x.
     let top = &problem.scenario.model.top;
     let spin = problem.scenario.rates.psi.abs().max(1.0);
     let cycle = TAU * top.transverse_moment / (top.axial_moment * spin);
@@ -124,14 +153,16 @@ fn scan(
             });
         }
     }
-    let motion = problem.predict(values, &grid).map_err(error_from)?;
-    let times = compared.iter().map(|point| point.time);
-    let first = times.clone().fold(f64::INFINITY, f64::min);
-    let last = times.fold(f64::NEG_INFINITY, f64::max);
+    let motion = problem.predict(values, &grid)?;
+    let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
+    for point in &compared {
+        first = first.min(point.time);
+        last = last.max(point.time);
+    }
     let [low, high] = parameter.bounds;
     let from = (-last).max(low);
     let to = (end - first).min(high);
-    let mut costs: Vec<(f64, f64)> = Vec::new();
+    let mut costs: Vec<Cost> = Vec::new();
     for index in 0..=((to - from) / step).max(0.0) as usize {
         let offset = from + index as f64 * step;
         let (mut sum, mut within) = (0.0, 0_usize);
@@ -143,6 +174,7 @@ fn scan(
             let row = signals.iter().position(|s| *s == point.signal);
             let at = row.unwrap_or_default() * count + place as usize;
             let part = place.fract();
+            // Between samples of the motion, which are dense enough for a straight line.
             let value = motion[at] + part * (motion[at + 1] - motion[at]);
             let residual = problem
                 .loss
@@ -150,22 +182,18 @@ fn scan(
             sum += residual * residual;
             within += 1;
         }
+        // A mean over few points may be low by chance.
         if within as f64 >= MIN_OVERLAP * compared.len() as f64 {
-            costs.push((sum / within as f64, offset));
+            costs.push(Cost {
+                offset,
+                loss: sum / within as f64,
+            });
         }
     }
-    let mut minima: Vec<(f64, f64)> = Vec::new();
-    for at in 0..costs.len() {
-        let before = at.checked_sub(1).map(|at| costs[at].0);
-        let after = costs.get(at + 1).map(|cost| cost.0);
-        let is_lowest = |other: Option<f64>| other.is_none_or(|other| costs[at].0 <= other);
-        if is_lowest(before) && is_lowest(after) {
-            minima.push(costs[at]);
-        }
-    }
-    minima.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let best = minima.iter().take(CANDIDATES);
-    let offsets: Vec<f64> = best.map(|(_, offset)| *offset).collect();
+    let mut minima = local_minima(&costs);
+    minima.sort_by(|a, b| a.loss.total_cmp(&b.loss));
+    minima.truncate(CANDIDATES);
+    let offsets: Vec<f64> = minima.iter().map(|cost| cost.offset).collect();
     if offsets.is_empty() {
         return Err(FitError::NoOverlap {
             name: parameter.name(),

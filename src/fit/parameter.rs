@@ -16,7 +16,7 @@ pub enum Target {
 /// A free parameter.
 #[derive(Clone, Debug)]
 pub struct Parameter {
-    /// What it changes.
+    /// What the parameter changes.
     pub target: Target,
     /// Value at the start of the fit.
     pub start: f64,
@@ -57,13 +57,10 @@ impl Parameter {
     /// A key of a scenario.
     fn from_key(path: &str, scenario: &Scenario) -> Result<Self, FitError> {
         let key = find_key(path)?;
-        let unfit = |reason| FitError::Key {
-            name: key.path.to_owned(),
-            reason,
-        };
         let section = key.path.split('.').next().unwrap_or_default();
         if key.kind.is_text() || ["integrator", "sampling", "stop"].contains(&section) {
             return Err(unfit(
+                key,
                 "it is not a property of the top, its friction or its start",
             ));
         }
@@ -72,6 +69,7 @@ impl Parameter {
             None if section == "initial" => 0.0,
             None => {
                 return Err(unfit(
+                    key,
                     "the scenario has no value for it: set one with --set",
                 ));
             }
@@ -85,9 +83,9 @@ impl Parameter {
         let [low, high] = key.typical.unwrap_or([start.abs(), start.abs()]);
         let half = 0.5 * (high - low);
         let (change, prior) = if low >= 0.0 && bounds[0] >= 0.0 && section != "initial" {
-            // Magnitudes that span decades.
-            let floor = low.max(1e-3 * high);
-            (floor, start.abs().max(floor))
+            // Magnitudes that span decades: a part of a typical range would be larger than most of their values.
+            let smallest = low.max(1e-3 * high);
+            (smallest, start.abs().max(smallest))
         } else {
             (TYPICAL_CHANGE * half, WEAK_PRIOR * half)
         };
@@ -111,7 +109,7 @@ impl Parameter {
         }
     }
 
-    /// Its name: a key, or `offset` for the clock of the second file, `offset.3` for that of the third.
+    /// Name: a key, or `offset` for the clock of the second file, `offset.3` for that of the third.
     pub fn name(&self) -> String {
         match self.target {
             Target::Key(key) => key.path.to_owned(),
@@ -128,7 +126,7 @@ impl Parameter {
         }
     }
 
-    /// Its symbol in formulas, or its name.
+    /// Symbol in formulas, or the name.
     pub fn symbol(&self) -> String {
         match self.target {
             Target::Key(key) => key.symbol.unwrap_or(key.path).to_owned(),
@@ -141,19 +139,47 @@ impl Parameter {
         matches!(self.target, Target::Key(key) if START.contains(&key.path) || START_OF_FREE_PEG.contains(&key.path))
     }
 
+    /// Restricts the parameter to a range that contains its start.
+    fn set_bounds(&mut self, [low, high]: [f64; 2]) -> Result<(), FitError> {
+        // An offset is scanned: it has no start of its own.
+        let is_offset = matches!(self.target, Target::Offset(_));
+        let is_within = is_offset || (low..=high).contains(&self.start);
+        if !is_within || low >= high {
+            return Err(FitError::Bounds {
+                name: self.name(),
+                low,
+                high,
+                start: self.start,
+            });
+        }
+        self.bounds = [low.max(self.bounds[0]), high.min(self.bounds[1])];
+        if is_offset {
+            self.start = self.clamp(self.start);
+        }
+        Ok(())
+    }
+
     /// The value nearest to `value` within the bounds.
     pub(super) fn clamp(&self, value: f64) -> f64 {
         value.clamp(self.bounds[0], self.bounds[1])
     }
 
-    /// Whether its lowest value is a physical limit at which it has no effect, such as k = 0.
+    /// Whether the lowest value is a physical limit at which it has no effect, such as k = 0.
     pub(super) fn is_magnitude(&self) -> bool {
         self.bounds[0] == 0.0 && !self.is_initial()
     }
 
-    /// The period of an angle of the start, rad.
+    /// Whether it is an angle of the start that is defined up to whole turns.
     pub(super) fn is_turning(&self) -> bool {
         matches!(self.target, Target::Key(key) if ["initial.phi", "initial.psi"].contains(&key.path))
+    }
+}
+
+/// The error of a key that can't be a parameter.
+fn unfit(key: &Key, reason: &'static str) -> FitError {
+    FitError::Key {
+        name: key.path.to_owned(),
+        reason,
     }
 }
 
@@ -166,83 +192,81 @@ pub(super) fn value(scenario: &Scenario, path: &str) -> Option<f64> {
     }
 }
 
-/// A parameter that is named by the user, and whether it belongs to the group `initial`: such a parameter is left out if
-/// no signal shows it.
-pub(super) struct Named {
+/// A parameter that the user has selected, by itself or with a group.
+pub(super) struct SelectedParameter {
     pub parameter: Parameter,
+    /// Whether it belongs to the group `initial`: then it is left out if no signal shows it.
     pub is_optional: bool,
 }
 
-/// The parameters of these names, with these bounds.
-pub(super) fn parameters(
+/// The parameters of these names, with these bounds, and the offsets of further files.
+pub(super) fn select(
     names: &[String],
     bounds: &[(String, [f64; 2])],
     scenario: &Scenario,
     files: usize,
-) -> Result<Vec<Named>, FitError> {
-    let mut all: Vec<Named> = Vec::new();
+) -> Result<Vec<SelectedParameter>, FitError> {
+    let mut all: Vec<SelectedParameter> = Vec::new();
     for name in names {
-        let (keys, is_optional): (Vec<&str>, _) = if name == INITIAL {
-            let extra = scenario
-                .model
-                .support
-                .is_free()
-                .then_some(START_OF_FREE_PEG);
-            let keys = START.iter().chain(extra.into_iter().flatten());
-            (keys.copied().collect(), true)
+        if name == INITIAL {
+            for key in keys_of_start(scenario) {
+                add(&mut all, key, true, scenario)?;
+            }
         } else if name == OFFSET && files < 2 {
             return Err(FitError::Key {
                 name: name.clone(),
                 reason: "a time offset of all data together and a free start are the same motion; the offset of a second file is fitted without being named",
             });
-        } else if name.starts_with(OFFSET) {
+        } else if !name.starts_with(OFFSET) {
             // Offsets of further files are always free.
-            continue;
-        } else {
-            (vec![name.as_str()], false)
-        };
-        for key in keys {
-            let parameter = Parameter::from_key(key, scenario)?;
-            let known = all.iter().position(|known| known.parameter.name() == key);
-            match known {
-                Some(at) => all[at].is_optional &= is_optional,
-                None => all.push(Named {
-                    parameter,
-                    is_optional,
-                }),
-            }
+            add(&mut all, name, false, scenario)?;
         }
     }
-    all.extend((1..files).map(|file| Named {
-        parameter: Parameter::from_offset(file),
-        is_optional: false,
-    }));
-    for (name, [low, high]) in bounds {
-        let found = all.iter_mut().find(|named| named.parameter.name() == *name);
-        let Some(Named { parameter, .. }) = found else {
-            return Err(FitError::NotFree { name: name.clone() });
-        };
-        let start = parameter.start;
-        // An offset is scanned: it has no start of its own.
-        let is_offset = matches!(parameter.target, Target::Offset(_));
-        let is_within = is_offset || (*low..=*high).contains(&start);
-        if !is_within || low >= high {
-            return Err(FitError::Bounds {
-                name: name.clone(),
-                low: *low,
-                high: *high,
-                start,
-            });
-        }
-        parameter.bounds = [low.max(parameter.bounds[0]), high.min(parameter.bounds[1])];
-        if is_offset {
-            parameter.start = parameter.clamp(start);
-        }
+    for file in 1..files {
+        all.push(SelectedParameter {
+            parameter: Parameter::from_offset(file),
+            is_optional: false,
+        });
+    }
+    for (name, range) in bounds {
+        let selected = all
+            .iter_mut()
+            .find(|selected| selected.parameter.name() == *name)
+            .ok_or_else(|| FitError::NotFree { name: name.clone() })?;
+        selected.parameter.set_bounds(*range)?;
     }
     Ok(all)
 }
 
-/// Whether an angle of the start that may turn is within a turn; it is reported so.
+/// The keys of the group `initial`.
+fn keys_of_start(scenario: &Scenario) -> Vec<&'static str> {
+    let mut keys = START.to_vec();
+    if scenario.model.support.is_free() {
+        keys.extend(START_OF_FREE_PEG);
+    }
+    keys
+}
+
+/// Adds the parameter of a key. One that was named by itself, too, is not optional.
+fn add(
+    all: &mut Vec<SelectedParameter>,
+    key: &str,
+    is_optional: bool,
+    scenario: &Scenario,
+) -> Result<(), FitError> {
+    let parameter = Parameter::from_key(key, scenario)?;
+    let known = all.iter_mut().find(|known| known.parameter.name() == key);
+    match known {
+        Some(known) => known.is_optional &= is_optional,
+        None => all.push(SelectedParameter {
+            parameter,
+            is_optional,
+        }),
+    }
+    Ok(())
+}
+
+/// The equal angle within half a turn of 0, rad: so estimates of angles that may turn are reported.
 pub(super) fn principal(angle: f64) -> f64 {
     let turn = 2.0 * PI;
     angle - turn * (angle / turn).round()

@@ -2,7 +2,9 @@
 
 use super::error::FitError;
 use super::model::Problem;
-use super::{Request, Signal, identify, parameter};
+use super::request::Request;
+use super::signal::Signal;
+use super::{identify, parameter};
 use crate::telemetry::fields::state;
 
 /// A problem whose data determine its parameters.
@@ -18,9 +20,11 @@ pub(super) struct Prepared {
 pub(super) fn prepare(request: &Request) -> Result<Prepared, FitError> {
     let scenario = &request.scenario;
     let data = &request.data;
-    let names = &request.free;
-    let named = parameter::parameters(names, &request.bounds, scenario, data.files)?;
-    let parameters = named.iter().map(|named| named.parameter.clone()).collect();
+    let selected = parameter::select(&request.free, &request.bounds, scenario, data.files)?;
+    let parameters = selected
+        .iter()
+        .map(|selected| selected.parameter.clone())
+        .collect();
     let origin = request.origin.unwrap_or_else(|| data.origin());
     let mut signals = data.signals.clone();
     // An angle may be measured from another whole turn than the scenario's start.
@@ -38,10 +42,10 @@ pub(super) fn prepare(request: &Request) -> Result<Prepared, FitError> {
     let mut problem = Problem::new(scenario, parameters, signals, request.loss, origin)?;
     problem.keep_until(request.until);
     check_range(&problem, origin, request.until)?;
-    if named.is_empty() {
+    if selected.is_empty() {
         return Err(FitError::NothingFree);
     }
-    let identified = identify::identify(&problem, &named)?;
+    let identified = identify::identify(&problem, &selected)?;
     problem.parameters = identified.parameters;
     if problem.points.len() <= problem.parameters.len() {
         return Err(FitError::TooFew {

@@ -3,8 +3,9 @@
 use super::error::FitError;
 use super::estimate::ONE_SIDED;
 use super::model::{Point, Problem};
+use super::monitor::Monitor;
 use super::report::{Limit, Profile};
-use super::solve::{Solution, Watch, minimise};
+use super::solve::{Solution, minimise};
 
 /// Distance of the values, in standard deviations.
 const STEP: f64 = 0.5;
@@ -31,7 +32,7 @@ pub(super) fn profile(
     points: &[Point],
     solution: &Solution,
     name: &str,
-    watch: &Watch<'_>,
+    monitor: &Monitor<'_>,
 ) -> Result<Profile, FitError> {
     let mut parameters = problem.parameters.iter();
     let Some(at) = parameters.position(|parameter| parameter.name() == name) else {
@@ -68,7 +69,7 @@ pub(super) fn profile(
             if problem.predict(&values, points).is_err() {
                 break;
             }
-            let found = minimise(problem, points, &values, None, &fixed, watch)?;
+            let found = minimise(problem, points, &values, None, &fixed, monitor)?;
             values = found.values;
             reached.push(((value - best).abs(), found.chi2 - solution.chi2));
             if found.chi2 - solution.chi2 > HIGHEST {
@@ -85,7 +86,7 @@ pub(super) fn profile(
                 if problem.predict(&values, points).is_err() {
                     break;
                 }
-                let found = minimise(problem, points, &values, None, &fixed, watch)?;
+                let found = minimise(problem, points, &values, None, &fixed, monitor)?;
                 reached.insert(place, (distance, found.chi2 - solution.chi2));
             }
         }
@@ -117,7 +118,7 @@ pub(super) fn limit(
     points: &[Point],
     solution: &Solution,
     at: usize,
-    watch: &Watch<'_>,
+    monitor: &Monitor<'_>,
 ) -> Result<Limit, FitError> {
     /// The distance from the bound is found to this factor, or given up after so many trials.
     const PRECISION: f64 = 1.02;
@@ -139,7 +140,9 @@ pub(super) fn limit(
         };
         // A motion that ends before the data contradicts them.
         let growth = match problem.predict(&values, points) {
-            Ok(_) => minimise(problem, points, &values, None, &fixed, watch)?.chi2 - solution.chi2,
+            Ok(_) => {
+                minimise(problem, points, &values, None, &fixed, monitor)?.chi2 - solution.chi2
+            }
             Err(_) => f64::INFINITY,
         };
         if growth < ONE_SIDED * ONE_SIDED {

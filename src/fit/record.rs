@@ -1,7 +1,8 @@
 //! The recording of a fit: the run of the best fit, the data and residuals beside it, problem and report attached.
 
+use super::Fit;
 use super::model::Loss;
-use super::{Fit, Request};
+use super::request::Request;
 use crate::archive::format::end_entries;
 use crate::archive::writer::{Form, McapWriter};
 use crate::run::time::nanoseconds;

@@ -115,7 +115,7 @@ pub enum Oddity {
     },
     /// One value makes most of it.
     OneValue {
-        /// Its time, s after the start.
+        /// Time of the value, s after the start.
         time: f64,
         /// The value, SI units.
         value: f64,
@@ -125,7 +125,7 @@ pub enum Oddity {
 /// A parameter and its uncertainty.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Estimate {
-    /// Its name.
+    /// Name of the parameter.
     pub name: String,
     /// Unit; may be empty.
     pub unit: String,
@@ -236,9 +236,9 @@ pub struct LawFit {
     pub law: String,
     /// The verdict on this law alone: fitted, bad fit or not converged.
     pub verdict: Verdict,
-    /// Goodness of its fit.
+    /// Goodness of the fit.
     pub quality: Quality,
-    /// Lowest p-value of the tests of its residuals for correlations and a mean of zero; absent if there is none.
+    /// Lowest p-value of the tests of the residuals for correlations and a mean of zero; absent if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub residual_p_value: Option<f64>,
     /// AIC above the lowest.
@@ -250,7 +250,7 @@ pub struct LawFit {
     /// Root mean square of the residuals in the held-out part, in σ; absent if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub held_out_rms: Option<f64>,
-    /// Its parameters.
+    /// The parameters of the law, and the others.
     pub parameters: Vec<Estimate>,
     /// Why there is no fit; other members are then meaningless.
     #[serde(skip_serializing_if = "Option::is_none")]

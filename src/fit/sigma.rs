@@ -1,9 +1,10 @@
 //! Standard deviations that are estimated from the residuals.
 
-use super::Split;
 use super::error::FitError;
+use super::fitted::Split;
 use super::model::Problem;
-use super::solve::{Solution, Watch, minimise};
+use super::monitor::Monitor;
+use super::solve::{Solution, minimise};
 
 /// Maximum number of times that standard deviations are estimated.
 const MAX_ROUNDS: usize = 6;
@@ -17,7 +18,7 @@ pub(super) fn settle(
     problem: &mut Problem,
     split: &mut Split,
     mut solution: Solution,
-    watch: &Watch<'_>,
+    monitor: &Monitor<'_>,
 ) -> Result<Solution, FitError> {
     let fixed = vec![false; solution.values.len()];
     for _ in 0..MAX_ROUNDS {
@@ -30,7 +31,7 @@ pub(super) fn settle(
             &solution.values,
             None,
             &fixed,
-            watch,
+            monitor,
         )?;
     }
     Ok(solution)

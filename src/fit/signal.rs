@@ -12,13 +12,13 @@ use std::f64::consts::{PI, TAU};
 /// A measured quantity: values of a field at times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Signal {
-    /// The field of the simulation that it measures.
+    /// The measured field of the simulation.
     pub field: NumberField,
-    /// Name of its column or topic.
+    /// Name of the column or topic.
     pub name: String,
-    /// Index of its file. Each file has a clock.
+    /// Index of the file. Each file has a clock.
     pub file: usize,
-    /// Times on the clock of its file, s, ascending.
+    /// Times on the clock of the file, s, ascending.
     pub times: Vec<f64>,
     /// Values in SI units.
     pub values: Vec<f64>,
@@ -67,11 +67,9 @@ impl SignalSpec {
 
     fn parse_parts(text: &str) -> Result<Self, SignalError> {
         let (rest, sigma) = split_sigma(text)?;
-        let (field, source) = match rest.split_once('=') {
-            Some((field, source)) => (field.trim(), source.trim()),
-            None => (rest.trim(), rest.trim()),
-        };
-        let source = source.trim_matches('"');
+        // A name alone is both that of the field and that of the column.
+        let (field, column) = rest.split_once('=').unwrap_or((rest, rest));
+        let (field, source) = (field.trim(), column.trim().trim_matches('"'));
         if field.is_empty() || source.is_empty() {
             return Err(SignalError::Empty);
         }
@@ -209,8 +207,10 @@ impl Signal {
         mut rows: Vec<Row>,
         missing: u64,
     ) -> Result<Self, DataError> {
-        let pairs = rows.windows(2);
-        let out_of_order = pairs.filter(|pair| pair[1].time < pair[0].time).count() as u64;
+        let out_of_order = rows
+            .windows(2)
+            .filter(|pair| pair[1].time < pair[0].time)
+            .count() as u64;
         // Stable: rows of the same time keep their order.
         rows.sort_by(|a, b| a.time.total_cmp(&b.time));
         let mut values: Vec<f64> = rows.iter().map(|row| row.value).collect();
@@ -225,13 +225,16 @@ impl Signal {
             SigmaSpec::Estimate | SigmaSpec::Column(_) => None,
         };
         let is_sigma_estimated = spec.sigma == SigmaSpec::Estimate;
+        // An estimated deviation starts at the noise of the values, so that windows have a sensible χ².
         let fallback = given.unwrap_or_else(|| noise(&values));
-        let sigmas = rows.iter().map(|row| row.sigma.unwrap_or(fallback));
         Ok(Self {
             field: spec.field,
             name: spec.source.clone(),
             file,
-            sigmas: sigmas.collect(),
+            sigmas: rows
+                .iter()
+                .map(|row| row.sigma.unwrap_or(fallback))
+                .collect(),
             times: rows.iter().map(|row| row.time).collect(),
             values,
             is_sigma_estimated,
@@ -259,8 +262,12 @@ impl Signal {
 
     /// Median time between values, s; `None` for fewer than two.
     pub(super) fn period(&self) -> Option<f64> {
-        let pairs = self.times.windows(2);
-        let mut steps: Vec<f64> = pairs.map(|pair| pair[1] - pair[0]).collect();
+        let mut steps: Vec<f64> = self
+            .times
+            .windows(2)
+            .map(|pair| pair[1] - pair[0])
+            .collect();
+        // The median is that of the usual step, also with gaps.
         steps.sort_by(f64::total_cmp);
         steps
             .get(steps.len() / 2)
@@ -304,10 +311,10 @@ fn unwrap(values: &mut [f64]) {
 fn noise(values: &[f64]) -> f64 {
     /// Standard deviation of (1, −3, 3, −1) · noise is √20 σ; the median of |x| is 0.6745 σ.
     const MEDIAN_PER_SIGMA: f64 = 0.6745 * 4.47213595499958;
-    let thirds = values
+    let thirds: Vec<f64> = values
         .windows(4)
-        .map(|v| v[3] - 3.0 * v[2] + 3.0 * v[1] - v[0]);
-    let thirds: Vec<f64> = thirds.collect();
+        .map(|v| v[3] - 3.0 * v[2] + 3.0 * v[1] - v[0])
+        .collect();
     let estimate = super::statistics::median_size(&thirds) / MEDIAN_PER_SIGMA;
     let largest = values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
     // Rounded values may not differ at all.

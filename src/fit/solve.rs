@@ -2,11 +2,11 @@
 
 use super::error::FitError;
 use super::model::{Effort, Loss, Point, Problem, Refusal};
+use super::monitor::Monitor;
 use super::objective::Objective;
 use super::parameter::Target;
-use super::statistics::ScaledGram;
-use nalgebra::DMatrix;
-use std::cell::Cell;
+use super::statistics::{NULL_EIGENVALUE, ScaledGram};
+use nalgebra::{DMatrix, DVector};
 
 /// Maximum number of changes of the set of parameters at bounds.
 const MAX_ROUNDS: usize = 8;
@@ -14,9 +14,6 @@ const MAX_ROUNDS: usize = 8;
 /// A minimum has been found if a further step would change χ² by less than this, in units of χ²/ν or of 1: parameters
 /// are then right to a tenth of their standard deviation, or better.
 const CONVERGED: f64 = 1e-2;
-
-/// Along a direction whose eigenvalue in the scaled JᵀJ is below this, the gradient is noise of the derivatives.
-const NULL: f64 = 1e-11;
 
 /// The first window, s; each further one is twice as long.
 const FIRST_WINDOW: f64 = 0.1;
@@ -29,53 +26,6 @@ const DRAFT_PRECISION: f64 = 1e-6;
 
 /// Number of points that all windows but the last are thinned to.
 const WINDOW_POINTS: usize = 20_000;
-
-/// Progress of a fit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Progress {
-    /// End of the window, s.
-    pub window: f64,
-    /// χ² in it, with priors.
-    pub chi2: f64,
-    /// Number of simulations so far.
-    pub evaluations: u64,
-}
-
-/// Counts simulations and reports progress.
-pub(super) struct Watch<'a> {
-    report: &'a dyn Fn(Progress),
-    evaluations: Cell<u64>,
-    window: Cell<f64>,
-}
-
-impl<'a> Watch<'a> {
-    pub(super) fn new(report: &'a dyn Fn(Progress)) -> Self {
-        Self {
-            report,
-            evaluations: Cell::new(0),
-            window: Cell::new(0.0),
-        }
-    }
-
-    pub(super) fn evaluations(&self) -> u64 {
-        self.evaluations.get()
-    }
-
-    /// Adds simulations that were counted elsewhere.
-    pub(super) fn add(&self, evaluations: u64) {
-        self.evaluations.set(self.evaluations.get() + evaluations);
-    }
-
-    pub(super) fn count(&self, simulations: usize, chi2: f64) {
-        self.evaluations
-            .set(self.evaluations.get() + simulations as u64);
-        (self.report)(Progress {
-            window: self.window.get(),
-            chi2,
-            evaluations: self.evaluations.get(),
-        });
-    }
-}
 
 /// A minimum.
 #[derive(Clone, Debug)]
@@ -100,19 +50,19 @@ pub(super) struct Solution {
 
 /// Goes from `start`, whose motion must be complete, towards the minimum with weak priors around `centre`: as far as
 /// the next, longer window needs.
-fn approach(
+fn approach_minimum(
     problem: &Problem,
     points: &[Point],
     start: &[f64],
     centre: &[f64],
-    watch: &Watch<'_>,
+    monitor: &Monitor<'_>,
 ) -> Result<Vec<f64>, FitError> {
     // A model without free parameters is evaluated, not fitted.
     if start.is_empty() {
         return Ok(Vec::new());
     }
     let held = vec![false; start.len()];
-    let mut objective = Objective::new(problem, points, Some(centre), held, watch);
+    let mut objective = Objective::new(problem, points, Some(centre), held, monitor);
     objective.run_drafts(start, WINDOW_PRECISION)
 }
 
@@ -123,24 +73,25 @@ pub(super) fn minimise(
     start: &[f64],
     priors: Option<&[f64]>,
     fixed: &[bool],
-    watch: &Watch<'_>,
+    monitor: &Monitor<'_>,
 ) -> Result<Solution, FitError> {
     let mut values = start.to_vec();
     let mut held = vec![false; values.len()];
     // The optimiser shortens a step that would leave the bounds, and may stall there. So parameters that a bound holds
     // are taken out, and returned when the gradient leads inwards.
     for _ in 0..MAX_ROUNDS {
-        let out: Vec<bool> = fixed.iter().zip(&held).map(|(a, b)| *a || *b).collect();
-        if out.iter().any(|out| !out) {
-            values = descend(problem, points, &values, priors, out, watch)?;
+        let excluded: Vec<bool> = fixed.iter().zip(&held).map(|(a, b)| *a || *b).collect();
+        if !excluded.iter().all(|is_excluded| *is_excluded) {
+            values = descend(problem, points, &values, priors, excluded, monitor)?;
         }
-        let solution = evaluate(problem, points, values.clone(), priors, fixed, watch)?;
+        let solution = evaluate(problem, points, values.clone(), priors, fixed, monitor)?;
         if solution.held == held {
             return Ok(solution);
         }
         held = solution.held;
     }
-    evaluate(problem, points, values, priors, fixed, watch)
+    // A parameter alternates between a bound and the inside: its last state is as good as the one before.
+    evaluate(problem, points, values, priors, fixed, monitor)
 }
 
 /// Descends to a minimum with drafts of motions, then with exact ones.
@@ -149,10 +100,10 @@ fn descend(
     points: &[Point],
     start: &[f64],
     priors: Option<&[f64]>,
-    out: Vec<bool>,
-    watch: &Watch<'_>,
+    excluded: Vec<bool>,
+    monitor: &Monitor<'_>,
 ) -> Result<Vec<f64>, FitError> {
-    let mut objective = Objective::new(problem, points, priors, out, watch);
+    let mut objective = Objective::new(problem, points, priors, excluded, monitor);
     let precision = problem.precision;
     let mut values = objective.run_drafts(start, precision.max(DRAFT_PRECISION))?;
     // The exact motion may end before the data where its draft just reaches them.
@@ -169,13 +120,11 @@ pub(super) fn evaluate(
     values: Vec<f64>,
     priors: Option<&[f64]>,
     fixed: &[bool],
-    watch: &Watch<'_>,
+    monitor: &Monitor<'_>,
 ) -> Result<Solution, FitError> {
-    let residuals = problem
-        .residuals(Effort::Final, &values, points)
-        .map_err(error_from)?;
+    let residuals = problem.residuals(Effort::Final, &values, points)?;
     let jacobian = problem.jacobian(Effort::Final, &values, points, fixed);
-    watch.count(1 + 2 * jacobian.len(), f64::NAN);
+    monitor.count(1 + 2 * jacobian.len(), f64::NAN);
     let size = values.len();
     let loss = problem.loss;
     let mut chi2 = 0.0;
@@ -227,8 +176,9 @@ pub(super) fn evaluate(
         Loss::Squares => inverse,
         Loss::Huber => &inverse * spread * &inverse,
     };
-    let slope = nalgebra::DVector::from_column_slice(&gradient);
-    let remaining = slope.dot(&(scaled.pseudo_inverse(NULL) * &slope));
+    // The change of χ² in a Newton step. Along directions without information, the gradient is noise of the derivatives.
+    let slope = DVector::from_column_slice(&gradient);
+    let remaining = slope.dot(&(scaled.pseudo_inverse(NULL_EIGENVALUE) * &slope));
     let freedom = points.len().saturating_sub(size).max(1) as f64;
     let is_converged = remaining <= CONVERGED * (chi2 / freedom).max(1.0);
     Ok(Solution {
@@ -251,13 +201,13 @@ pub(super) fn refused_step(
 ) -> Option<Refusal> {
     /// Lengths of the step.
     const PARTS: [f64; 4] = [1.0, 0.1, 0.01, 0.001];
-    let slope = nalgebra::DVector::from_column_slice(&solution.gradient);
+    let slope = DVector::from_column_slice(&solution.gradient);
     let mut free = solution.gram.clone();
     for j in (0..solution.held.len()).filter(|j| solution.held[*j]) {
         free.row_mut(j).fill(0.0);
         free.column_mut(j).fill(0.0);
     }
-    let step = ScaledGram::new(&free).pseudo_inverse(NULL) * slope;
+    let step = ScaledGram::new(&free).pseudo_inverse(NULL_EIGENVALUE) * slope;
     let mut refusal = None;
     for part in PARTS {
         let mut values = solution.values.clone();
@@ -270,36 +220,21 @@ pub(super) fn refused_step(
     refusal
 }
 
-/// The error of a motion that is not complete.
-pub(super) fn error_from(refusal: Refusal) -> FitError {
-    match refusal {
-        Refusal::Invalid(error) => FitError::Scenario(error),
-        Refusal::Failed(error) => FitError::Simulation(error),
-        Refusal::Ends {
-            time,
-            reason,
-            needed,
-        } => FitError::ModelEnds {
-            end: time,
-            reason: reason.sentence().to_owned(),
-            needed,
-        },
-    }
-}
-
 /// Lets the window grow from the first tenth of a second to all `points`. Weak priors hold what a short window doesn't
 /// show; the last window has none unless `keeps_priors`.
-pub(super) fn grow(
+pub(super) fn grow_window(
     problem: &Problem,
     points: &[Point],
     start: &[f64],
     keeps_priors: bool,
-    watch: &Watch<'_>,
+    monitor: &Monitor<'_>,
 ) -> Result<Solution, FitError> {
     let mut values = start.to_vec();
     let fixed = vec![false; values.len()];
-    let times = points.iter().map(|p| problem.model_time(start, p));
-    let end = times.fold(0.0, f64::max);
+    let end = points
+        .iter()
+        .map(|point| problem.model_time(start, point))
+        .fold(0.0, f64::max);
     let mut window = FIRST_WINDOW;
     // A short window has one minimum; each solution is close enough to that of a window twice as long.
     while window < end {
@@ -309,19 +244,20 @@ pub(super) fn grow(
                 within.push(*point);
             }
         }
+        // Short windows only guide the way: a part of dense data does that as well.
         let stride = within.len().div_ceil(WINDOW_POINTS).max(1);
         let thinned: Vec<Point> = within.into_iter().step_by(stride).collect();
         if !thinned.is_empty() {
-            watch.window.set(window);
+            monitor.set_window(window);
             values = complete(problem, &thinned, values)?;
-            values = approach(problem, &thinned, &values, start, watch)?;
+            values = approach_minimum(problem, &thinned, &values, start, monitor)?;
         }
         window *= 2.0;
     }
-    watch.window.set(end);
+    monitor.set_window(end);
     values = complete(problem, points, values)?;
     let priors = keeps_priors.then_some(start);
-    minimise(problem, points, &values, priors, &fixed, watch)
+    minimise(problem, points, &values, priors, &fixed, monitor)
 }
 
 /// Values whose motion is complete: the friction is halved while the model rises before the data end.
@@ -337,23 +273,23 @@ pub(super) fn complete(
         let Err(refusal) = problem.predict(&values, points) else {
             return Ok(values);
         };
-        let frictions = problem.parameters.iter().map(|p| match p.target {
-            Target::Key(key) => ["friction.k", "friction.static_k"].contains(&key.path),
-            Target::Offset(_) => false,
-        });
         let mut can_halve = false;
-        for (at, is_friction) in frictions.enumerate() {
-            if is_friction && values[at] > problem.parameters[at].bounds[0] {
-                values[at] = problem.parameters[at].clamp(0.5 * values[at]);
+        for (parameter, value) in problem.parameters.iter().zip(&mut values) {
+            let is_friction = match parameter.target {
+                Target::Key(key) => ["friction.k", "friction.static_k"].contains(&key.path),
+                Target::Offset(_) => false,
+            };
+            if is_friction && *value > parameter.bounds[0] {
+                *value = parameter.clamp(0.5 * *value);
                 can_halve = true;
             }
         }
         if !can_halve {
-            return Err(error_from(refusal));
+            return Err(refusal.into());
         }
     }
     problem
         .predict(&values, points)
-        .map_err(error_from)
+        .map_err(FitError::from)
         .map(|_| values)
 }

@@ -12,6 +12,10 @@ pub(super) fn chi2_p_value(chi2: f64, freedom: f64) -> f64 {
     (1.0 - (0.5 * chi2).inc_gamma(0.5 * freedom)).clamp(0.0, 1.0)
 }
 
+/// An eigenvalue of a [`ScaledGram`] below this is zero within the error of the derivatives: they are right to 1e-5 or
+/// better, and the square root of this is 3e-6.
+pub(super) const NULL_EIGENVALUE: f64 = 1e-11;
+
 /// Maximum lag of the test for whiteness.
 const MAX_LAG: usize = 10;
 
@@ -19,11 +23,13 @@ const MAX_LAG: usize = 10;
 /// there are too few.
 pub(super) fn whiteness(residuals: &[f64]) -> Option<f64> {
     let count = residuals.len();
+    // A correlation at a lag needs several independent pairs.
     let lags = MAX_LAG.min(count / 5);
     if lags == 0 {
         return None;
     }
     let mean = residuals.iter().sum::<f64>() / count as f64;
+    // n times the variance, as the covariances below: the factor cancels.
     let variance: f64 = residuals.iter().map(|r| (r - mean) * (r - mean)).sum();
     if variance == 0.0 {
         return None;
@@ -76,6 +82,7 @@ pub(super) struct ScaledGram {
 
 impl ScaledGram {
     pub(super) fn new(gram: &DMatrix<f64>) -> Self {
+        // Rounding may make a variance slightly negative.
         let norms: Vec<f64> = gram.diagonal().iter().map(|d| d.max(0.0).sqrt()).collect();
         let scaled = DMatrix::from_fn(gram.nrows(), gram.ncols(), |i, j| {
             let norm = norms[i] * norms[j];

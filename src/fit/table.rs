@@ -1,8 +1,8 @@
 //! Tables of measured values: their columns as signals.
 
+use super::cell;
 use super::error::DataError;
 use super::signal::{Row, SigmaSpec, Signal, SignalSpec};
-use super::text_table;
 use super::unit::{Dimension, split_header};
 use std::path::Path;
 
@@ -73,8 +73,12 @@ impl Table<'_> {
         let named: Vec<SignalSpec> = if specs.is_empty() {
             self.named_signals()
         } else {
-            let exists = |spec: &&SignalSpec| self.position(&spec.source).is_some();
-            specs.iter().filter(exists).cloned().collect()
+            // A signal is in one of several files: which one, its name says.
+            specs
+                .iter()
+                .filter(|spec| self.position(&spec.source).is_some())
+                .cloned()
+                .collect()
         };
         match (named.is_empty(), specs.first()) {
             (false, _) => {}
@@ -87,16 +91,22 @@ impl Table<'_> {
             }
         }
         self.check_duplicates(&named, specs.is_empty())?;
-        let signals = named.iter().map(|spec| self.signal(spec, clock, file));
-        signals.collect()
+        named
+            .iter()
+            .map(|spec| self.signal(spec, clock, file))
+            .collect()
     }
 
+    /// The column with a name: with its unit, or else without.
     fn position(&self, name: &str) -> Option<usize> {
-        let exact = self.columns.iter().position(|column| column == name);
-        exact.or_else(|| {
-            let mut columns = self.columns.iter();
-            columns.position(|column| split_header(column).0 == name)
-        })
+        self.columns
+            .iter()
+            .position(|column| column == name)
+            .or_else(|| {
+                self.columns
+                    .iter()
+                    .position(|column| split_header(column).0 == name)
+            })
     }
 
     /// Refuses columns that would count twice, and names that stand for several columns.
@@ -152,19 +162,18 @@ impl Table<'_> {
         if let Some(name) = name {
             return self.position(name).ok_or_else(|| self.missing(name));
         }
-        let mut columns = self.columns.iter();
-        let found = columns.position(|column| {
-            let (name, _) = split_header(column);
-            is_time(name)
-        });
-        found.ok_or_else(|| self.missing("of times (name it with --time)"))
+        self.columns
+            .iter()
+            .position(|column| is_time(split_header(column).0))
+            .ok_or_else(|| self.missing("of times (name it with --time)"))
     }
 
     /// The columns that are named like fields.
     fn named_signals(&self) -> Vec<SignalSpec> {
-        let columns = self.columns.iter();
-        let spec = |column: &String| SignalSpec::from_column(column, split_header(column).0);
-        columns.filter_map(spec).collect()
+        self.columns
+            .iter()
+            .filter_map(|column| SignalSpec::from_column(column, split_header(column).0))
+            .collect()
     }
 
     fn signal(&self, spec: &SignalSpec, clock: usize, file: usize) -> Result<Signal, DataError> {
@@ -222,8 +231,8 @@ impl Table<'_> {
                 has_decimal_comma,
             } => {
                 let text = lines[row].record.get(column.at).unwrap_or_default();
-                match text_table::number(text, *has_decimal_comma) {
-                    None if !text_table::is_missing(text) => {
+                match cell::parse_number(text, *has_decimal_comma) {
+                    None if !cell::is_missing(text) => {
                         return Err(DataError::NotANumber {
                             path: self.path.to_owned(),
                             line: self.rows.line(row),

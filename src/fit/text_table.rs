@@ -1,5 +1,6 @@
 //! Text tables: CSV as video trackers, phones, loggers and spreadsheets write it.
 
+use super::cell::{is_missing, parse_number};
 use super::error::DataError;
 use super::signal::{Signal, SignalSpec};
 use super::table::{Line, MAX_ROWS, Rows, Table};
@@ -10,9 +11,6 @@ use std::path::Path;
 
 /// Maximum size of a text file (held in memory), bytes.
 const MAX_BYTES: u64 = 256 << 20;
-
-/// Texts that stand for a missing value, in lower case.
-const MISSING: &[&str] = &["", "nan", "na", "n/a", "#n/a", "null", "none", "-", "--"];
 
 /// Reads the signals of a text file.
 pub(super) fn read(
@@ -38,18 +36,20 @@ pub(super) fn read(
 /// Parses a table: lines before the first row of numbers are its header.
 fn parse<'a>(path: &'a Path, text: &str) -> Result<Table<'a>, DataError> {
     let delimiter = delimiter(text);
+    // Where commas separate columns, they can't also be in numbers.
     let has_decimal_comma = delimiter != b',' && has_decimal_comma(text);
     let mut reader = csv::ReaderBuilder::new()
         .delimiter(delimiter)
         .has_headers(false)
+        // Titles and comments have other numbers of cells than the rows.
         .flexible(true)
         .trim(csv::Trim::All)
         .from_reader(text.as_bytes());
     let mut lines: Vec<Line> = Vec::new();
     // The last two lines of text before the first row of numbers.
     let mut titles = [StringRecord::new(), StringRecord::new()];
-    for record in reader.records() {
-        let record = record.map_err(|error| DataError::Io {
+    for read in reader.records() {
+        let record = read.map_err(|error| DataError::Io {
             path: path.to_owned(),
             reason: error.into(),
         })?;
@@ -88,28 +88,13 @@ fn parse<'a>(path: &'a Path, text: &str) -> Result<Table<'a>, DataError> {
 fn is_numeric(record: &StringRecord, has_decimal_comma: bool) -> bool {
     let mut has_number = false;
     for cell in record {
-        match number(cell, has_decimal_comma) {
+        match parse_number(cell, has_decimal_comma) {
             Some(_) => has_number = true,
             None if is_missing(cell) => {}
             None => return false,
         }
     }
     has_number
-}
-
-/// The number in a cell.
-pub(super) fn number(cell: &str, has_decimal_comma: bool) -> Option<f64> {
-    let number = if has_decimal_comma {
-        cell.replace(',', ".").parse::<f64>()
-    } else {
-        cell.parse()
-    };
-    number.ok().filter(|number| number.is_finite())
-}
-
-/// Whether a cell stands for a missing value.
-pub(super) fn is_missing(cell: &str) -> bool {
-    MISSING.contains(&&*cell.to_lowercase())
 }
 
 /// The names of the columns from the lines before the numbers: header, or header and units.
@@ -135,6 +120,7 @@ fn headers(titles: &[StringRecord; 2], width: usize) -> Vec<String> {
 }
 
 fn is_comment(record: &StringRecord) -> bool {
+    // `#N/A` is a missing value.
     let first = record.get(0).unwrap_or_default();
     first.starts_with(['#', '%']) && !is_missing(first) || record.iter().all(str::is_empty)
 }
@@ -153,18 +139,18 @@ fn delimiter(text: &str) -> u8 {
 
 /// Whether numbers are written with a comma.
 fn has_decimal_comma(text: &str) -> bool {
-    let is_digit = |c: Option<&u8>| c.is_some_and(u8::is_ascii_digit);
     beginning(text).any(|line| {
-        let bytes = line.as_bytes();
-        let mut commas = line.match_indices(',').map(|(at, _)| at);
-        commas.any(|at| at > 0 && is_digit(bytes.get(at - 1)) && is_digit(bytes.get(at + 1)))
+        line.as_bytes()
+            .windows(3)
+            .any(|bytes| bytes[1] == b',' && bytes[0].is_ascii_digit() && bytes[2].is_ascii_digit())
     })
 }
 
 /// The first lines that are not comments.
 fn beginning(text: &str) -> impl Iterator<Item = &str> + Clone {
-    let lines = text.lines().filter(|line| !line.starts_with(['#', '%']));
-    lines.take(20)
+    text.lines()
+        .filter(|line| !line.starts_with(['#', '%']))
+        .take(20)
 }
 
 #[cfg(test)]

@@ -93,8 +93,8 @@ impl Dimension {
 
 /// The unit with this name.
 fn find(name: &str) -> Option<&'static Unit> {
-    let name = name.trim().to_lowercase();
-    UNITS.iter().find(|(names, ..)| names.contains(&&*name))
+    let lower = name.trim().to_lowercase();
+    UNITS.iter().find(|(names, ..)| names.contains(&&*lower))
 }
 
 /// Whether a text is the name of a unit.
@@ -103,8 +103,8 @@ pub(super) fn is_unit(text: &str) -> bool {
 }
 
 /// Splits a header such as `θ (deg)`, `Time [ms]`, `t / s` or `theta_deg` into name and unit; the unit may be empty.
-pub(super) fn split_header(header: &str) -> (&str, &str) {
-    let header = header.trim();
+pub(super) fn split_header(text: &str) -> (&str, &str) {
+    let header = text.trim();
     for (open, close) in [('(', ')'), ('[', ']')] {
         if let Some(inner) = header.strip_suffix(close)
             && let Some((name, unit)) = inner.rsplit_once(open)
@@ -113,6 +113,7 @@ pub(super) fn split_header(header: &str) -> (&str, &str) {
         }
     }
     // `rad/s` itself has a slash, names have underscores: `gyro_z_rad/s`.
+    // Earlier ones are the surer signs of a unit.
     let splits = [
         header.split_once(" / "),
         header.split_once(" in "),
@@ -128,13 +129,11 @@ pub(super) fn split_header(header: &str) -> (&str, &str) {
 }
 
 /// Splits a number with a unit, such as `2mrad` or `1e-3`.
-pub(super) fn split_number(text: &str) -> Option<(f64, &str)> {
-    let text = text.trim();
+pub(super) fn split_number(argument: &str) -> Option<(f64, &str)> {
+    let text = argument.trim();
     // The longest beginning that is a number: `1e-3` is one, and `2mrad` has one.
-    let within = text.char_indices().map(|(at, _)| at).skip(1);
-    let ends = within.chain([text.len()]);
     let mut longest = None;
-    for end in ends {
+    for end in (1..=text.len()).filter(|end| text.is_char_boundary(*end)) {
         if let Ok(number) = text[..end].parse::<f64>() {
             longest = Some((number, text[end..].trim()));
         }

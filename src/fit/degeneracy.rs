@@ -1,0 +1,119 @@
+//! Parameters that data can't tell apart.
+
+use std::fmt::{self, Display, Formatter};
+
+/// Parameters that the data can't tell apart.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Degeneracy {
+    /// No signal depends on these parameters.
+    Unseen {
+        /// Names of the parameters.
+        names: Vec<String>,
+    },
+    /// Only a combination of two positive parameters is determined.
+    Combined {
+        /// Names of the parameters.
+        names: [String; 2],
+        /// Symbols of the parameters in formulas.
+        symbols: [String; 2],
+        /// The combination that is determined.
+        combination: Combination,
+    },
+    /// These parameters can change together in one way.
+    Together {
+        /// Names of the parameters.
+        names: Vec<String>,
+    },
+    /// These parameters can change together in several ways.
+    Several {
+        /// Names of the parameters.
+        names: Vec<String>,
+        /// Number of independent ways.
+        directions: usize,
+    },
+}
+
+/// A combination of two parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Combination {
+    /// The product of both.
+    Product,
+    /// The quotient of both.
+    Quotient,
+    /// Another one.
+    Other,
+}
+
+/// A clause that says what is not determined, and what to do.
+impl Display for Degeneracy {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unseen { names } => {
+                let pronoun = pronoun(names.len());
+                let names = names.join(" or ");
+                write!(
+                    f,
+                    "no signal depends on {names}: fix {pronoun} (leave {names} out of --free)"
+                )
+            }
+            Self::Combined {
+                names,
+                symbols: [first, second],
+                combination,
+            } => {
+                match combination {
+                    Combination::Product => write!(
+                        f,
+                        "only {first}·{second} is determined ({first} × 2 and {second} ÷ 2 is the same motion)"
+                    ),
+                    Combination::Quotient => write!(
+                        f,
+                        "only {first}/{second} is determined ({first} × 2 and {second} × 2 is the same motion)"
+                    ),
+                    Combination::Other => write!(
+                        f,
+                        "only a combination of {first} and {second} is determined ({first} and {second} can change together)"
+                    ),
+                }?;
+                write!(f, ": fix {}", names.join(" or "))
+            }
+            Self::Together { names } => write!(
+                f,
+                "{} can change together without any effect: fix one of them",
+                join_names(names)
+            ),
+            Self::Several { names, directions } => {
+                let known = names.len() - directions;
+                write!(
+                    f,
+                    "of {} only {known} {} determined: fix {directions} of them",
+                    join_names(names),
+                    if known == 1 {
+                        "combination is"
+                    } else {
+                        "combinations are"
+                    },
+                )
+            }
+        }
+    }
+}
+
+/// Joins the clauses of an error.
+pub(super) fn join_clauses(degeneracies: &[Degeneracy]) -> String {
+    let clauses: Vec<String> = degeneracies.iter().map(Degeneracy::to_string).collect();
+    clauses.join("; ")
+}
+
+/// Names as a list with "and".
+pub(super) fn join_names(names: &[String]) -> String {
+    match names {
+        [rest @ .., last] if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        _ => names.concat(),
+    }
+}
+
+/// The pronoun that stands for a number of parameters.
+pub(super) fn pronoun(count: usize) -> &'static str {
+    if count == 1 { "it" } else { "them" }
+}

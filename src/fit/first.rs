@@ -1,0 +1,129 @@
+//! The first fit of a request: of the scenario's law, or of another if that has no complete motion.
+
+use super::error::FitError;
+use super::fitted::{Fitted, Split};
+use super::law::Refused;
+use super::model::{Point, Problem};
+use super::monitor::Monitor;
+use super::prepare::{Prepared, prepare};
+use super::request::Request;
+use super::solve::{Solution, grow_window, refused_step};
+use super::{law, modes, offset, sigma};
+
+/// The first law that can be fitted.
+pub(super) struct First {
+    pub fitted: Fitted,
+    pub notes: Vec<String>,
+    /// Time in the data at which the scenario starts, s.
+    pub origin: f64,
+    /// The laws that were tried before it.
+    pub refused: Vec<Refused>,
+}
+
+/// Fits the scenario's law. If its motion ends before the data and other laws are to be compared, the first of these
+/// that can be fitted takes its place.
+pub(super) fn first(request: &Request, monitor: &Monitor<'_>) -> Result<First, FitError> {
+    let laws = law::find_laws(&request.compare)?;
+    let failure = match fit_law(request, monitor) {
+        Err(error @ FitError::ModelEnds { .. }) => error,
+        other => return other,
+    };
+    let own = request.scenario.word("friction.law");
+    let mut refused = Vec::new();
+    if let Some(law) = law::find(own) {
+        refused.push(Refused {
+            law: law.name,
+            reason: failure.to_string(),
+        });
+    }
+    for law in laws.into_iter().filter(|law| law.name != own) {
+        let other = law::request_for(request, law)?;
+        match fit_law(&other, monitor) {
+            Ok(first) => return Ok(First { refused, ..first }),
+            Err(error @ FitError::ModelEnds { .. }) => refused.push(Refused {
+                law: law.name,
+                reason: error.to_string(),
+            }),
+            Err(error) => return Err(error),
+        }
+    }
+    Err(failure)
+}
+
+/// Fits the law of a request's scenario.
+fn fit_law(request: &Request, monitor: &Monitor<'_>) -> Result<First, FitError> {
+    let Prepared {
+        mut problem,
+        notes,
+        origin,
+    } = prepare(request)?;
+    let (solution, split) = solve_all(&mut problem, request, monitor)?;
+    if !solution.is_converged
+        && let Some(refusal) = refused_step(&problem, &split.fitted, &solution)
+    {
+        return Err(refusal.into());
+    }
+    let modes = modes::modes(&problem, &split.fitted, &solution, monitor)?;
+    Ok(First {
+        fitted: Fitted {
+            problem,
+            solution: modes.best,
+            split,
+            modes: modes.others,
+        },
+        notes,
+        origin,
+        refused: Vec::new(),
+    })
+}
+
+/// Fits all signals; estimates standard deviations that are not given.
+fn solve_all(
+    problem: &mut Problem,
+    request: &Request,
+    monitor: &Monitor<'_>,
+) -> Result<(Solution, Split), FitError> {
+    let mut split = split_first_file(problem, request.holdout);
+    let has_offsets = request.data.files > 1;
+    let start = problem.start();
+    // The first file alone gives a motion with which the clocks of the others are compared.
+    let mut solution = grow_window(problem, &split.fitted, &start, has_offsets, monitor)?;
+    if has_offsets {
+        let (joint, points) = offset::fit_offsets(problem, solution.values, split.end, monitor)?;
+        solution = joint;
+        split.fitted = points;
+        hold_out_other_files(problem, &solution, &mut split);
+    }
+    let solution = sigma::settle(problem, &mut split, solution, monitor)?;
+    Ok((solution, split))
+}
+
+/// Holds out the points of the other files in the time in which those of the first are.
+fn hold_out_other_files(problem: &Problem, solution: &Solution, split: &mut Split) {
+    for point in &problem.points {
+        let time = problem.model_time(&solution.values, point);
+        let is_held_out = time > split.end && time <= split.last;
+        if problem.signals[point.signal].file > 0 && is_held_out {
+            split.held_out.push(*point);
+        }
+    }
+}
+
+/// The points of the first file, whose clock is the model's.
+fn split_first_file(problem: &Problem, holdout: f64) -> Split {
+    let mut first: Vec<Point> = Vec::new();
+    for point in &problem.points {
+        if problem.signals[point.signal].file == 0 {
+            first.push(*point);
+        }
+    }
+    let last = first.iter().map(|point| point.time).fold(0.0, f64::max);
+    let end = last * (1.0 - holdout);
+    let (fitted, held_out) = first.into_iter().partition(|point| point.time <= end);
+    Split {
+        fitted,
+        held_out,
+        end,
+        last,
+    }
+}

@@ -1,0 +1,58 @@
+//! Progress of a fit.
+
+use std::cell::Cell;
+
+/// Progress of a fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// End of the window, s.
+    pub window: f64,
+    /// χ² in it, with priors.
+    pub chi2: f64,
+    /// Number of simulations so far.
+    pub evaluations: u64,
+}
+
+/// Counts the simulations of a fit and reports its progress.
+pub(super) struct Monitor<'a> {
+    report: &'a dyn Fn(Progress),
+    // Cells, because the optimiser borrows the monitor together with the problem.
+    evaluations: Cell<u64>,
+    window: Cell<f64>,
+}
+
+impl<'a> Monitor<'a> {
+    pub(super) fn new(report: &'a dyn Fn(Progress)) -> Self {
+        Self {
+            report,
+            evaluations: Cell::new(0),
+            window: Cell::new(0.0),
+        }
+    }
+
+    /// Number of simulations so far.
+    pub(super) fn evaluations(&self) -> u64 {
+        self.evaluations.get()
+    }
+
+    /// Adds simulations that were counted elsewhere.
+    pub(super) fn add(&self, evaluations: u64) {
+        self.evaluations.set(self.evaluations.get() + evaluations);
+    }
+
+    /// Sets the end of the window that is fitted now, s.
+    pub(super) fn set_window(&self, end: f64) {
+        self.window.set(end);
+    }
+
+    /// Counts simulations and reports the χ² that they found; NaN if they were for derivatives.
+    pub(super) fn count(&self, simulations: usize, chi2: f64) {
+        self.evaluations
+            .set(self.evaluations.get() + simulations as u64);
+        (self.report)(Progress {
+            window: self.window.get(),
+            chi2,
+            evaluations: self.evaluations.get(),
+        });
+    }
+}
