@@ -14,6 +14,7 @@ use super::plots::Plots;
 use super::role::Role;
 use super::scene::log_stage;
 use super::sink::{Content, Stream};
+use super::style::legible;
 use crate::physics::math;
 use crate::telemetry::Message;
 use crate::telemetry::side::Side;
@@ -91,7 +92,8 @@ impl Comparison {
     }
 
     fn summarize(&self, text: &str, output: &mut Output) {
-        let text = TextDocument::from_markdown(format!("{}{text}", self.identity.key()));
+        let text = format!("{}{}", self.identity.key(), legible(text));
+        let text = TextDocument::from_markdown(text);
         output.send_static(SUMMARY, &text);
     }
 }

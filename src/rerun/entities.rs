@@ -13,6 +13,7 @@ use super::properties;
 use super::role::Role;
 use super::scene::{Scene, explanation};
 use super::sink::{Content, Stream};
+use super::style::legible;
 use crate::archive::sink::{Sink, SinkError};
 use crate::run::outcome::Outcome;
 use crate::telemetry::Message;
@@ -56,7 +57,7 @@ impl Stream<Entities> {
 impl Stream<Entities> {
     /// Sets the reason for the motion, a paragraph of Markdown. It is shown first when the run has ended.
     pub fn set_story(&mut self, paragraph: &str) {
-        let about = about(&self.content.identity, &Role::Alone, paragraph);
+        let about = about(&self.content.identity, &Role::Alone, &legible(paragraph));
         // Replaces the text that was sent at the start: static data have one value.
         self.output.send_static(Role::Alone.entity(ABOUT), &about);
         self.content.has_story = true;

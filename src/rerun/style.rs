@@ -114,3 +114,13 @@ fn style_of(number: NumberField, place: usize, role: &Role) -> Style {
         width: role.width(width),
     }
 }
+
+/// A text in letters that the viewer can draw: its font leaves the dots of time derivatives out, so that θ̈ looks like θ.
+pub(super) fn legible(text: &str) -> String {
+    let second = text
+        .replace("θ\u{308}", "d²θ/dt²")
+        .replace("φ\u{308}", "d²φ/dt²");
+    ["θ", "φ", "ψ"].iter().fold(second, |text, angle| {
+        text.replace(&format!("{angle}\u{307}"), &format!("d{angle}/dt"))
+    })
+}

@@ -99,7 +99,7 @@ fn first_page_says_why_the_top_rises() {
     let bytes = folder.read("paper.rrd");
     let about = about(&bytes);
     let (first, rest) = about.split_once("\n\n").unwrap();
-    assert_contains(first, "friction");
+    assert_contains(first, "d²θ/dt² is negative");
     assert_contains(rest, "# paper");
 }
 
