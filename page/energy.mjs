@@ -50,7 +50,7 @@ export class EnergyAreas extends TimeCanvas {
     return runs.map((_, index) => [index * each + CURVE_MARGINS.head, (index + 1) * each - 4]);
   }
 
-  panel(pen, { run, name }, [top, bottom], isNamed) {
+  panel(pen, { run, letter }, [top, bottom], isNamed) {
     const style = getComputedStyle(this.canvas);
     const { across } = this;
     const { columns } = run;
@@ -74,7 +74,7 @@ export class EnergyAreas extends TimeCanvas {
     });
     pen.fillStyle = style.color;
     pen.textAlign = "left";
-    pen.fillText(`${isNamed ? `${name.split(":")[0]}: ` : ""}where the energy is, zero at the table (J)`, left - 46, top - 5);
+    pen.fillText(`${isNamed ? `${letter}: ` : ""}where the energy is, zero at the table (J)`, left - 46, top - 5);
   }
 
   /** The sample at a part of the window; null after the end of the run. */

@@ -136,8 +136,8 @@ async function compare(a, b) {
 function shown() {
   const { run, pinned } = state;
   const style = getComputedStyle(document.body);
-  const edited = { run, color: style.getPropertyValue("--b"), name: pinned ? `B: ${run.title}` : run.title };
-  return pinned ? [{ run: pinned, color: style.getPropertyValue("--a"), name: `A: ${pinned.title}` }, edited] : [edited];
+  const edited = { run, color: style.getPropertyValue("--b"), letter: "B" };
+  return pinned ? [{ run: pinned, color: style.getPropertyValue("--a"), letter: "A" }, edited] : [edited];
 }
 
 /** The end of the longest run that is shown, s. */
@@ -177,8 +177,8 @@ function showArrows(runs) {
 
 /** The changes of energy of the edited run, below the areas. */
 function showEnergy(runs, time) {
-  const { run, name } = runs.at(-1);
-  const of = runs.length > 1 ? ` of ${name.split(":")[0]}` : "";
+  const { run, letter } = runs.at(-1);
+  const of = runs.length > 1 ? ` of ${letter}` : "";
   const numbers = changeTexts(run, time).map((text, index) => {
     const square = element("i");
     square.style.background = PARTS[index].color;

@@ -3,6 +3,7 @@
 import { ARROWS, arrowScale, barLength, labelColor, vectorAt } from "./arrows.mjs";
 import { indexAt } from "./axes.mjs";
 import { gestures } from "./gestures.mjs";
+import { nameLines, nameParts } from "./names.mjs";
 import { degrees, fixed, prefixed, revolutions, written } from "./numbers.mjs";
 import { isHidden, spinRing } from "./ring.mjs";
 import { orientationOf, shadowOf, stripeContrast, turned, visibleFaces } from "./shape.mjs";
@@ -12,6 +13,7 @@ const FAINT = 0.25; // opacity of what is behind the body
 const STRIPED = 2 / 9; // part of a turn that the stripes cover
 const START = { azimuth: -0.6, elevation: 0.35, closeness: 1 };
 const FONT = "system-ui, sans-serif";
+const TITLE_FONT = `600 13px ${FONT}`;
 
 /** The pose at a time: sample index, orientation, direction of the axis and position of the peg's centre. */
 function pose(run, time) {
@@ -87,14 +89,15 @@ export class View {
     const names = Object.keys(ARROWS).filter((name) => this.shown[name]);
     this.scales = Object.fromEntries(names.map((name) => [name, arrowScale(all, name)]));
     const size = Math.max(...all.map(({ shape }) => shape.size));
-    runs.forEach(({ run, color, name }, index) => {
+    runs.forEach(({ run, color, letter }, index) => {
       pen.save();
       pen.translate(index * width, 0);
       pen.beginPath();
       pen.rect(0, 0, width, height);
       pen.clip();
       this.one(pen, run, color, Math.min(time, run.end), exposure, { size, width, height });
-      this.title(run, color, runs.length > 1 ? name : "", time, width);
+      const parts = runs.length > 1 ? nameParts(run, all[1 - index].scenario) : [];
+      this.title(run, color, { letter, parts }, time, width);
       if (index === runs.length - 1) this.bar(pen, all, width, height);
       pen.restore();
     });
@@ -143,12 +146,16 @@ export class View {
     pen.fill();
   }
 
+  widthOf(words, font) {
+    this.pen.font = font;
+    return this.pen.measureText(words).width;
+  }
+
   /** Text with a halo, so that it can be read on everything. */
-  text(words, [x, y], color, font = `600 13px ${FONT}`, align = "left") {
+  text(words, [x, y], color, font = TITLE_FONT, align = "left") {
     const { pen, colors } = this;
-    pen.font = font;
+    const wide = this.widthOf(words, font);
     pen.textAlign = "left";
-    const wide = pen.measureText(words).width;
     const start = x - { left: 0, center: wide / 2, right: wide }[align];
     // Labels of long arrows stay in the picture.
     const left = Math.max(Math.min(start, this.width - wide - 3), 3);
@@ -312,20 +319,22 @@ export class View {
   }
 
   /** The tilt and the spin at this moment, in the upper left corner; after the end of the run, those at its end. */
-  title(run, color, name, time, width) {
+  title(run, color, { letter, parts }, time, width) {
     const i = indexAt(run.columns.time, Math.min(time, run.end));
     const { ink, soft } = this.colors;
     const { theta, axial_rate: rate, flying } = run.columns;
     const isNarrow = width < 420;
+    const widthOf = (words) => this.widthOf(words, TITLE_FONT);
+    const names = parts.length > 0 ? nameLines(letter, parts, { widthOf, width: width - 16 }) : [];
     const lines = [
-      [name, color],
+      ...names.map((words) => [words, color]),
       [`tilt θ ${fixed(degrees(theta[i]), 1)}°${isNarrow ? "" : ` (${fixed(theta[i], 3)} rad)`}`, ink],
       [`spin ω·n ${fixed(revolutions(rate[i]), 1)} rev/s${isNarrow ? "" : ` (${fixed(rate[i], 1)} rad/s)`}`, ink],
       [flying[i] ? "in the air" : "", soft],
       [time > run.end ? `ended at ${fixed(run.end, 2)} s` : "", soft],
       ...(this.isSunk ? sunkNote(isNarrow) : []).map((words) => [words, soft]),
     ].filter(([words]) => words);
-    lines.forEach(([words, paint], row) => this.text(words, [8, 18 + 18 * row], paint, `600 13px ${FONT}`));
+    lines.forEach(([words, paint], row) => this.text(words, [8, 18 + 18 * row], paint, TITLE_FONT));
   }
 
   /** A scale bar, to which the arrows' scales refer. */

@@ -9,6 +9,7 @@ import { sliderRange, validText, valueAt } from "../controls.mjs";
 import { quantities } from "../curves.mjs";
 import { PARTS, energyChanges } from "../energy.mjs";
 import { STEPS_OF_LESSON } from "../lesson.mjs";
+import { nameLines, nameParts } from "../names.mjs";
 import { degrees, fixed, imagined, prefixed, revolutions, typed, written } from "../numbers.mjs";
 import { isHidden, spinRing } from "../ring.mjs";
 import { Scenario, linkOf, parseLink, scenarioFrom } from "../scenario.mjs";
@@ -248,6 +249,22 @@ const tests = {
       assert.ok(Math.abs(turned(at(0.3), [0, 0, 1])[2] - Math.cos(theta)) < 1e-12);
       const [a, b] = [at(0), at(0.1)].map((q) => turned(q, [1, 0, 0]));
       assert.ok(Math.hypot(...a.map((value, index) => value - b[index])) < 0.1 * Math.sin(theta) * 2 + 1e-12, theta);
+    }
+  },
+  async "names of A and B show what differs, and break between changes only"() {
+    const [a, b] = [await runOf("full-coulomb"), await runOf("full-coulomb&friction.k=0.06&initial.psi_dot=100")];
+    const c = await runOf("full-coulomb&friction.k=0.06");
+    assert.deepEqual(nameParts(b, a.scenario), ["k = 0.06", "ψ̇ = 100 rad/s"]);
+    assert.deepEqual(nameParts(b, c.scenario), ["ψ̇ = 100 rad/s", "k = 0.06"]);
+    assert.deepEqual(nameParts(a, b.scenario), ["full-coulomb"]);
+    assert.deepEqual(nameParts(c, (await runOf("paper")).scenario), ["full-coulomb", "k = 0.06"]);
+    const parts = ["k = 0.06", "ψ̇ = 100 rad/s", "θ = 0.3 rad"];
+    for (const [width, lines] of [
+      [99, ["B: k = 0.06, ψ̇ = 100 rad/s, θ = 0.3 rad"]],
+      [30, ["B: k = 0.06, ψ̇ = 100 rad/s,", "θ = 0.3 rad"]],
+      [17, ["B: k = 0.06,", "ψ̇ = 100 rad/s, …"]],
+    ]) {
+      assert.deepEqual(nameLines("B", parts, { widthOf: ({ length }) => length, width }), lines, `${width} characters`);
     }
   },
   "links are read as they are written"() {
