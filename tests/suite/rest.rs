@@ -2,6 +2,7 @@
 
 mod regularised;
 mod release;
+mod spin;
 
 use self::regularised::{Kinetics, Regularised};
 use crate::random_scenarios::{Random, count};

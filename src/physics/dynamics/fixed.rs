@@ -110,10 +110,7 @@ pub(super) fn guard(model: &Model, guard: Guard, tilt: &Tilt) -> f64 {
     match guard {
         Guard::Slip => {
             let speed = model.top.slip_speed(tilt);
-            // Rolling resistance jumps at zero slip, whatever the rate about the vertical.
-            let resists = model.friction.rolling_arm() > 0.0;
-            let turning = if resists { 0.0 } else { rate };
-            model.friction.patch_speed(speed, turning) - NO_SLIP
+            model.friction.patch_speed(speed, rate) - NO_SLIP
         }
         Guard::Rolling => model.top.slip_speed(tilt) - NO_SLIP,
         Guard::Grip => model.grip(tilt).margin(),
