@@ -1,6 +1,7 @@
 //! Messages that are in memory together.
 
 use crate::archive::container::section::{MessageRecord, record_at};
+use std::mem;
 
 /// Messages that have been loaded.
 #[derive(Debug, Default)]
@@ -45,6 +46,32 @@ impl Batch {
             is_kept
         });
         self.records.truncate(end);
+    }
+
+    /// Adds the messages of another batch.
+    pub(super) fn append(&mut self, other: &Self) {
+        for entry in &other.entries {
+            let start = entry.start as usize;
+            if let Some(Ok((_, end))) = record_at(&other.records, start) {
+                self.entries.push(Entry {
+                    start: self.records.len() as u32,
+                    ..*entry
+                });
+                self.records.extend_from_slice(&other.records[start..end]);
+            }
+        }
+    }
+
+    /// Takes the messages from a time on. Their records are copied, the others keep their places.
+    pub(super) fn split_off(&mut self, from_ns: u64) -> Self {
+        let (late, early) = mem::take(&mut self.entries)
+            .into_iter()
+            .partition(|entry| entry.time_ns >= from_ns);
+        self.entries = late;
+        let mut rest = Self::default();
+        rest.append(self);
+        self.entries = early;
+        rest
     }
 
     /// Head and data of a message.

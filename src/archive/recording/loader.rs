@@ -11,6 +11,7 @@ use crate::archive::container::record::{is_specified, parse};
 use crate::archive::container::section::{Buffers, InnerRecord, MessageRecord, Section, record_at};
 use crate::telemetry::Topics;
 use mcap::records::op;
+use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 use std::mem;
 use std::ops::Range;
@@ -31,6 +32,10 @@ pub(super) struct Loader<'r> {
     plan: Plan,
     buffers: Buffers,
     batch: Batch,
+    /// Messages that are sorted together with those of the next section, which starts at their time.
+    held: Batch,
+    /// Maximum size of messages that are sorted together, bytes.
+    max_window: usize,
     /// The number of messages of the batch that have been returned.
     returned: usize,
     losses: Losses,
@@ -101,6 +106,8 @@ impl<'r> Loader<'r> {
             is_sorted: false,
             buffers: Buffers::default(),
             batch: Batch::default(),
+            held: Batch::default(),
+            max_window: 0,
             returned: 0,
             losses: Losses::default(),
             lost: BTreeSet::new(),
@@ -115,6 +122,7 @@ impl<'r> Loader<'r> {
     /// Loads the messages in order of time. Overlapping sections are sorted in windows of at most `max_window` bytes.
     pub(super) fn sort_by_time(&mut self, max_window: usize) {
         self.is_sorted = true;
+        self.max_window = max_window;
         if !self.are_sections_in_order() {
             let spans = self.find_spans();
             self.is_first_pass = false;
@@ -192,6 +200,9 @@ impl<'r> Loader<'r> {
             Plan::Sections(sections) => {
                 let index = sections.next()?;
                 self.load_section(index);
+                if self.is_sorted {
+                    self.hold_back(index);
+                }
             }
             Plan::Windows(_) => self.load_window()?,
         }
@@ -223,6 +234,23 @@ impl<'r> Loader<'r> {
         });
         self.batch.entries = entries;
         mem::swap(&mut self.batch.records, &mut self.buffers.records);
+    }
+
+    /// Adds the messages that were held back to those of a section, and holds back those at the time at which the next
+    /// section starts: a writer may end a chunk between the topics of a sample. Beyond the limit of memory they keep the
+    /// order of the file.
+    fn hold_back(&mut self, index: usize) {
+        self.batch.append(&mem::take(&mut self.held));
+        let sections = &self.recording.layout.sections;
+        let Some((from_ns, _)) = sections.get(index + 1).and_then(|next| next.span) else {
+            return;
+        };
+        let held = self.batch.split_off(from_ns);
+        if held.records.len() > self.max_window {
+            self.batch.append(&held);
+        } else {
+            self.held = held;
+        }
     }
 
     /// Loads the messages of the next window of time.
@@ -266,26 +294,31 @@ impl<'r> Loader<'r> {
     /// Sorts the batch by time. Messages of the same time are ranked by `order`, then in the order of the file.
     fn sort(&mut self, order: Option<&Order>) {
         let mut entries = mem::take(&mut self.batch.entries);
-        // Sections of a window are not in the order of the file.
-        let is_window = matches!(self.plan, Plan::Windows(_));
-        if is_window || !entries.is_sorted_by_key(|entry| entry.time_ns) {
-            entries.sort_unstable_by(|a, b| {
-                // Ranks need the head of the message, which only messages of the same time are worth.
-                a.time_ns
-                    .cmp(&b.time_ns)
-                    .then_with(|| self.rank(order, a).cmp(&self.rank(order, b)))
-                    .then_with(|| a.cmp(b))
-            });
+        // Most files are sorted, and a check takes linear time.
+        if !entries.is_sorted_by(|a, b| self.compare(order, a, b).is_le()) {
+            entries.sort_unstable_by(|a, b| self.compare(order, a, b));
         }
         self.batch.entries = entries;
     }
 
+    fn compare(&self, order: Option<&Order>, a: &Entry, b: &Entry) -> Ordering {
+        // Ranks need the head of the message, which only messages of the same time are worth.
+        a.time_ns
+            .cmp(&b.time_ns)
+            .then_with(|| self.rank(order, a).cmp(&self.rank(order, b)))
+            .then_with(|| a.cmp(b))
+    }
+
     /// Rank of a message among those of the same time; all are equal without an order.
-    fn rank(&self, order: Option<&Order>, entry: &Entry) -> Option<(u64, usize, u32)> {
+    fn rank(&self, order: Option<&Order>, entry: &Entry) -> Option<(usize, u32)> {
+        let order = order?;
         let message = self.batch.message(entry)?;
-        let channels = &self.recording.layout.channels;
-        let channel = channels.position(message.channel_id)?;
-        Some(order?.rank(channel, &message))
+        let channel = self
+            .recording
+            .layout
+            .channels
+            .position(message.channel_id)?;
+        order.rank(channel, &message)
     }
 
     /// Loads a section for the first time, within the limit of content. Returns whether it can be read.

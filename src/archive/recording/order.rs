@@ -1,6 +1,7 @@
 //! The order of messages within each channel.
 
 use super::file::Recording;
+use crate::archive::container::channels::FileChannel;
 use crate::archive::container::section::MessageRecord;
 use crate::run::time::seconds;
 use std::fmt;
@@ -18,6 +19,8 @@ pub(super) struct Order {
 struct Channel {
     topic: String,
     rule: Rule,
+    /// Place of the channel among those of a run; none for channels of other software.
+    place: Option<usize>,
     /// Accepted messages of the latest time.
     latest: Simultaneous,
 }
@@ -134,6 +137,7 @@ impl Order {
                     Some(_) => Rule::Events,
                     None => Rule::Nothing,
                 },
+                place: place(channel).filter(|_| is_ours),
                 latest: Simultaneous::default(),
             });
         }
@@ -143,13 +147,11 @@ impl Order {
         }
     }
 
-    /// Sort key of a message: time, then channel and sequence number. Messages with equal keys keep the file order:
-    /// those of other software, and those whose writer set no sequence numbers.
-    pub(super) fn rank(&self, channel: usize, head: &MessageRecord<'_>) -> (u64, usize, u32) {
-        match self.channels[channel].rule {
-            Rule::Nothing => (head.log_time, 0, 0),
-            Rule::Time | Rule::Events => (head.log_time, channel, head.sequence),
-        }
+    /// Sort key of a message among those of its time: the topic's place in the telemetry table, then the sequence number.
+    /// What is derived from a sample must not depend on the order in which other software wrote its topics. Messages with
+    /// equal keys keep the file order: those of other software, and those whose writer set no sequence numbers.
+    pub(super) fn rank(&self, channel: usize, head: &MessageRecord<'_>) -> Option<(usize, u32)> {
+        Some((self.channels[channel].place?, head.sequence))
     }
 
     /// Whether a message follows the last accepted message of its channel.
@@ -175,6 +177,14 @@ impl Order {
     /// The messages that were not accepted.
     pub(super) fn misplaced(&self) -> Option<&Misplaced> {
         self.misplaced.as_ref()
+    }
+}
+
+/// The place of a channel among those of a run: in the table, or behind it for views, which repeat what the table has.
+fn place(channel: &FileChannel) -> Option<usize> {
+    match channel.table {
+        Some(topic) => Some(topic.index()),
+        None => channel.is_view().then_some(usize::MAX),
     }
 }
 
@@ -206,6 +216,7 @@ mod tests {
             channels: vec![Channel {
                 topic: "/top/state".to_owned(),
                 rule,
+                place: None,
                 latest: Simultaneous::default(),
             }],
             misplaced: None,

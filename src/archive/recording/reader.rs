@@ -91,6 +91,9 @@ impl<'r> Reader<'r> {
 
     /// Returns the messages in time order, however they are ordered in the file.
     ///
+    /// In a recording of toprise, the messages of one time follow the telemetry table and then their sequence numbers; in
+    /// other files they keep the order of the file.
+    ///
     /// Messages of toprise's channels that repeat others or go back in time are skipped and counted by
     /// [`Reader::left_out`].
     pub fn in_order_of_time(self) -> Self {
