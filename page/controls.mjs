@@ -45,18 +45,27 @@ export function validText(key, value) {
   return String(value);
 }
 
+/** The name of a choice: its key without the dot. */
+const choiceName = (path) => path.replace(".", " ").replaceAll("_", " ").replace(/ kind$/, "");
+
+/** The word that applies where a choice is not set, as its meaning says. */
+const defaultOf = ({ meaning }) => meaning.match(/default "([^"]*)"/)?.[1];
+
 /** The label of a key: its symbol (or its name, for a number without a symbol) and a short description. */
 function labelOf({ path, symbol, meaning, words: choices }) {
   const [letter, index] = (symbol ?? "").split("_");
-  const name = choices ? [] : [`${path.split(".").at(-1).replaceAll("_", " ")} `];
-  const sign = symbol ? [element("i", { textContent: letter }), element("sub", { textContent: index ?? "" }), " "] : name;
+  const name = path.split(".").at(-1).replaceAll("_", " ");
   const words = meaning.split(/[;:(]/)[0].split(" ").filter((word) => word !== symbol).join(" ");
+  // A choice shows its words itself; a meaning that begins with the name says it already.
+  if (choices) return element("span", { className: "label", title: `${path}: ${meaning}` }, element("small", { textContent: choiceName(path) }));
+  const isNamed = words.startsWith(name);
+  const sign = symbol ? [element("i", { textContent: letter }), element("sub", { textContent: index ?? "" }), " "] : isNamed ? [] : [`${name} `];
   return element("span", { className: "label", title: `${path}: ${meaning}` }, ...sign, element("small", { textContent: words }));
 }
 
 function choice(scenario, key, changed) {
   const options = key.words.map((word) => element("option", { textContent: word }));
-  if (!key.is_required) options.unshift(element("option", { value: "", textContent: "default" }));
+  if (!key.is_required) options.unshift(element("option", { value: "", textContent: defaultOf(key) ? `default (${defaultOf(key)})` : "not set" }));
   const select = element("select", { onchange: () => changed(key, select.value) }, ...options);
   select.value = scenario.value(key.path) ?? "";
   return [select];

@@ -55,7 +55,7 @@ const toLink = () => history.replaceState(null, "", link());
 async function simulate() {
   toLink();
   const { scenario } = state;
-  const slow = setTimeout(() => document.body.classList.add("stale"), 300);
+  const slow = setTimeout(() => showComputing(), 300);
   const response = await runner.send({ simulate: { scenario: scenario.request, columns: tables.columns } });
   clearTimeout(slow);
   if (!response) return; // superseded
@@ -63,7 +63,8 @@ async function simulate() {
   document.body.classList.toggle("stale", Boolean(response.error));
   for (const button of document.querySelectorAll("#take button, #pin")) button.disabled = Boolean(response.error);
   if (response.error) {
-    if (!state.run) at("summary").textContent = "No run to show: correct the scenario first.";
+    if (state.run) showSummary();
+    else at("summary").textContent = "No run to show: correct the scenario first.";
     await showForm();
     return;
   }
@@ -80,6 +81,12 @@ async function simulate() {
   events.show(state.run.events);
   draw();
   ask();
+}
+
+/** Shows that what is on the page is not yet that of the edited scenario. */
+function showComputing() {
+  document.body.classList.add("stale");
+  at("summary").textContent = "Computing …";
 }
 
 /** Shows how the run ends, unless that is to be guessed first. */
