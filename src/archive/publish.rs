@@ -239,8 +239,11 @@ pub fn check_name(path: &Path) -> Result<(), SinkError> {
     Err(name_error(path, "is not a file name"))
 }
 
-/// Checks that the target can be written.
-fn check_target(path: &Path, existing: Existing) -> Result<(), SinkError> {
+/// Checks that the target can be written, before anything else is done.
+///
+/// # Errors
+/// [`SinkError::Exists`] if the name is taken, [`SinkError::Name`] if it is none.
+pub fn check_target(path: &Path, existing: Existing) -> Result<(), SinkError> {
     check_name(path)?;
     // Don't replace a directory, device or pipe.
     if path.metadata().is_ok_and(|metadata| !metadata.is_file()) {

@@ -5,12 +5,17 @@ mod page;
 mod remarks;
 
 use super::arguments::{Override, parse_override, parse_positive};
+use super::file_kind::FileKind;
 use super::input::checked;
+use super::page::markdown;
 use super::progress::Progress;
 use super::report::{self, WrittenFile};
+use super::rerun::fit::{ShowArguments, ShowPlan};
 use super::status::Status;
 use crate::archive::input::values;
-use crate::archive::publish::{Draft, Drafts, Existing, check_not_an_input, is_same_file};
+use crate::archive::publish::{
+    Draft, Drafts, Existing, check_not_an_input, check_target, is_same_file,
+};
 use crate::figures;
 use crate::fit::{self, Data, Fit, FitError, Loss, Report, Request, SignalSpec, Verdict};
 use crate::run::scenario::Scenario;
@@ -99,6 +104,9 @@ pub(super) struct FitArguments {
     #[arg(long, value_name = "DIRECTORY")]
     figures: Option<PathBuf>,
 
+    #[command(flatten)]
+    show: ShowArguments,
+
     /// Overwrite existing files
     #[arg(long)]
     force: bool,
@@ -134,6 +142,7 @@ struct FitPlan {
     output: Option<PathBuf>,
     best: Option<PathBuf>,
     figures: Option<PathBuf>,
+    show: ShowPlan,
     existing: Existing,
 }
 
@@ -165,19 +174,32 @@ pub(super) fn fit(arguments: &FitArguments, drafts: &Drafts) -> Result<Status, a
         Err(error) => return Err(error.into()),
     };
     let written = plan.write(&fitted, drafts)?;
-    let status = match fitted.report.verdict {
-        // A verdict on a part of the data is not one on the data.
-        _ if !fitted.report.losses.is_empty() => Status::Partial,
+    let mut report = FitReport {
+        fit: fitted.report.clone(),
+        written: Vec::new(),
+    };
+    let text = markdown(&page::page(&report, arguments.all));
+    let shown = plan.show.show(&fitted, text, drafts, plan.existing)?;
+    report.written = written;
+    report.written.extend(shown.file);
+    report::print(&report, || page::page(&report, arguments.all))?;
+    if shown.is_viewer_lost {
+        return Ok(Status::Partial);
+    }
+    Ok(status(&report.fit))
+}
+
+/// The status of a fit.
+fn status(report: &Report) -> Status {
+    // A verdict on a part of the data is not one on the data.
+    if !report.losses.is_empty() {
+        return Status::Partial;
+    }
+    match report.verdict {
         Verdict::Fitted => Status::Success,
         Verdict::BadFit | Verdict::Undecided => Status::Different,
         Verdict::NotConverged => Status::Partial,
-    };
-    let report = FitReport {
-        fit: fitted.report,
-        written,
-    };
-    report::print(&report, || page::page(&report, arguments.all))?;
-    Ok(status)
+    }
 }
 
 fn show(progress: &Progress, state: fit::Progress) {
@@ -192,7 +214,8 @@ fn show(progress: &Progress, state: fit::Progress) {
 impl FitArguments {
     fn plan(&self) -> Result<FitPlan, anyhow::Error> {
         let inputs = self.inputs();
-        self.check_outputs(&inputs)?;
+        let show = self.show.plan()?;
+        self.check_outputs(&inputs, &show)?;
         let scenario = checked(&self.scenario, values(&self.scenario)?, &self.overrides)?;
         let data: Data = fit::read(&self.data, &self.signals, self.time.as_deref())?;
         Ok(FitPlan {
@@ -213,6 +236,7 @@ impl FitArguments {
             output: self.output.clone(),
             best: self.best.clone(),
             figures: self.figures.clone(),
+            show,
             existing: Existing::forced(self.force),
         })
     }
@@ -225,19 +249,37 @@ impl FitArguments {
     }
 
     /// Refuses outputs that can't be written before anything is fitted.
-    fn check_outputs(&self, inputs: &[PathBuf]) -> Result<(), anyhow::Error> {
+    fn check_outputs(&self, inputs: &[PathBuf], show: &ShowPlan) -> Result<(), anyhow::Error> {
         if let Some(output) = &self.output {
-            super::file_kind::FileKind::Mcap.check("-o", output)?;
+            FileKind::Mcap.check("-o", output)?;
         }
-        for output in self.output.iter().chain(&self.best) {
+        let outputs = self.outputs(show);
+        for (place, output) in outputs.iter().enumerate() {
             check_not_an_input(output, inputs.iter().map(PathBuf::as_path))?;
-        }
-        if let (Some(output), Some(best)) = (&self.output, &self.best)
-            && is_same_file(output, best)
-        {
-            return Err(FitArgumentError::SameOutput.into());
+            if outputs[..place]
+                .iter()
+                .any(|other| is_same_file(other, output))
+            {
+                return Err(FitArgumentError::SameOutput {
+                    path: output.clone(),
+                }
+                .into());
+            }
+            check_target(output, Existing::forced(self.force))?;
         }
         Ok(())
+    }
+
+    /// The files that will be written.
+    fn outputs(&self, show: &ShowPlan) -> Vec<PathBuf> {
+        let mut outputs: Vec<PathBuf> = self.output.iter().chain(&self.best).cloned().collect();
+        outputs.extend(show.file().map(Path::to_owned));
+        if let Some(directory) = &self.figures {
+            for name in figures::fit::names(&self.free, &self.profile, self.data.len()) {
+                outputs.push(figure_path(directory, &name));
+            }
+        }
+        outputs
     }
 }
 
@@ -269,7 +311,7 @@ impl FitPlan {
         created.with_context(|| format!("cannot create {}", directory.display()))?;
         let mut written = Vec::new();
         for (name, drawing) in figures::fit::draw(fitted, FIGURE_WIDTH)? {
-            let path = directory.join(format!("{name}.svg"));
+            let path = figure_path(directory, &name);
             let mut draft = self.create(drafts, &path)?;
             let result = draft.write_all(drawing.svg().as_bytes());
             result.with_context(|| format!("cannot write {}", path.display()))?;
@@ -285,6 +327,11 @@ impl FitPlan {
         super::output::warn_of_link(path, self.existing == Existing::Replace);
         Ok(draft)
     }
+}
+
+/// The file of a figure.
+fn figure_path(directory: &Path, name: &str) -> PathBuf {
+    directory.join(format!("{name}.svg"))
 }
 
 fn write_scenario(mut draft: Draft, scenario: &Scenario) -> Result<WrittenFile, anyhow::Error> {
@@ -338,7 +385,7 @@ fn parse_part(text: &str) -> Result<f64, FitArgumentError> {
 }
 
 /// What is wrong with the value of an option.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
 enum FitArgumentError {
     #[error("must be KEY=LOW..HIGH, as in friction.k=0..0.1")]
     Bound,
@@ -346,8 +393,8 @@ enum FitArgumentError {
     Finite,
     #[error("must be a number from 0 to 0.9")]
     Part,
-    #[error("--output and --scenario are the same file")]
-    SameOutput,
+    #[error("two outputs are the same file, {}", path.display())]
+    SameOutput { path: PathBuf },
 }
 
 #[cfg(test)]

@@ -123,3 +123,43 @@ pub(super) mod diff {
         }
     }
 }
+
+/// The Rerun side of `toprise fit`.
+#[cfg(feature = "fit")]
+pub(super) mod fit {
+    use crate::archive::publish::{Drafts, Existing};
+    use crate::cli::report::Completed;
+    use crate::fit::Fit;
+    use anyhow::Error;
+    use clap::Args;
+    use std::path::Path;
+
+    /// No arguments.
+    #[derive(Args, Clone, Debug, Default, PartialEq)]
+    pub(in crate::cli) struct ShowArguments {}
+
+    impl ShowArguments {
+        pub(in crate::cli) fn plan(&self) -> Result<ShowPlan, Error> {
+            Ok(ShowPlan)
+        }
+    }
+
+    /// Nothing is shown.
+    pub(in crate::cli) struct ShowPlan;
+
+    impl ShowPlan {
+        pub(in crate::cli) fn file(&self) -> Option<&Path> {
+            None
+        }
+
+        pub(in crate::cli) fn show(
+            &self,
+            _fit: &Fit,
+            _report: String,
+            _drafts: &Drafts,
+            _existing: Existing,
+        ) -> Result<Completed, Error> {
+            Ok(Completed::default())
+        }
+    }
+}

@@ -27,6 +27,26 @@ const FARTHEST: f64 = 6.0;
 /// Half width of the band in which 95 % of the residuals are expected, σ.
 const BAND: f64 = 2.0;
 
+/// Names of figures.
+const DATA: &str = "data";
+const CORRELATIONS: &str = "correlations";
+
+/// The name of the figure of a profile.
+pub fn profile_name(parameter: &str) -> String {
+    format!("profile-{parameter}")
+}
+
+/// The names of the figures that a fit of these free parameters, with these profiles, will have. `initial` stands for
+/// several parameters, and each file after the first has another one.
+pub fn names(free: &[String], profiles: &[String], files: usize) -> Vec<String> {
+    let mut names = vec![DATA.to_owned()];
+    names.extend(profiles.iter().map(|parameter| profile_name(parameter)));
+    if free.len() > 1 || files > 1 || free.iter().any(|key| key == "initial") {
+        names.push(CORRELATIONS.to_owned());
+    }
+    names
+}
+
 /// The figures of a fit, with the names of their files: `data`, `profile-KEY` for each profile, and `correlations` if
 /// there is more than one parameter.
 ///
@@ -34,17 +54,17 @@ const BAND: f64 = 2.0;
 /// [`SimulationError`] if the best fit can't be simulated.
 pub fn draw(fit: &Fit, width: f64) -> Result<Vec<(String, Drawing)>, SimulationError> {
     let name = &fit.report.scenario;
-    let mut figures = vec![("data".to_owned(), data(fit, width)?)];
+    let mut figures = vec![(DATA.to_owned(), data(fit, width)?)];
     figures[0].1.title = format!("Measured values, best fit and residuals — {name}");
     for profile in &fit.report.profiles {
         let mut drawing = draw_profile(fit, profile, width);
         drawing.title = format!("Profile likelihood of {} — {name}", profile.parameter);
-        figures.push((format!("profile-{}", profile.parameter), drawing));
+        figures.push((profile_name(&profile.parameter), drawing));
     }
     if fit.report.parameters.len() > 1 {
         let mut drawing = correlations::draw(fit, width);
         drawing.title = format!("Correlations of the estimates — {name}");
-        figures.push(("correlations".to_owned(), drawing));
+        figures.push((CORRELATIONS.to_owned(), drawing));
     }
     Ok(figures)
 }

@@ -128,7 +128,10 @@ fn deviance(problem: &Problem, points: &[Point], solution: &Solution) -> f64 {
                 count += 1.0;
             }
         }
-        if count > 0.0 {
+        if count > 0.0 && problem.loss == Loss::Huber {
+            // The robust σ is not the most likely one, so the loss stands for itself.
+            deviance += 2.0 * count * ln(sigma);
+        } else if count > 0.0 {
             let likely = (loss / count).sqrt() * sigma;
             deviance += count + 2.0 * count * ln(likely.max(signal.rounding())) - loss;
         }
@@ -174,11 +177,7 @@ pub(super) fn signals(
             .map(|held_out| held_out.residuals_for(index))
             .unwrap_or_default();
         let rms_here = rms(&residuals);
-        // Outliers that the loss clips must not decide the tests.
-        let clipped: Vec<f64> = residuals
-            .iter()
-            .map(|r| problem.loss.transformed(*r) * problem.loss.slope(*r))
-            .collect();
+        let clipped: Vec<f64> = residuals.iter().map(|r| problem.loss.clipped(*r)).collect();
         reports.push(SignalReport {
             field: signal.field.to_string(),
             source: signal.name.clone(),
@@ -201,7 +200,7 @@ pub(super) fn signals(
             mean: residuals.iter().sum::<f64>() / residuals.len().max(1) as f64,
             mean_p_value: mean_p_value(&clipped).filter(|_| rms_here > TINY),
             oddity: if signal.is_sigma_estimated {
-                oddity(fitted, index)
+                oddity(problem.loss, fitted, index)
             } else {
                 None
             },
@@ -211,8 +210,11 @@ pub(super) fn signals(
 }
 
 /// What makes the standard deviation of a signal, estimated from its residuals, meaningless.
-fn oddity(fitted: PointResiduals<'_>, signal: usize) -> Option<Oddity> {
-    let own: Vec<(&Point, f64)> = fitted.for_signal(signal).collect();
+fn oddity(loss: Loss, fitted: PointResiduals<'_>, signal: usize) -> Option<Oddity> {
+    let own: Vec<(&Point, f64)> = fitted
+        .for_signal(signal)
+        .map(|(point, residual)| (point, loss.clipped(residual)))
+        .collect();
     if own.len() < FEWEST {
         return None;
     }

@@ -23,6 +23,9 @@ pub enum Loss {
 /// Where Huber's loss becomes linear, in σ: 95 % efficiency for normal noise (Huber 1981).
 pub(super) const HUBER_LIMIT: f64 = 1.345;
 
+/// ∫ min(|z|, c)² φ(z) dz with c = [`HUBER_LIMIT`] and the normal density φ.
+const HUBER_VARIANCE: f64 = 0.710_164_5;
+
 impl Loss {
     /// A residual whose square is the loss.
     pub(super) fn transformed(self, residual: f64) -> f64 {
@@ -33,6 +36,22 @@ impl Loss {
                 loss.sqrt().copysign(residual)
             }
             Self::Huber | Self::Squares => residual,
+        }
+    }
+
+    /// The residual as far as it pulls at the parameters: half the derivative of the loss.
+    pub(super) fn clipped(self, residual: f64) -> f64 {
+        match self {
+            Self::Huber => residual.clamp(-HUBER_LIMIT, HUBER_LIMIT),
+            Self::Squares => residual,
+        }
+    }
+
+    /// The mean square of clipped residuals, if they are normal with standard deviation 1.
+    pub(super) fn clipped_variance(self) -> f64 {
+        match self {
+            Self::Huber => HUBER_VARIANCE,
+            Self::Squares => 1.0,
         }
     }
 

@@ -10,6 +10,7 @@
 mod axis;
 mod builder;
 pub(super) mod charts;
+mod fit;
 pub(super) mod pair;
 pub(super) mod run;
 pub(crate) mod views;

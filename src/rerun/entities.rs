@@ -7,6 +7,7 @@ use super::blueprint;
 use super::entity::ABOUT;
 use super::events::Events;
 use super::identity::{Identity, Playback};
+use super::measured::Measured;
 use super::output::{Destination, Destinations, Output};
 use super::plots::Plots;
 use super::properties;
@@ -25,6 +26,7 @@ pub type RerunSink = Stream<Entities>;
 /// The entities of one run, fed with its messages.
 pub struct Entities {
     plots: Plots,
+    measured: Option<Measured>,
     events: Option<Events>,
     scene: Option<Scene>,
     identity: Identity,
@@ -92,7 +94,9 @@ impl Entities {
         let has_scene = identity.has(POSE);
         output.send_static(role.entity(ABOUT), &about(identity, role, ""));
         let top = identity.geometry.top;
+        let measurement = identity.measurement.as_ref();
         Self {
+            measured: measurement.map(|measurement| Measured::new(measurement, output)),
             plots: Plots::new(|plot| identity.has(plot.topic()), role, output),
             events: identity.has(EVENTS).then(|| Events::new(top, role, output)),
             scene: has_scene.then(|| Scene::new(identity, role, output)),
@@ -109,6 +113,9 @@ impl Entities {
     /// Adds the content of a message of the run.
     pub(super) fn write(&mut self, message: &Message<'_>, output: &mut Output) {
         self.plots.write(message, Some, output);
+        if let Some(measured) = &mut self.measured {
+            measured.write(message, output);
+        }
         if let Some(events) = &mut self.events {
             events.write(message, output);
         }

@@ -12,8 +12,13 @@ pub(super) const ABOUT: &str = "about";
 /// The result of a comparison, in words.
 pub(super) const SUMMARY: &str = "/summary";
 
+/// The report on the fit of a run.
+pub(super) const FIT_REPORT: &str = "/fit/report";
+
 /// The scene; in a comparison, the part shared by both runs.
 pub(super) const STAGE: &str = "/scene";
+/// The top with the measured angles.
+pub(super) const MEASURED_TOP: &str = "/scene/measured";
 /// Target of the camera that follows a free peg.
 pub(super) const CAMERA_TARGET: &str = "scene/focus/camera_target";
 /// The latest part of the path of the symmetry axis on a sphere around the peg, and the part before it.

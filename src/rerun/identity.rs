@@ -1,6 +1,7 @@
 //! Metadata of a run, needed before its messages.
 
 use super::magnitude::Magnitudes;
+use super::measurement::Measurement;
 use super::message::store;
 use super::scale::Scales;
 use crate::physics::kinematics::Tilt;
@@ -11,6 +12,7 @@ use crate::telemetry::proportions::Proportions;
 use rerun::StoreId;
 use rerun::external::re_log_types::{ApplicationId, StoreKind};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// The top, and the sizes that arrows are drawn to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,6 +68,8 @@ pub struct Identity {
     pub topics: Vec<Topic>,
     /// The playback in a viewer.
     pub playback: Playback,
+    /// The data of a fit, of which the run is the result.
+    pub measurement: Option<Arc<Measurement>>,
 }
 
 impl Identity {
@@ -100,6 +104,7 @@ impl Identity {
             magnitudes: Magnitudes::new(scenario),
             topics,
             playback,
+            measurement: None,
         }
     }
 

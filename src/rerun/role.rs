@@ -6,8 +6,8 @@
 use super::palette;
 use crate::telemetry::side::Side;
 
-/// Opacity (0 to 255) of the top of run B, so that the top of run A stays visible behind it.
-const GHOST: u32 = 0x88;
+/// Opacity (0 to 255) of a second top, so that the first one stays visible behind it.
+pub(super) const GHOST: u32 = 0x88;
 
 /// Owner of an entity; determines its name and style.
 #[derive(Clone, Debug)]

@@ -4,6 +4,7 @@
 
 mod arrow;
 mod focus;
+mod measured;
 mod path;
 mod shape;
 
@@ -14,6 +15,7 @@ use rerun::datatypes::Rgba32;
 
 use self::arrow::Arrow;
 use self::focus::Focus;
+use self::measured::MeasuredTop;
 use self::path::Path;
 use super::entity::{CONTACT_PATHS, STAGE, TRAIL_ABOVE, TRAIL_BELOW};
 use super::identity::{Geometry, Identity};
@@ -32,6 +34,7 @@ type Pose = ([f32; 3], [f32; 4]);
 /// The scene of one run, fed with the messages of several channels.
 pub(super) struct Scene {
     top: Track<Pose>,
+    measured: Option<MeasuredTop>,
     /// The path of the symmetry axis on a sphere around the peg, of this radius, m.
     trail: Path,
     trail_radius: f64,
@@ -84,6 +87,10 @@ impl Scene {
             path.named(role, "scene/contact_path/name", text, GREY)
         });
         Self {
+            measured: identity
+                .measurement
+                .as_ref()
+                .and_then(|measurement| MeasuredTop::new(measurement, &geometry, output)),
             top: Track::new(role.entity("scene/top"), columns, output),
             trail,
             // Just above the tip of the stem.
@@ -115,6 +122,9 @@ impl Scene {
                 };
                 path.write(message.time_ns, kind, self.contact, output);
             }
+        }
+        if let Some(measured) = &mut self.measured {
+            measured.write(message, self.peg, output);
         }
         for arrow in &mut self.arrows {
             arrow.write(message, self.orientation, [self.peg, self.contact], output);

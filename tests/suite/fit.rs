@@ -743,3 +743,60 @@ fn exit_codes_tell_bad_fits_from_bad_input() {
     let ends = format!("{fit} --set stop.theta_risen=0.4999");
     assert_contains(&folder.toprise(&ends, 3).stderr, "the model ends at t = ");
 }
+
+#[test]
+fn refuses_existing_outputs_before_fitting() {
+    let folder = Folder::new();
+    fs::create_dir(folder.at("figures")).unwrap();
+    for name in [
+        "fit.mcap",
+        "best.toml",
+        "figures/data.svg",
+        "figures/profile-friction.k.svg",
+        "figures/correlations.svg",
+    ] {
+        folder.write(name, "");
+    }
+    // The data don't exist, so that reading them would be the first error.
+    for (outputs, taken) in [
+        ("-o fit.mcap", "fit.mcap exists"),
+        ("--scenario best.toml", "best.toml exists"),
+        ("--figures figures", "data.svg exists"),
+    ] {
+        let line = format!("fit full-coulomb none.csv --free friction.k {outputs}");
+        assert_contains(&folder.toprise(&line, 2).stderr, taken);
+        let forced = format!("{line} --force");
+        assert_contains(&folder.toprise(&forced, 2).stderr, "cannot read none.csv");
+    }
+    fs::remove_file(folder.at("figures/data.svg")).unwrap();
+    for (options, taken) in [
+        ("friction.k --profile friction.k", "profile-friction.k.svg"),
+        ("initial", "correlations.svg"),
+        ("friction.k", "cannot read none.csv"),
+    ] {
+        let line = format!("fit full-coulomb none.csv --figures figures --free {options}");
+        assert_contains(&folder.toprise(&line, 2).stderr, taken);
+    }
+}
+
+#[test]
+fn val_robust_losses_estimate_the_noise_without_outliers() {
+    let (_, scenario) = data_set("outliers");
+    let data = data(&["outliers.csv"], &["theta", "phi"]);
+    let mut request = Request::new(scenario, data, &["friction.k", "initial"]);
+    request.loss = Loss::Huber;
+    let report = fit(&request, &|_| {}).unwrap().report;
+    assert_eq!(report.verdict, Verdict::Fitted);
+    for signal in &report.signals {
+        // The truth is 1 mrad. 4 % of outliers, each counted as 1.345 σ, add 6 %; 2 % is a statistical error of 2402
+        // values.
+        let sigma = signal.sigma;
+        assert!(
+            (0.98e-3..1.10e-3).contains(&sigma),
+            "{}: {sigma}",
+            signal.field
+        );
+    }
+    let estimate = &report.parameters[0];
+    assert!((estimate.value - 0.0517).abs() < 4.0 * estimate.sd.unwrap());
+}

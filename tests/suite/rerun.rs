@@ -1,5 +1,7 @@
 //! The Rerun stream, as far as it can be tested without a viewer.
 
+#[cfg(feature = "fit")]
+use crate::support::scenario;
 use crate::support::{Folder, assert_contains, printed};
 use rerun::external::re_log_encoding::DecoderApp;
 use rerun::external::re_log_types::LogMsg;
@@ -10,6 +12,8 @@ use std::process::{Command, Output};
 use std::thread;
 use std::time::{Duration, Instant};
 use toprise::archive::recording::Overview;
+#[cfg(feature = "fit")]
+use toprise::run::simulation::sample_at;
 
 #[test]
 fn run_writes_mcap_and_rrd() {
@@ -210,4 +214,108 @@ fn lost_viewer_is_a_partial_result() {
     assert_contains(&warning, "was lost");
     let archive = Overview::read(&folder.at("a.mcap")).unwrap();
     assert!(archive.is_whole());
+}
+
+/// θ and φ of a second of a preset's motion at 100 Hz.
+#[cfg(feature = "fit")]
+fn measured_motion() -> Vec<[f64; 3]> {
+    let scenario = scenario("full-coulomb", &[("stop.duration", "1")]);
+    let times: Vec<f64> = (0..=100).map(|i| f64::from(i) / 100.0).collect();
+    let mut rows = Vec::new();
+    sample_at(&scenario, &times, &mut |index, sample| {
+        rows.push([times[index], sample.angles.theta, sample.angles.phi]);
+    })
+    .unwrap();
+    rows
+}
+
+/// The times (ns) and the numbers of an entity.
+#[cfg(feature = "fit")]
+fn numbers(chunks: &[Chunk], entity: &str) -> Vec<(i64, f64)> {
+    let mut numbers = Vec::new();
+    for chunk in chunks {
+        if chunk.entity_path().to_string() == entity && !chunk.is_static() {
+            let times = chunk.timelines().values().next().unwrap().times_raw();
+            let values = chunk.iter_slices::<f64>("Scalars:scalars".into());
+            for (time, values) in times.iter().zip(values) {
+                numbers.extend(values.iter().map(|value| (*time, *value)));
+            }
+        }
+    }
+    numbers
+}
+
+#[cfg(feature = "fit")]
+#[test]
+fn fits_show_data_over_the_curve() {
+    let folder = Folder::new();
+    let rows = measured_motion();
+    let mut csv = "t,theta,phi\n".to_owned();
+    for [time, theta, phi] in &rows {
+        csv += &format!("{time},{theta},{phi}\n");
+    }
+    fs::write(folder.at("data.csv"), csv).unwrap();
+    let line = "fit full-coulomb data.csv --set friction.k=0.04 --free friction.k \
+        --signal theta:1mrad --signal phi:1mrad --holdout 0.2 --rrd fit.rrd";
+    let printed = folder.toprise(line, 0).stdout;
+    assert_contains(&printed, "fit.rrd");
+    let chunks = chunks(&folder.read("fit.rrd"));
+    for (name, column) in [("theta", 1), ("phi", 2)] {
+        let entity = format!("/fit/data/top/state/{name}");
+        let mut found = numbers(&chunks, &entity);
+        assert_eq!(found.len(), 81, "{name}");
+        found.extend(numbers(&chunks, &format!("{entity}/held_out")));
+        let expected: Vec<(i64, f64)> = rows
+            .iter()
+            .map(|row| ((row[0] * 1e9).round() as i64, row[column]))
+            .collect();
+        assert_eq!(found, expected, "{name}");
+        // The fit is the motion itself, so the curve goes through the values, and the band lies around them.
+        let curve = numbers(&chunks, &format!("/fit/curve/top/state/{name}"));
+        let band = numbers(&chunks, &format!("/fit/curve/top/state/{name}/band"));
+        assert_eq!(band.len(), 2 * curve.len());
+        for (time, value) in &expected {
+            let (_, fitted) = curve.iter().find(|(other, _)| other == time).unwrap();
+            assert!((fitted - value).abs() < 1e-6, "{name} at {time} ns");
+            let bounds: Vec<_> = band.iter().filter(|(other, _)| other == time).collect();
+            assert!((bounds[0].1 - (fitted - 0.002)).abs() < 1e-12);
+            assert!((bounds[1].1 - (fitted + 0.002)).abs() < 1e-12);
+        }
+        let residuals = numbers(&chunks, &format!("/fit/residual/top/state/{name}"));
+        assert_eq!(residuals.len(), 81);
+        assert!(residuals.iter().all(|(_, residual)| residual.abs() < 1e-3));
+    }
+    let poses = chunks
+        .iter()
+        .filter(|chunk| chunk.entity_path().to_string() == "/scene/measured" && !chunk.is_static());
+    assert_eq!(poses.map(Chunk::num_rows).sum::<usize>(), rows.len());
+    let reports = chunks
+        .iter()
+        .filter(|chunk| chunk.entity_path().to_string() == "/fit/report");
+    let texts = reports.flat_map(|chunk| {
+        let texts = chunk.iter_slices::<String>("TextDocument:text".into());
+        texts
+            .flatten()
+            .map(|text| text.to_string())
+            .collect::<Vec<_>>()
+    });
+    assert_contains(&texts.last().unwrap(), "friction.k");
+}
+
+#[cfg(feature = "fit")]
+#[test]
+fn lost_viewer_makes_a_fit_partial() {
+    let folder = Folder::new();
+    fs::write(
+        folder.at("data.csv"),
+        "t,theta\n0,0.5\n0.01,0.5\n0.02,0.5\n",
+    )
+    .unwrap();
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    // Accepts the connection, so that a viewer seems to be there, and breaks it.
+    thread::spawn(move || listener.incoming().for_each(drop));
+    let viewer = format!("--connect=rerun+http://127.0.0.1:{port}/proxy");
+    let line = format!("fit full-coulomb data.csv --free friction.k --signal theta:1 {viewer}");
+    assert_contains(&folder.toprise(&line, 3).stderr, "was lost");
 }

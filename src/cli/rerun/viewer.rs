@@ -10,7 +10,7 @@ use anyhow::{Context as _, Error};
 use clap::Args;
 
 /// Viewer arguments.
-#[derive(Args, Clone, Debug, PartialEq)]
+#[derive(Args, Clone, Debug, Default, PartialEq)]
 pub(super) struct ViewerArguments {
     /// Connect to a running Rerun viewer [default URL: local viewer]
     #[arg(long, value_name = "URL", num_args = 0..=1, require_equals = true,

@@ -58,7 +58,7 @@ const MAX_TICKS: f64 = 7.0;
 const ROUNDING: f64 = 1e-12;
 
 /// A range that contains these values and at least three labelled ticks; `None` if the values are equal.
-fn with_ticks([low, high]: [f64; 2]) -> Option<[f64; 2]> {
+pub(super) fn with_ticks([low, high]: [f64; 2]) -> Option<[f64; 2]> {
     let size = high - low;
     let is_rounding = size <= ROUNDING * low.abs().max(high.abs());
     if is_rounding || !size.is_finite() {

@@ -8,11 +8,12 @@ use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 use super::axis::{MIN_SPAN, axis_range};
 use super::builder::{Child, Layout, Messages, column, tabs};
 use super::charts::{Chart, MORE, RATES, RISE, TABLE, TRAVEL};
+use super::fit;
 use super::views::{
     SceneView, events, playback_speed, scene, set_value_range, target, time_panel, time_series,
     titled, window,
 };
-use crate::rerun::entity::{self, ABOUT, EACH_EVENT};
+use crate::rerun::entity::{self, ABOUT, EACH_EVENT, FIT_REPORT};
 use crate::rerun::identity::{Geometry, Identity, Playback};
 use crate::rerun::magnitude::Magnitudes;
 use crate::rerun::plots::Plots;
@@ -84,6 +85,10 @@ fn left_side(layout: &mut Layout, identity: &Identity, has_story: bool) -> Child
             pages.insert(place, log);
         }
     }
+    if identity.measurement.is_some() {
+        let report = layout.view("TextDocument", "Report", FIT_REPORT, &["$origin"]);
+        pages.insert(0, report);
+    }
     let words = layout.contain(tabs(), &pages);
     if !identity.has(POSE) {
         return words;
@@ -98,7 +103,12 @@ fn left_side(layout: &mut Layout, identity: &Identity, has_story: bool) -> Child
         distance: 1.0,
     };
     let scene = scene(layout, &stage);
-    layout.contain(column(&[76.0, 24.0]), &[scene, words])
+    // A report is longer than a list of events.
+    let heights = match identity.measurement {
+        Some(_) => [52.0, 48.0],
+        None => [76.0, 24.0],
+    };
+    layout.contain(column(&heights), &[scene, words])
 }
 
 /// A page of charts.
@@ -192,6 +202,9 @@ fn bounds_of_tippe_top(unit: &str, geometry: &Geometry) -> Option<[f64; 2]> {
 /// Pages of charts, with axes that fit the values if they are known.
 fn right_side(layout: &mut Layout, identity: &Identity, plots: Option<&Plots>) -> Option<Child> {
     let mut grids = Vec::new();
+    if let Some(measurement) = &identity.measurement {
+        grids.push(fit::page(layout, measurement, plots));
+    }
     for page in pages(identity, plots) {
         let mut views = Vec::new();
         for chart in page.charts {

@@ -1,0 +1,144 @@
+//! The best fit with its data, in Rerun.
+
+use super::viewer::{ViewerArguments, complete, warn_all};
+use crate::archive::publish::{Draft, Drafts, Existing};
+use crate::archive::sink::{RecordedRun, Sink, record};
+use crate::cli::arguments::OUTPUT;
+use crate::cli::file_kind::FileKind;
+use crate::cli::output;
+use crate::cli::report::Completed;
+use crate::fit::Fit;
+use crate::rerun::{
+    Destinations, ExplainedSink, Identity, Live, MeasuredSignal, MeasuredValue, Measurement,
+    Playback,
+};
+use crate::run::outcome::Outcome;
+use crate::run::simulation::{Record, Tally};
+use crate::run::time::nanoseconds;
+use crate::telemetry::{RunMessages, Topic, Topics};
+use anyhow::Error;
+use clap::Args;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Viewer options of `fit`.
+#[derive(Args, Clone, Debug, Default, PartialEq)]
+pub(in crate::cli) struct ShowArguments {
+    /// Write a Rerun recording of the best fit, the data and the residuals to this file
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
+    rrd: Option<PathBuf>,
+
+    #[command(flatten)]
+    viewer: ViewerArguments,
+}
+
+/// Where a fit is shown.
+pub(in crate::cli) struct ShowPlan {
+    rrd: Option<PathBuf>,
+    live: Option<Live>,
+}
+
+impl ShowArguments {
+    /// Resolves the arguments.
+    pub(in crate::cli) fn plan(&self) -> Result<ShowPlan, Error> {
+        if let Some(rrd) = &self.rrd {
+            FileKind::Rrd.check("--rrd", rrd)?;
+        }
+        Ok(ShowPlan {
+            rrd: self.rrd.clone(),
+            live: self.viewer.live(),
+        })
+    }
+}
+
+impl ShowPlan {
+    /// The file to write.
+    pub(in crate::cli) fn file(&self) -> Option<&Path> {
+        self.rrd.as_deref()
+    }
+
+    /// Shows the best fit, with a report in Markdown. An unreachable viewer is only a warning.
+    pub(in crate::cli) fn show(
+        &self,
+        fit: &Fit,
+        report: String,
+        drafts: &Drafts,
+        existing: Existing,
+    ) -> Result<Completed, Error> {
+        let mut draft = None;
+        if let Some(rrd) = &self.rrd {
+            draft = Some(Draft::new_in(drafts, rrd, existing)?);
+            output::warn_of_link(rrd, existing == Existing::Replace);
+        }
+        let destinations = Destinations {
+            file: draft.as_ref().map(Draft::file).transpose()?,
+            live: self.live.clone(),
+        };
+        if destinations.file.is_none() && destinations.live.is_none() {
+            return Ok(Completed::default());
+        }
+        let mut sink = ExplainedSink::new(&fit.scenario, &identity(fit, report), destinations);
+        let is_viewer_lost = warn_all(&sink.take_warnings());
+        record_run(fit, &mut sink)?;
+        let mut completed = complete(sink.finish(), draft)?;
+        completed.is_viewer_lost |= is_viewer_lost;
+        Ok(completed)
+    }
+}
+
+/// Simulates the best fit.
+fn record_run(fit: &Fit, sink: &mut ExplainedSink) -> Result<(), Error> {
+    let mut run = RunMessages::new(&fit.scenario, &Topics::All)?;
+    let mut tally = Tally::default();
+    let mut sinks: [&mut dyn Sink; 1] = [sink];
+    let RecordedRun { end, error } = record(&mut run, &mut sinks, |record, _| {
+        if let Record::Event(event) = record {
+            tally.count(event.kind, event.time);
+        }
+        Ok(ControlFlow::Continue(()))
+    })?;
+    match error {
+        Some(error) => output::warn(&error.to_string()),
+        None => sink.set_outcome(&Outcome::new(&fit.scenario, end, tally)),
+    }
+    Ok(())
+}
+
+fn identity(fit: &Fit, report: String) -> Identity {
+    let scenario = &fit.scenario;
+    let name = format!("fit of {}", scenario.name());
+    let topics = Topic::all_with(scenario.model.support).collect();
+    Identity {
+        // The values of the parameters are in the report.
+        title: format!(
+            "{}, best fit · friction: {}",
+            scenario.name(),
+            fit.report.law
+        ),
+        measurement: Some(Arc::new(measurement(fit, report))),
+        ..Identity::new(&name, scenario, topics, Playback::FromStart)
+    }
+}
+
+fn measurement(fit: &Fit, report: String) -> Measurement {
+    let mut signals = Vec::new();
+    for (signal, field) in fit.report.signals.iter().zip(&fit.fields) {
+        signals.push(MeasuredSignal {
+            field: *field,
+            source: signal.source.clone(),
+            values: Vec::new(),
+        });
+    }
+    for value in &fit.residuals {
+        signals[value.signal].values.push(MeasuredValue {
+            // An offset may take a file's first value slightly before the start.
+            time_ns: nanoseconds(value.time.max(0.0)),
+            value: value.value,
+            sigma: value.sigma,
+            residual: value.residual,
+            is_held_out: value.is_held_out,
+        });
+    }
+    Measurement { signals, report }
+}

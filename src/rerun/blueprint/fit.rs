@@ -1,0 +1,79 @@
+//! The page of a fit: for each signal, values over the fitted curve, and residuals below.
+
+use rerun::blueprint::components::{ContainerKind, Corner2D, LinkAxis};
+use rerun::components::Name;
+use rerun::external::re_sdk_types::blueprint::archetypes as parts;
+
+use super::axis::with_ticks;
+use super::builder::{Child, Layout, column};
+use super::views::{set_value_range, time_series, titled};
+use crate::rerun::measured::Series;
+use crate::rerun::measurement::{MeasuredSignal, Measurement};
+use crate::rerun::plots::Plots;
+
+/// Heights of a chart of values and of one of residuals.
+const HEIGHTS: [f32; 2] = [62.0, 38.0];
+
+/// Maximum number of signals below each other.
+const MAX_IN_COLUMN: usize = 2;
+
+/// The page of a measurement. Its axes fit the run, too, if that is known.
+pub(super) fn page(layout: &mut Layout, measurement: &Measurement, plots: Option<&Plots>) -> Child {
+    let mut signals = Vec::new();
+    for (signal, path) in measurement.signals.iter().zip(measurement.paths()) {
+        let name = signal.name(measurement);
+        let values = values(layout, signal, &name, &path, plots);
+        let residuals = residuals(layout, signal, &name, &path);
+        signals.push(layout.contain(column(&HEIGHTS), &[values, residuals]));
+    }
+    let columns = if signals.len() > MAX_IN_COLUMN { 2 } else { 1 };
+    let grid = parts::ContainerBlueprint::new(ContainerKind::Grid)
+        .with_grid_columns(columns)
+        .with_display_name(Name("Fit".into()));
+    layout.contain(grid, &signals)
+}
+
+fn values(
+    layout: &mut Layout,
+    signal: &MeasuredSignal,
+    name: &str,
+    path: &str,
+    plots: Option<&Plots>,
+) -> Child {
+    let title = titled(&format!("{name}, measured and fitted"), signal.field.unit());
+    let view = chart(layout, &title, &Series::VALUES, path);
+    // Without the run the axis would cut off the curve between the values.
+    if let Some(plots) = plots {
+        let mut range = signal.range(signal.residual_limit());
+        for (field, of_run) in plots.ranges(signal.field.plot()) {
+            if field == signal.field {
+                range = [range[0].min(of_run[0]), range[1].max(of_run[1])];
+            }
+        }
+        if let Some(range) = with_ticks(range) {
+            set_value_range(layout, &view, range);
+        }
+    }
+    view
+}
+
+fn residuals(layout: &mut Layout, signal: &MeasuredSignal, name: &str, path: &str) -> Child {
+    let limit = signal.residual_limit();
+    let mut title = format!("{name}, residual (σ)");
+    let beyond = signal.count_beyond(limit);
+    if beyond > 0 {
+        title += &format!(", {beyond} beyond ±{limit:.0}");
+    }
+    let view = chart(layout, &title, &Series::RESIDUALS, path);
+    if let Some(range) = with_ticks([-limit, limit]) {
+        set_value_range(layout, &view, range);
+    }
+    view
+}
+
+/// A chart whose time axis moves with those of the other charts of the page.
+fn chart(layout: &mut Layout, title: &str, series: &[Series], path: &str) -> Child {
+    let contents: Vec<String> = series.iter().map(|series| series.entity(path)).collect();
+    let link = LinkAxis::LinkToGlobal;
+    time_series(layout, title, &contents, Some(Corner2D::RightTop), link)
+}

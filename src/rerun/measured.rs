@@ -1,0 +1,192 @@
+//! Plots of measured values over the run that was fitted to them.
+
+use rerun::components::{AggregationPolicy, MarkerShape};
+use rerun::{Color, Scalars, SeriesLines, SeriesPoints};
+use std::sync::Arc;
+
+use super::entity::FIT_REPORT;
+use super::measurement::{MeasuredSignal, Measurement};
+use super::output::{Columns, Output};
+use super::palette::{GREEN, GREY, ORANGE, PALE, SKY};
+use super::track::Track;
+use crate::telemetry::Message;
+use crate::telemetry::supplement::{FIT_DATA, FIT_RESIDUAL};
+
+/// Half width of the band in which 95 % of the values are expected, σ.
+const BAND: f64 = 2.0;
+
+/// A curve, or points, of a signal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Series {
+    /// The fitted values.
+    Measured,
+    /// The values that were held out.
+    HeldOut,
+    /// The run.
+    Fitted,
+    /// The run ± 2σ.
+    Band,
+    /// Residuals of the fitted values.
+    Residual,
+    /// Residuals of the values that were held out.
+    HeldOutResidual,
+    /// Zero and ± 2σ.
+    Bounds,
+}
+
+impl Series {
+    /// What a chart of the values shows.
+    pub(super) const VALUES: [Self; 4] = [Self::Band, Self::Fitted, Self::Measured, Self::HeldOut];
+    /// What a chart of the residuals shows.
+    pub(super) const RESIDUALS: [Self; 3] = [Self::Bounds, Self::Residual, Self::HeldOutResidual];
+
+    /// The entity for a signal with this path.
+    pub(super) fn entity(self, path: &str) -> String {
+        match self {
+            Self::Measured => format!("{FIT_DATA}{path}"),
+            Self::HeldOut => format!("{FIT_DATA}{path}/held_out"),
+            Self::Fitted => format!("/fit/curve{path}"),
+            Self::Band => format!("/fit/curve{path}/band"),
+            Self::Residual => format!("{FIT_RESIDUAL}{path}"),
+            Self::HeldOutResidual => format!("{FIT_RESIDUAL}{path}/held_out"),
+            Self::Bounds => format!("{FIT_RESIDUAL}{path}/bounds"),
+        }
+    }
+
+    /// Sends names and colours, and opens the rows.
+    fn open(self, path: &str, output: &mut Output) -> Track<f64> {
+        let entity = self.entity(path);
+        match self {
+            Self::Measured => points(&entity, "measured", ORANGE, output),
+            Self::HeldOut => points(&entity, "held out", GREEN, output),
+            Self::Residual => points(&entity, "fitted", ORANGE, output),
+            Self::HeldOutResidual => points(&entity, "held out", GREEN, output),
+            Self::Fitted => lines(&entity, &[("best fit", SKY, 1.5)], output),
+            Self::Band => {
+                let names = [("−2σ", PALE, 0.7), ("+2σ", PALE, 0.7)];
+                lines(&entity, &names, output)
+            }
+            Self::Bounds => {
+                let names = [("−2σ", PALE, 0.7), ("0", GREY, 0.7), ("+2σ", PALE, 0.7)];
+                lines(&entity, &names, output)
+            }
+        }
+    }
+}
+
+fn points(entity: &str, name: &str, color: u32, output: &mut Output) -> Track<f64> {
+    let style = SeriesPoints::new()
+        .with_names([name])
+        .with_colors([Color::from_u32(color)])
+        .with_markers([MarkerShape::Circle])
+        .with_marker_sizes([1.3]);
+    output.send_static(entity, &style);
+    Track::new(entity.to_owned(), |rows| columns(rows, 1), output)
+}
+
+fn lines(entity: &str, series: &[(&str, u32, f32)], output: &mut Output) -> Track<f64> {
+    let style = SeriesLines::new()
+        .with_names(series.iter().map(|(name, ..)| *name))
+        .with_colors(series.iter().map(|(_, color, _)| Color::from_u32(*color)))
+        .with_widths(series.iter().map(|(.., width)| *width))
+        .with_aggregation_policy(AggregationPolicy::MinMax);
+    output.send_static(entity, &style);
+    let width = series.len();
+    Track::new(entity.to_owned(), move |rows| columns(rows, width), output)
+}
+
+/// The curves of the run, as far as it was measured.
+pub(super) struct Measured {
+    measurement: Arc<Measurement>,
+    curves: Vec<Curve>,
+}
+
+/// The curve of the run for a signal.
+struct Curve {
+    fitted: Track<f64>,
+    band: Track<f64>,
+    /// Index of the last measured value that is not later than the run.
+    place: usize,
+}
+
+impl Measured {
+    /// Sends the measured values and the report.
+    pub(super) fn new(measurement: &Arc<Measurement>, output: &mut Output) -> Self {
+        output.send_static(FIT_REPORT, &measurement.document());
+        let mut curves = Vec::new();
+        for (signal, path) in measurement.signals.iter().zip(measurement.paths()) {
+            send_values(signal, &path, output);
+            curves.push(Curve {
+                fitted: Series::Fitted.open(&path, output),
+                band: Series::Band.open(&path, output),
+                place: 0,
+            });
+        }
+        Self {
+            measurement: Arc::clone(measurement),
+            curves,
+        }
+    }
+
+    /// Adds the fields of a message that were measured.
+    pub(super) fn write(&mut self, message: &Message<'_>, output: &mut Output) {
+        for (signal, curve) in self.measurement.signals.iter().zip(&mut self.curves) {
+            if signal.field.topic() == message.topic() {
+                curve.write(signal, message, output);
+            }
+        }
+    }
+}
+
+impl Curve {
+    fn write(&mut self, signal: &MeasuredSignal, message: &Message<'_>, output: &mut Output) {
+        let time_ns = message.time_ns;
+        let later = signal.values.get(self.place + 1..).unwrap_or_default();
+        self.place += later.iter().take_while(|v| v.time_ns <= time_ns).count();
+        let value = signal.field.of(message);
+        self.fitted.push(output, time_ns, [value]);
+        if let Some(measured) = signal.values.get(self.place) {
+            let half = BAND * measured.sigma;
+            self.band
+                .push(output, time_ns, [value - half, value + half]);
+        }
+    }
+}
+
+/// Sends the values of a signal and their residuals.
+fn send_values(signal: &MeasuredSignal, path: &str, output: &mut Output) {
+    for (values, residuals, is_held_out) in [
+        (Series::Measured, Series::Residual, false),
+        (Series::HeldOut, Series::HeldOutResidual, true),
+    ] {
+        let mut part = signal
+            .values
+            .iter()
+            .filter(|v| v.is_held_out == is_held_out)
+            .peekable();
+        if part.peek().is_none() {
+            continue;
+        }
+        let values = values.open(path, output);
+        let residuals = residuals.open(path, output);
+        for value in part {
+            values.push(output, value.time_ns, [value.value]);
+            residuals.push(output, value.time_ns, [value.residual]);
+        }
+    }
+    let bounds = Series::Bounds.open(path, output);
+    for value in signal
+        .values
+        .first()
+        .into_iter()
+        .chain(signal.values.last())
+    {
+        bounds.push(output, value.time_ns, [-BAND, 0.0, BAND]);
+    }
+}
+
+fn columns(numbers: &[f64], width: usize) -> Columns {
+    let lengths = std::iter::repeat_n(width, numbers.len() / width);
+    let scalars = Scalars::new(numbers.iter().copied());
+    Ok(scalars.columns(lengths)?.collect())
+}
