@@ -53,33 +53,42 @@ impl Series {
         }
     }
 
-    /// Sends names and colours, and opens the rows.
-    fn open(self, path: &str, output: &mut Output) -> Track<f64> {
+    /// Sends names and colours for a signal with this number of values, and opens the rows.
+    fn open(self, path: &str, count: usize, output: &mut Output) -> Track<f64> {
         let entity = self.entity(path);
         match self {
-            Self::Measured => points(&entity, "measured", ORANGE, output),
-            Self::HeldOut => points(&entity, "held out", GREEN, output),
-            Self::Residual => points(&entity, "fitted", ORANGE, output),
-            Self::HeldOutResidual => points(&entity, "held out", GREEN, output),
-            Self::Fitted => lines(&entity, &[("best fit", SKY, 1.5)], output),
+            Self::Measured => points(&entity, "measured", ORANGE, count, output),
+            Self::HeldOut => points(&entity, "held out", GREEN, count, output),
+            Self::Residual => points(&entity, "fitted", ORANGE, count, output),
+            Self::HeldOutResidual => points(&entity, "held out", GREEN, count, output),
+            Self::Fitted => lines(&entity, &[("best fit", SKY, 1.8)], output),
             Self::Band => {
-                let names = [("−2σ", PALE, 0.7), ("+2σ", PALE, 0.7)];
+                // Viewers list equal names once.
+                let names = [("±2σ", PALE, 1.0), ("±2σ", PALE, 1.0)];
                 lines(&entity, &names, output)
             }
             Self::Bounds => {
-                let names = [("−2σ", PALE, 0.7), ("0", GREY, 0.7), ("+2σ", PALE, 0.7)];
+                let names = [("±2σ", SKY, 1.2), ("0", GREY, 0.7), ("±2σ", SKY, 1.2)];
                 lines(&entity, &names, output)
             }
         }
     }
 }
 
-fn points(entity: &str, name: &str, color: u32, output: &mut Output) -> Track<f64> {
+/// Number of values of a signal up to which they are large.
+const FEW: usize = 400;
+
+/// Sizes of few and of many values.
+const SIZES: [f32; 2] = [2.2, 1.4];
+
+/// Points for a signal with this number of values. Many small ones leave the curve behind them visible.
+fn points(entity: &str, name: &str, color: u32, count: usize, output: &mut Output) -> Track<f64> {
+    let size = SIZES[usize::from(count > FEW)];
     let style = SeriesPoints::new()
         .with_names([name])
         .with_colors([Color::from_u32(color)])
         .with_markers([MarkerShape::Circle])
-        .with_marker_sizes([1.3]);
+        .with_marker_sizes([size]);
     output.send_static(entity, &style);
     Track::new(entity.to_owned(), |rows| columns(rows, 1), output)
 }
@@ -115,10 +124,11 @@ impl Measured {
         output.send_static(FIT_REPORT, &measurement.document());
         let mut curves = Vec::new();
         for (signal, path) in measurement.signals.iter().zip(measurement.paths()) {
+            let count = signal.values.len();
             send_values(signal, &path, output);
             curves.push(Curve {
-                fitted: Series::Fitted.open(&path, output),
-                band: Series::Band.open(&path, output),
+                fitted: Series::Fitted.open(&path, count, output),
+                band: Series::Band.open(&path, count, output),
                 place: 0,
             });
         }
@@ -155,6 +165,7 @@ impl Curve {
 
 /// Sends the values of a signal and their residuals.
 fn send_values(signal: &MeasuredSignal, path: &str, output: &mut Output) {
+    let count = signal.values.len();
     for (values, residuals, is_held_out) in [
         (Series::Measured, Series::Residual, false),
         (Series::HeldOut, Series::HeldOutResidual, true),
@@ -167,14 +178,14 @@ fn send_values(signal: &MeasuredSignal, path: &str, output: &mut Output) {
         if part.peek().is_none() {
             continue;
         }
-        let values = values.open(path, output);
-        let residuals = residuals.open(path, output);
+        let values = values.open(path, count, output);
+        let residuals = residuals.open(path, count, output);
         for value in part {
             values.push(output, value.time_ns, [value.value]);
             residuals.push(output, value.time_ns, [value.residual]);
         }
     }
-    let bounds = Series::Bounds.open(path, output);
+    let bounds = Series::Bounds.open(path, count, output);
     for value in signal
         .values
         .first()

@@ -114,7 +114,7 @@ impl Measurement {
         Some(&signal.values)
     }
 
-    /// The report after a key to the colours.
+    /// A key to the colours, and the report.
     pub(super) fn document(&self) -> TextDocument {
         let mut key = "Orange: measured values. Blue: best fit, with ±2σ.".to_owned();
         let has_held_out = |signal: &MeasuredSignal| signal.values.iter().any(|v| v.is_held_out);
@@ -129,7 +129,7 @@ impl Measurement {
                 None => "; its spin is that of the fit.",
             };
         }
-        TextDocument::from_markdown(format!("{}\n\n{key}\n", self.report.trim()))
+        TextDocument::from_markdown(format!("{key}\n\n{}", self.report))
     }
 }
 
@@ -147,7 +147,7 @@ impl MeasuredSignal {
         }
     }
 
-    /// Half the range of an axis on which most residuals are seen, σ.
+    /// Half the range of an axis on which most residuals are seen: a whole number of σ.
     pub(super) fn residual_limit(&self) -> f64 {
         /// Median of the size of a normal number with standard deviation 1.
         const MEDIAN: f64 = 0.6745;
@@ -157,7 +157,7 @@ impl MeasuredSignal {
             return MIN_RANGE;
         };
         let limit = FARTHEST * (median / MEDIAN).max(1.0);
-        greatest.min(limit).max(MIN_RANGE)
+        greatest.min(limit).max(MIN_RANGE).ceil()
     }
 
     /// The least and the greatest of the values whose residuals are within a limit; reversed infinite bounds without any.
@@ -169,6 +169,14 @@ impl MeasuredSignal {
             }
         }
         range
+    }
+
+    /// Whether the last value is above the first.
+    pub(super) fn is_rising(&self) -> bool {
+        match (self.values.first(), self.values.last()) {
+            (Some(first), Some(last)) => last.value > first.value,
+            (Some(_), None) | (None, Some(_) | None) => false,
+        }
     }
 
     /// The number of values whose residuals are beyond a limit.

@@ -94,7 +94,7 @@ fn record_run(fit: &Fit, sink: &mut ExplainedSink) -> Result<(), Error> {
     let mut sinks: [&mut dyn Sink; 1] = [sink];
     let RecordedRun { end, error } = record(&mut run, &mut sinks, |record, _| {
         if let Record::Event(event) = record {
-            tally.count(event.kind, event.time);
+            tally.record(event.kind, event.time);
         }
         Ok(ControlFlow::Continue(()))
     })?;

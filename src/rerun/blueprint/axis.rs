@@ -28,13 +28,16 @@ pub(super) fn axis_range(
             typical = typical.max(magnitudes.typical(number.leaf().quantity));
         }
     }
-    let [low, high] = range_of_values(values, least * typical);
-    let [first, last] = with_ticks([low, high])?;
-    if last - first <= MAX_STRETCH * (high - low) {
-        Some([first, last])
-    } else {
-        (values != [low, high]).then_some([low, high])
-    }
+    let shown = range_of_values(values, least * typical);
+    let range = value_range(shown)?;
+    (values != range).then_some(range)
+}
+
+/// A range that contains these values, with labelled ticks if there are any near; `None` if the values are equal.
+pub(super) fn value_range(values: [f64; 2]) -> Option<[f64; 2]> {
+    let [first, last] = with_ticks(values)?;
+    let is_near = last - first <= MAX_STRETCH * (values[1] - values[0]);
+    Some(if is_near { [first, last] } else { values })
 }
 
 /// The shortest axis, relative to the magnitude of its values.
@@ -58,7 +61,7 @@ const MAX_TICKS: f64 = 7.0;
 const ROUNDING: f64 = 1e-12;
 
 /// A range that contains these values and at least three labelled ticks; `None` if the values are equal.
-pub(super) fn with_ticks([low, high]: [f64; 2]) -> Option<[f64; 2]> {
+fn with_ticks([low, high]: [f64; 2]) -> Option<[f64; 2]> {
     let size = high - low;
     let is_rounding = size <= ROUNDING * low.abs().max(high.abs());
     if is_rounding || !size.is_finite() {

@@ -4,7 +4,7 @@ use rerun::blueprint::components::{ContainerKind, Corner2D, LinkAxis};
 use rerun::components::Name;
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
-use super::axis::with_ticks;
+use super::axis::value_range;
 use super::builder::{Child, Layout, column};
 use super::views::{set_value_range, time_series, titled};
 use crate::rerun::measured::Series;
@@ -41,7 +41,13 @@ fn values(
     plots: Option<&Plots>,
 ) -> Child {
     let title = titled(&format!("{name}, measured and fitted"), signal.field.unit());
-    let view = chart(layout, &title, &Series::VALUES, path);
+    // Where the curve isn't.
+    let corner = if signal.is_rising() {
+        Corner2D::LeftTop
+    } else {
+        Corner2D::RightTop
+    };
+    let view = chart(layout, &title, &Series::VALUES, path, Some(corner));
     // Without the run the axis would cut off the curve between the values.
     if let Some(plots) = plots {
         let mut range = signal.range(signal.residual_limit());
@@ -50,7 +56,7 @@ fn values(
                 range = [range[0].min(of_run[0]), range[1].max(of_run[1])];
             }
         }
-        if let Some(range) = with_ticks(range) {
+        if let Some(range) = value_range(range) {
             set_value_range(layout, &view, range);
         }
     }
@@ -59,21 +65,26 @@ fn values(
 
 fn residuals(layout: &mut Layout, signal: &MeasuredSignal, name: &str, path: &str) -> Child {
     let limit = signal.residual_limit();
-    let mut title = format!("{name}, residual (σ)");
+    let mut title = format!("{name}, residual in σ (lines: 0 and ±2)");
     let beyond = signal.count_beyond(limit);
     if beyond > 0 {
         title += &format!(", {beyond} beyond ±{limit:.0}");
     }
-    let view = chart(layout, &title, &Series::RESIDUALS, path);
-    if let Some(range) = with_ticks([-limit, limit]) {
-        set_value_range(layout, &view, range);
-    }
+    // Colours are those of the chart above.
+    let view = chart(layout, &title, &Series::RESIDUALS, path, None);
+    set_value_range(layout, &view, [-limit, limit]);
     view
 }
 
 /// A chart whose time axis moves with those of the other charts of the page.
-fn chart(layout: &mut Layout, title: &str, series: &[Series], path: &str) -> Child {
+fn chart(
+    layout: &mut Layout,
+    title: &str,
+    series: &[Series],
+    path: &str,
+    legend: Option<Corner2D>,
+) -> Child {
     let contents: Vec<String> = series.iter().map(|series| series.entity(path)).collect();
     let link = LinkAxis::LinkToGlobal;
-    time_series(layout, title, &contents, Some(Corner2D::RightTop), link)
+    time_series(layout, title, &contents, legend, link)
 }
