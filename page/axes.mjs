@@ -35,6 +35,13 @@ export function ticks(low, high, wanted) {
   return Array.from({ length: Math.max(count, 0) }, (_, index) => Number(((first + index) * step).toPrecision(12)));
 }
 
+/** Round numbers between `low` and `high`: about `wanted`, but at least two, because a single one shows no scale. */
+export function axisTicks(low, high, wanted) {
+  let marks = ticks(low, high, wanted);
+  for (let more = wanted + 1; marks.length < 2 && high > low; more++) marks = ticks(low, high, more);
+  return marks;
+}
+
 /** So many samples suffice for the usual size of a quantity; all of them take longer than drawing. */
 const USUAL_SAMPLES = 2000;
 

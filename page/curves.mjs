@@ -1,6 +1,6 @@
 // Curves over time. Each pixel column shows the minimum and maximum of its samples, so no nutation is lost.
 
-import { axisRange, constantOf, indexAt, scaleOf, ticks } from "./axes.mjs";
+import { axisRange, axisTicks, constantOf, indexAt, scaleOf, ticks } from "./axes.mjs";
 import { gestures } from "./gestures.mjs";
 import { degrees, fixed, imagined, written } from "./numbers.mjs";
 
@@ -206,13 +206,14 @@ export class Curves extends TimeCanvas {
     pen.fillStyle = style.getPropertyValue("--line");
     for (const time of times) pen.fillRect(this.xOf(time), top, 1, bottom - top);
     // A quantity that stays zero has no size for other ticks.
-    const marks = isConstant && low === -high ? [0] : ticks(ofAxis(low), ofAxis(high), Math.max((bottom - top) / 22, 2.5));
+    const marks = isConstant && low === -high ? [0] : axisTicks(ofAxis(low), ofAxis(high), Math.max((bottom - top) / 22, 2.5));
     for (const value of marks) {
       pen.fillStyle = style.getPropertyValue("--line");
       pen.fillRect(LEFT, yOfAxis(value), across, 1);
       pen.fillStyle = style.color;
       pen.textAlign = "right";
-      pen.fillText(written(value), LEFT - 6, yOfAxis(value) + 4, LEFT - 8);
+      // A number at the upper end stays below the panel's title.
+      pen.fillText(written(value), LEFT - 6, Math.max(yOfAxis(value) + 4, top + 8), LEFT - 8);
     }
     pen.save();
     pen.beginPath();

@@ -1,6 +1,6 @@
 // Where the energy is: stacked areas over time, and the changes since the start in numbers.
 
-import { indexAt, ticks } from "./axes.mjs";
+import { axisTicks, indexAt } from "./axes.mjs";
 import { CURVE_MARGINS, TimeCanvas, isMoment } from "./curves.mjs";
 import { fixed, written } from "./numbers.mjs";
 
@@ -59,10 +59,10 @@ export class EnergyAreas extends TimeCanvas {
     const stack = (i) => PARTS.map(({ at }) => Math.max(at(columns, i), 0));
     const highest = indices.reduce((most, i) => Math.max(most, stack(i).reduce((sum, part) => sum + part, 0)), 1e-12);
     const y = (value) => bottom - (value / (1.05 * highest)) * (bottom - top);
-    for (const value of ticks(0, highest, Math.max((bottom - top) / 30, 2))) {
+    for (const value of axisTicks(0, 1.05 * highest, Math.max((bottom - top) / 30, 2))) {
       pen.fillStyle = style.color;
       pen.textAlign = "right";
-      pen.fillText(written(value), left - 6, y(value) + 4, left - 8);
+      pen.fillText(written(value), left - 6, Math.max(y(value) + 4, top + 8), left - 8);
     }
     indices.forEach((index, x) => {
       let sum = 0;

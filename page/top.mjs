@@ -315,7 +315,10 @@ export class View {
     pen.lineTo(end[0] - 0.8 * head * ux, end[1] - 0.8 * head * uy);
     pen.stroke();
     this.head(start, [end[0] - 0.3 * head * ux, end[1] - 0.3 * head * uy], color, head);
-    this.text(label, [end[0] + 12 * ux, end[1] + 12 * uy + 5], labelColor(color, this.colors.ink), `600 14px ${FONT}`, ux < -0.3 ? "right" : "left");
+    // Beside an arrow that lies along another: at its end is the beginning of that one.
+    const side = Math.sign(below);
+    const place = offset === 0 ? [end[0] + 12 * ux, end[1] + 12 * uy] : [(start[0] + end[0]) / 2 - 14 * side * uy, (start[1] + end[1]) / 2 + 14 * side * ux];
+    this.text(label, [place[0], place[1] + 5], labelColor(color, this.colors.ink), `600 14px ${FONT}`, ux < -0.3 ? "right" : "left");
   }
 
   /** The tilt and the spin at this moment, in the upper left corner; after the end of the run, those at its end. */

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { gunzipSync } from "node:zlib";
 import { ARROWS, arrowScale, vectorAt } from "../arrows.mjs";
-import { axisRange, constantOf, scaleOf } from "../axes.mjs";
+import { axisRange, axisTicks, constantOf, scaleOf } from "../axes.mjs";
 import { sliderRange, validText, valueAt } from "../controls.mjs";
 import { quantities } from "../curves.mjs";
 import { PARTS, energyChanges } from "../energy.mjs";
@@ -249,6 +249,12 @@ const tests = {
       assert.ok(Math.abs(turned(at(0.3), [0, 0, 1])[2] - Math.cos(theta)) < 1e-12);
       const [a, b] = [at(0), at(0.1)].map((q) => turned(q, [1, 0, 0]));
       assert.ok(Math.hypot(...a.map((value, index) => value - b[index])) < 0.1 * Math.sin(theta) * 2 + 1e-12, theta);
+    }
+  },
+  "an axis has at least two numbers"() {
+    for (const [low, high] of [[-14, 14], [0, 0.34], [0.99, 1.08], [-3, 0.5], [4e-6, 9e-6]]) {
+      const marks = axisTicks(low, high, 2);
+      assert.ok(marks.length >= 2 && marks.length <= 6 && marks.every((mark) => mark >= low && mark <= high), `${marks}`);
     }
   },
   async "names of A and B show what differs, and break between changes only"() {
