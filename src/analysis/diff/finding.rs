@@ -98,7 +98,7 @@ pub struct EndCondition {
 
 impl EndCondition {
     fn label(self) -> String {
-        let name = self.reason.name().replace('_', " ");
+        let name = self.reason.words();
         match (self.reason, self.limit) {
             (StopReason::Risen | StopReason::Fallen, Some(level)) => {
                 format!("{name} to {} rad", significant(level, 3))

@@ -4,6 +4,7 @@ use crate::cli::numbers::{format_count, format_fixed, format_integer};
 use crate::cli::page::{Section, Tone};
 use crate::cli::report::WrittenFile;
 use crate::cli::table::Table;
+use crate::run::simulation::StopReason;
 use crate::sweep::{RowError, Shard};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -39,12 +40,17 @@ pub(super) fn summary(stops: &BTreeMap<String, u64>, errors: u64) -> String {
     all.sort_by_key(|(_, number)| std::cmp::Reverse(**number));
     let mut words: Vec<_> = all
         .into_iter()
-        .map(|(stop, number)| format!("{} {}", format_integer(*number), stop.replace('_', " ")))
+        .map(|(stop, number)| format!("{} {}", format_integer(*number), stop_words(stop)))
         .collect();
     if errors > 0 {
         words.push(format!("{} failed", format_integer(errors)));
     }
     words.join(", ")
+}
+
+/// The words for the name of a stop reason; a table of another version may have other names.
+fn stop_words(name: &str) -> String {
+    StopReason::find(name).map_or_else(|| name.replace('_', " "), StopReason::words)
 }
 
 impl SweepReport {
@@ -117,5 +123,20 @@ impl SweepReport {
         } else {
             Section::with_tone(Tone::Good, runs)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_outcomes_in_the_words_of_a_run() {
+        let stops = [("duration", 2), ("risen", 4), ("slip_stopped", 1)]
+            .map(|(name, count)| (name.to_owned(), count));
+        assert_eq!(
+            summary(&stops.into(), 0),
+            "4 risen, 2 at the time limit, 1 slip stopped"
+        );
     }
 }

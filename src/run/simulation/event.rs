@@ -141,12 +141,11 @@ impl EventKind {
             psi_dot,
         } = state;
         match self {
-            Self::Start => format!(
-                "The top starts inclined by {theta:.4} rad, spinning at {psi_dot:.2} rad/s and precessing at {phi_dot:.4} rad/s."
-            ),
-            Self::Risen => format!("The top has risen to within {theta:.4} rad of upright."),
+            Self::Start => start_sentence(theta, phi_dot, psi_dot),
+            Self::Risen => format!("The top reaches θ = {theta:.4} rad."),
             Self::Fallen => format!(
-                "The top has fallen to {theta:.4} rad; its spin is down to {psi_dot:.2} rad/s."
+                "The top has fallen to θ = {theta:.4} rad; its spin is {} rad/s.",
+                decimal(psi_dot, 2)
             ),
             Self::NutationMinimum => format!("Nutation: the inclination is least, {theta:.6} rad."),
             Self::NutationMaximum => {
@@ -157,42 +156,47 @@ impl EventKind {
             }
             // Regular precession of a tippe top may be backward: that makes no loops.
             Self::LoopingBegins if top.center_distance < 0.0 => {
-                format!("The precession turns backward, at {theta:.4} rad.")
+                format!("The precession turns backward, at θ = {theta:.4} rad.")
             }
             Self::LoopingBegins => {
-                format!("The precession turns backward: the axis loops, at {theta:.4} rad.")
+                format!("The precession turns backward: the axis loops, at θ = {theta:.4} rad.")
             }
             Self::LoopingEnds if top.center_distance < 0.0 => {
-                format!("The precession turns forward, at {theta:.4} rad.")
+                format!("The precession turns forward, at θ = {theta:.4} rad.")
             }
-            Self::LoopingEnds => format!("The precession turns forward again, at {theta:.4} rad."),
+            Self::LoopingEnds => {
+                format!("The precession turns forward again, at θ = {theta:.4} rad.")
+            }
             // A top that swings may come back.
             Self::Inverts => format!(
-                "The axis passes the horizontal: the top inverts, spinning at {psi_dot:.2} rad/s."
+                "The axis passes the horizontal: the top inverts, spinning at {} rad/s.",
+                decimal(psi_dot, 2)
             ),
-            Self::WeakTop => {
-                format!("The spin, {psi_dot:.2} rad/s, has become too weak to hold an upright top.")
-            }
-            Self::StrongTop => {
-                format!("The spin, {psi_dot:.2} rad/s, is strong enough to hold an upright top.")
-            }
-            Self::SlipStops => format!("The contact point stops slipping, at {theta:.4} rad."),
+            Self::WeakTop => format!(
+                "The spin, {} rad/s, has become too weak to hold an upright top.",
+                decimal(psi_dot, 2)
+            ),
+            Self::StrongTop => format!(
+                "The spin, {} rad/s, is strong enough to hold an upright top.",
+                decimal(psi_dot, 2)
+            ),
+            Self::SlipStops => format!("The contact point stops slipping, at θ = {theta:.4} rad."),
             Self::Stick => format!(
-                "The contact point sticks: the top turns as a whole, inclined by {theta:.4} rad, at {:.2} rad/s.",
-                phi_dot + psi_dot * cos(theta)
+                "The contact point sticks: the top turns as a whole, inclined by θ = {theta:.4} rad, at {} rad/s.",
+                decimal(phi_dot + psi_dot * cos(theta), 2)
             ),
-            Self::SlipResumes => format!("The contact point slips again, at {theta:.4} rad."),
-            Self::Rest => format!("The top rests, inclined by {theta:.4} rad."),
+            Self::SlipResumes => format!("The contact point slips again, at θ = {theta:.4} rad."),
+            Self::Rest => format!("The top rests, inclined by θ = {theta:.4} rad."),
             Self::Singular => {
                 format!("The Euler angles are singular here, {theta:.2e} rad from the vertical.")
             }
-            Self::LiftOff => format!("The peg leaves the table, at {theta:.4} rad."),
-            Self::Landing => format!("The peg is on the table again, at {theta:.4} rad."),
-            Self::RollBegins => format!("The peg begins to roll, at {theta:.4} rad."),
-            Self::RollEnds => format!("The peg no longer rolls, at {theta:.4} rad."),
-            Self::Jam => format!("The peg jams, at {theta:.4} rad."),
+            Self::LiftOff => format!("The peg leaves the table, at θ = {theta:.4} rad."),
+            Self::Landing => format!("The peg is on the table again, at θ = {theta:.4} rad."),
+            Self::RollBegins => format!("The peg begins to roll, at θ = {theta:.4} rad."),
+            Self::RollEnds => format!("The peg no longer rolls, at θ = {theta:.4} rad."),
+            Self::Jam => format!("The peg jams, at θ = {theta:.4} rad."),
             Self::Pivot => format!(
-                "The top turns about the vertical only, inclined by {theta:.4} rad; rolling resistance holds it."
+                "The top turns about the vertical only, inclined by θ = {theta:.4} rad; rolling resistance holds it."
             ),
         }
     }
@@ -222,6 +226,27 @@ listed! {
         /// The simulation failed.
         Failed = "failed",
     }
+}
+
+/// The start of the run, with the rates that are not zero.
+fn start_sentence(theta: f64, phi_dot: f64, psi_dot: f64) -> String {
+    let mut rates = Vec::new();
+    if psi_dot != 0.0 {
+        rates.push(format!("spinning at {} rad/s", decimal(psi_dot, 2)));
+    }
+    if phi_dot != 0.0 {
+        rates.push(format!("precessing at {} rad/s", decimal(phi_dot, 4)));
+    }
+    let mut sentence = format!("The top starts at θ = {theta:.4} rad");
+    if !rates.is_empty() {
+        sentence += &format!(", {}", rates.join(" and "));
+    }
+    sentence + "."
+}
+
+/// A number with this many decimals and a true minus sign.
+fn decimal(value: f64, decimals: usize) -> String {
+    format!("{value:.decimals$}").replace('-', "−")
 }
 
 /// The consequences of a transition for a run.
@@ -267,6 +292,22 @@ impl StopReason {
         !matches!(self, Self::Interrupted | Self::Failed)
     }
 
+    /// The reason for the run's end in a few words, for counts and headings.
+    pub fn words(self) -> String {
+        match self {
+            Self::Duration => "at the time limit".to_owned(),
+            Self::Risen
+            | Self::Fallen
+            | Self::SlipStopped
+            | Self::Rest
+            | Self::Singular
+            | Self::Jam
+            | Self::Pivot
+            | Self::Interrupted
+            | Self::Failed => self.name().replace('_', " "),
+        }
+    }
+
     /// The reason for the run's end, as a sentence.
     pub fn sentence(self) -> &'static str {
         match self {
@@ -298,5 +339,24 @@ mod tests {
             assert_eq!(EventKind::find(kind.name()), Some(kind));
         }
         assert_eq!(EventKind::find("nutation"), None);
+    }
+
+    #[test]
+    fn start_names_the_rates_that_are_not_zero() {
+        for (phi_dot, psi_dot, sentence) in [
+            (0.0, 0.0, "The top starts at θ = 0.5000 rad."),
+            (
+                0.0,
+                -6.92,
+                "The top starts at θ = 0.5000 rad, spinning at −6.92 rad/s.",
+            ),
+            (
+                1.5,
+                170.0,
+                "The top starts at θ = 0.5000 rad, spinning at 170.00 rad/s and precessing at 1.5000 rad/s.",
+            ),
+        ] {
+            assert_eq!(start_sentence(0.5, phi_dot, psi_dot), sentence);
+        }
     }
 }
