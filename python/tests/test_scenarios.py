@@ -99,7 +99,7 @@ def test_wrong_overrides_say_what_is_wrong(overrides, error, text):
 
 
 def test_wrong_bases_say_what_is_wrong(tmp_path):
-    with pytest.raises(toprise.ScenarioError, match=r'unknown preset "papr" \(did you mean paper\?\); presets: paper'):
+    with pytest.raises(toprise.ScenarioError, match=r'unknown preset "papr" \(did you mean paper\?\)\. For a scenario file'):
         toprise.run("papr")
     with pytest.raises(FileNotFoundError, match="missing.toml"):
         toprise.run(tmp_path / "missing.toml")

@@ -214,12 +214,14 @@ impl fmt::Display for ScenarioError {
                 name,
                 similar,
                 presets,
-            } => write!(
-                f,
-                "unknown preset {name:?}{}; presets: {}. For a scenario file, give the path, e.g. ./{name}.toml",
-                DidYouMean(similar),
-                presets.join(", ")
-            ),
+            } => {
+                write!(f, "unknown preset {name:?}{}", DidYouMean(similar))?;
+                // The nearest names are enough: all of them are a long line.
+                if similar.is_empty() {
+                    write!(f, "; presets: {}", presets.join(", "))?;
+                }
+                write!(f, ". For a scenario file, give the path, e.g. ./{name}.toml")
+            }
             Problem::UnknownKey { similar, allowed } => write!(
                 f,
                 "unknown key {key}{}; allowed: {}",
