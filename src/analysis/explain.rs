@@ -277,7 +277,11 @@ fn explanation(evidence: Evidence) -> Explanation {
             facts: motion,
         },
         Chapter {
-            heading: "Why the axis moves",
+            heading: if evidence.scenario.is_frictionless() {
+                "How the axis moves"
+            } else {
+                "Why the axis moves"
+            },
             facts: cause,
         },
         Chapter {

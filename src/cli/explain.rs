@@ -2,7 +2,7 @@
 
 use super::arguments::{Override, parse_override};
 use super::input::open;
-use super::page::Section;
+use super::page::{Part, Section};
 use super::report;
 use super::status::Status;
 use super::table::Table;
@@ -40,10 +40,11 @@ pub(super) fn explain(arguments: &ExplainArguments) -> Result<Status, Error> {
 fn page(explanation: &Explanation, all: bool) -> Vec<Section> {
     let mut sections = Vec::new();
     // The causes come first, in words; the numbers follow.
-    sections.push(Section::from_lines(
-        "",
-        explanation.story.text().into_iter(),
-    ));
+    let mut story = Section::default();
+    story
+        .parts
+        .extend(explanation.story.text().map(Part::Paragraph));
+    sections.push(story);
     for chapter in &explanation.chapters {
         let sentences = chapter.facts.iter().map(Fact::sentence);
         sections.push(Section::from_lines(chapter.heading, sentences));

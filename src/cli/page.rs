@@ -53,8 +53,10 @@ pub(super) struct Section {
 pub(super) enum Part {
     /// A table.
     Table(Table),
-    /// A paragraph.
+    /// A sentence or a short statement; its later lines are indented, so that statements can be told apart.
     Line(String),
+    /// Several sentences of prose, with one indent.
+    Paragraph(String),
     /// Verbatim text.
     Code(String),
 }
@@ -135,6 +137,7 @@ impl Section {
             match part {
                 Part::Table(table) => text += &table.text(columns),
                 Part::Line(line) => text += &wrapped(line, width(columns), "  ", "    "),
+                Part::Paragraph(prose) => text += &wrapped(prose, width(columns), "  ", "  "),
                 Part::Code(code) => text += &sanitized_lines(code),
             }
         }
@@ -152,7 +155,7 @@ impl Section {
         for part in &self.parts {
             text += &match part {
                 Part::Table(table) => table.markdown() + "\n",
-                Part::Line(line) => format!("{}\n\n", sanitized(line)),
+                Part::Line(line) | Part::Paragraph(line) => format!("{}\n\n", sanitized(line)),
                 Part::Code(code) => format!("```\n{}\n```\n\n", sanitized_lines(code.trim_end())),
             };
         }
@@ -202,6 +205,25 @@ mod tests {
             wrapped("one two three", 9, "  ", "    "),
             "  one two\n    three\n"
         );
+    }
+
+    #[test]
+    fn paragraphs_have_one_indent() {
+        let text = "word ".repeat(40);
+        for (part, indents) in [
+            (Part::Line(text.clone()), ["  ", "    ", "    "]),
+            (Part::Paragraph(text), ["  ", "  ", "  "]),
+        ] {
+            let section = Section {
+                parts: vec![part],
+                ..Section::default()
+            };
+            let text = section.text(Some(80));
+            for (line, indent) in text.lines().zip(indents) {
+                let word = line.strip_prefix(indent).unwrap();
+                assert!(word.starts_with("word"), "{line:?}");
+            }
+        }
     }
 
     #[test]

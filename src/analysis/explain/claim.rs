@@ -200,8 +200,18 @@ pub enum Inversion {
 }
 
 impl Claim {
-    /// The claim in words, as sentences of a paragraph.
-    pub fn words(&self) -> String {
+    /// Whether friction raises the top and the rise ends before this time, s.
+    fn is_rise_before(&self, time: f64) -> bool {
+        matches!(self, Self::FrictionRaises { until, .. } if *until < time)
+    }
+
+    /// Whether the top falls after this time, s.
+    fn is_fall_after(&self, from: f64) -> bool {
+        matches!(self, Self::WeakTopFalls { time, .. } if *time > from)
+    }
+
+    /// The claim in words, as sentences of a paragraph about all `claims`.
+    pub(super) fn words_among(&self, claims: &[Self]) -> String {
         match self {
             Self::Conserves { mean_theta, .. } => {
                 let so = match mean_theta {
@@ -219,14 +229,21 @@ impl Claim {
                 is_vertical_constant,
                 has_friction,
                 has_air_drag,
+                until,
                 ..
             } => raises(
                 *vertical,
                 *is_vertical_constant,
                 [*has_friction, *has_air_drag],
+                claims.iter().any(|claim| claim.is_fall_after(*until)),
             ),
             Self::FrictionSpeedsPrecession { .. } => {
-                "In the paper's terms, the friction term of φ̈ speeds up the precession. Beyond the slow rate of regular precession, θ̈ is negative: the axis rises, and its rise slows the precession again. So the precession stays near the slow rate while the axis rises.".to_owned()
+                // A second argument for what the first has explained already.
+                let is_second = claims.iter().any(|claim| claim.is_rise_before(f64::INFINITY));
+                let start = if is_second { "In the paper's terms, the" } else { "The" };
+                format!(
+                    "{start} friction term of φ̈ speeds up the precession. Beyond the slow rate of regular precession, θ̈ is negative: the axis rises, and its rise slows the precession again. So the precession stays near the slow rate while the axis rises."
+                )
             }
             Self::LossesAlign {
                 has_friction,
@@ -242,6 +259,7 @@ impl Claim {
             Self::WeakTopFalls {
                 axial,
                 critical,
+                time,
                 has_friction,
                 has_air_drag,
                 ..
@@ -249,10 +267,15 @@ impl Claim {
                 if axial[0].abs() < *critical {
                     return "The top falls because it is weak from the start: its spin is too slow to hold the axis up against gravity.".to_owned();
                 }
-                let cause = capitalized(works([*has_friction, *has_air_drag, false]));
+                let cause = works([*has_friction, *has_air_drag, false]);
+                let start = if claims.iter().any(|claim| claim.is_rise_before(*time)) {
+                    format!("Later, {cause}")
+                } else {
+                    capitalized(cause)
+                };
                 let verb = if *has_friction && *has_air_drag { "slow" } else { "slows" };
                 format!(
-                    "{cause} {verb} the spin until the top is weak: the spin no longer holds the axis up against gravity, and the top falls."
+                    "{start} {verb} the spin until the top is weak: the spin no longer holds the axis up against gravity, and the top falls."
                 )
             }
             Self::Inverts { .. } => {
@@ -365,7 +388,12 @@ impl Claim {
     }
 }
 
-fn raises(vertical: [f64; 2], is_constant: bool, [friction, air]: [bool; 2]) -> String {
+fn raises(
+    vertical: [f64; 2],
+    is_constant: bool,
+    [friction, air]: [bool; 2],
+    falls_later: bool,
+) -> String {
     let cause = works([friction, air, false]);
     let turn = if friction && air { "turn" } else { "turns" };
     let torque = if is_constant {
@@ -387,8 +415,9 @@ fn raises(vertical: [f64; 2], is_constant: bool, [friction, air]: [bool; 2]) -> 
     } else {
         ""
     };
+    let start = if falls_later { "At first, the" } else { "The" };
     format!(
-        "The top rises because {cause} {turn} {line}its angular momentum upright. {torque} The top spins so fast that its axis stays close to {line}the angular momentum, and rises with it."
+        "{start} top rises because {cause} {turn} {line}its angular momentum upright. {torque} The top spins so fast that its axis stays close to {line}the angular momentum, and rises with it."
     )
 }
 

@@ -354,22 +354,22 @@ impl Fact {
                 };
                 format!("The contact point stops slipping {times}{end}.")
             }
-            Self::Hops { count: 1, first } => {
-                format!("The peg is in the air once, from {}.", moment(*first))
+            // A peg that bounces is in one flight until it stays on the table, however often it hits it.
+            Self::Hops { count: 1, first } if *first <= 0.0 => {
+                "The peg starts in the air, its only flight (bounces do not end a flight)."
+                    .to_owned()
             }
-            Self::Hops { count, first } if *first <= 0.0 => {
-                format!(
-                    "The peg is in the air {}, first at the start.",
-                    times(*count)
-                )
-            }
-            Self::Hops { count, first } => {
-                format!(
-                    "The peg hops {}, first at {}.",
-                    times(*count),
-                    moment(*first)
-                )
-            }
+            Self::Hops { count, first } if *first <= 0.0 => format!(
+                "The peg starts in the air; it has {count} flights (bounces do not end a flight)."
+            ),
+            Self::Hops { count: 1, first } => format!(
+                "The peg has one flight, from {} (bounces do not end a flight).",
+                moment(*first)
+            ),
+            Self::Hops { count, first } => format!(
+                "The peg has {count} flights, the first from {} (bounces do not end a flight).",
+                moment(*first)
+            ),
             Self::Impacts {
                 count,
                 after_samples,
@@ -482,11 +482,17 @@ impl Fact {
                 let change = (last - first).abs();
                 let change = quantity(change, known_digits(change, *within), "J");
                 let until = moment(*time);
-                format!("Up to {until} (last sample), energy {verb} by {change}.")
+                // Every torque of friction dissipates: only terms without a torque add energy.
+                let remark = if is_lost {
+                    ""
+                } else {
+                    ": the friction of this model creates energy, as no real friction does"
+                };
+                format!("Up to {until} (last sample), energy {verb} by {change}{remark}.")
             }
-            Self::EnergyConstant { energy, deviation } => format!(
-                "Energy is constant at {} in all samples (± {}).",
-                quantity(*energy, 6, "J"),
+            // Its size would need its zero: the page also shows energies from the table.
+            Self::EnergyConstant { deviation, .. } => format!(
+                "Energy is constant in all samples (± {}).",
                 quantity(*deviation, 2, "J")
             ),
             Self::EnergyImbalance { deviation } => format!(

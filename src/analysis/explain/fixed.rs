@@ -119,7 +119,10 @@ pub(super) fn cause(evidence: &Evidence) -> Vec<Fact> {
     let friction = &evidence.scenario.model.friction;
     let mut facts = Vec::new();
     facts.extend(precession::regular(evidence));
-    facts.extend(precession::friction(evidence));
+    // Without friction there is no such term.
+    if !evidence.scenario.is_frictionless() {
+        facts.extend(precession::friction(evidence));
+    }
     if let Some(Fact::FrictionOnPrecession { .. }) = facts.last() {
         facts.extend(precession::cancelling(evidence));
     }

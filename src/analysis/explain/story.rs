@@ -28,7 +28,11 @@ impl Story {
         if self.claims.is_empty() {
             return None;
         }
-        let words: Vec<String> = self.claims.iter().map(Claim::words).collect();
+        let words: Vec<String> = self
+            .claims
+            .iter()
+            .map(|claim| claim.words_among(&self.claims))
+            .collect();
         Some(words.join(" "))
     }
 }

@@ -220,3 +220,88 @@ fn start_in_the_air_follows_from_the_scenario() {
     let peg = explanation.summary.peg.unwrap();
     assert_eq!((peg.hops, peg.time_in_air), (Some(1), Some(0.3)));
 }
+
+/// Impacts are within the flights that are counted: no count of flights may seem to deny them.
+#[test]
+fn flights_with_bounces_are_named_so() {
+    for (preset, keys) in [("drop", &[][..]), ("free-paper", &[])] {
+        let sentences = sentences(&explanation(preset, keys));
+        let flights = sentences
+            .iter()
+            .find(|sentence| sentence.contains("flight"));
+        let flights = flights.unwrap_or_else(|| panic!("{preset}: {sentences:#?}"));
+        assert!(
+            flights.ends_with("(bounces do not end a flight)."),
+            "{flights}"
+        );
+        assert!(
+            sentences
+                .iter()
+                .any(|s| s.starts_with("The peg hits the table"))
+        );
+    }
+}
+
+#[test]
+fn names_friction_that_creates_energy() {
+    for (preset, creates) in [
+        ("paper-precession-term-only", true),
+        ("paper", false),
+        ("frictionless", false),
+    ] {
+        let sentences = sentences(&explanation(preset, &[]));
+        let is_named = sentences.iter().any(|s| s.contains("creates energy"));
+        assert_eq!(is_named, creates, "{preset}: {sentences:#?}");
+    }
+}
+
+#[test]
+fn frictionless_run_has_no_friction_term() {
+    let explanation = explanation("frictionless", &[]);
+    let chapter = &explanation.chapters[1];
+    assert_eq!(chapter.heading, "How the axis moves");
+    assert!(
+        !chapter.facts.contains(&Fact::NoFrictionOnPrecession),
+        "{chapter:?}"
+    );
+    let sentences = sentences(&explanation);
+    assert!(
+        !sentences.iter().any(|s| s.contains("friction term")),
+        "{sentences:#?}"
+    );
+}
+
+/// A text that calls the energy constant names no size, which would depend on its zero.
+#[test]
+fn constant_energy_has_no_zero() {
+    let sentences = sentences(&explanation("frictionless", &[]));
+    let constant = sentences
+        .iter()
+        .find(|s| s.starts_with("Energy is constant"));
+    assert!(
+        constant
+            .unwrap()
+            .starts_with("Energy is constant in all samples (±")
+    );
+}
+
+#[test]
+fn story_puts_rise_and_fall_in_order() {
+    for (preset, start, later) in [
+        ("lifecycle", "At first, the top rises because", true),
+        ("paper", "The top rises because", false),
+        (
+            "paper-precession-term-only",
+            "The friction term of φ̈",
+            false,
+        ),
+    ] {
+        let text = explanation(preset, &[]).story.text().unwrap();
+        assert!(text.starts_with(start), "{text}");
+        assert_eq!(
+            text.contains("Later, friction and air drag slow"),
+            later,
+            "{text}"
+        );
+    }
+}
