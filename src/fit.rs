@@ -38,7 +38,7 @@ mod unit;
 
 pub use data::{Data, read};
 pub use degeneracy::{Combination, Degeneracy};
-pub use error::{DataError, FitError, SignalError};
+pub use error::{Contents, DataError, FitError, SignalError};
 pub use model::{Loss, Problem};
 pub use monitor::Progress;
 pub use parameter::{Parameter, Target};

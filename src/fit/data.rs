@@ -1,6 +1,6 @@
 //! Measured data from files.
 
-use super::error::DataError;
+use super::error::{Contents, DataError};
 use super::signal::{Signal, SignalSpec};
 use super::{recorded, text_table};
 use crate::archive::publish::is_same_file;
@@ -43,7 +43,14 @@ impl Data {
     }
 }
 
-/// Reads the signals of files. `time` is the name of the columns of times.
+/// The signals that were found in a file.
+pub(super) struct FileSignals {
+    pub signals: Vec<Signal>,
+    /// Names of all columns, or topics.
+    pub known: Vec<String>,
+}
+
+/// Reads the signals of files. Each of `specs` must be in at least one of them. `time` is the name of the columns of times.
 ///
 /// # Errors
 /// [`DataError`] with the file, line and column.
@@ -58,26 +65,57 @@ pub fn read(
         starts_with_run: false,
         losses: Vec::new(),
     };
+    let mut contents = Vec::new();
     for (index, path) in files.iter().enumerate() {
         if files[..index].iter().any(|known| is_same_file(known, path)) {
             return Err(DataError::SameFile { path: path.clone() });
         }
-        match Format::from_name(path) {
+        let found = match Format::from_name(path) {
             Format::Recording => {
                 let read = recorded::read(path, index, specs)?;
                 data.starts_with_run |= index == 0 && read.is_ours;
-                data.signals.extend(read.signals);
                 for loss in read.losses {
                     data.losses.push(format!("{}: {loss}", path.display()));
                 }
+                read.found
             }
-            Format::Parquet => data.signals.extend(read_parquet(path, index, specs, time)?),
-            Format::Text => data
-                .signals
-                .extend(text_table::read(path, index, specs, time)?),
+            Format::Parquet => read_parquet(path, index, specs, time)?,
+            Format::Text => text_table::read(path, index, specs, time)?,
+        };
+        data.signals.extend(found.signals);
+        contents.push(Contents {
+            path: path.clone(),
+            known: found.known,
+        });
+    }
+    check_found(&data.signals, specs, contents)?;
+    Ok(data)
+}
+
+/// Refuses signals that are in no file, and files without a signal.
+fn check_found(
+    signals: &[Signal],
+    specs: &[SignalSpec],
+    files: Vec<Contents>,
+) -> Result<(), DataError> {
+    // A file without a signal may be the one that a misspelt signal is in, so these come first.
+    for spec in specs {
+        let is_found = signals
+            .iter()
+            .any(|signal| signal.field == spec.field && signal.name == spec.source);
+        if !is_found {
+            return Err(DataError::NotFound {
+                source_name: spec.source.clone(),
+                files,
+            });
         }
     }
-    Ok(data)
+    for (index, file) in files.into_iter().enumerate() {
+        if !signals.iter().any(|signal| signal.file == index) {
+            return Err(DataError::UnusedFile(file));
+        }
+    }
+    Ok(())
 }
 
 #[cfg(feature = "sweep")]
@@ -90,7 +128,7 @@ fn read_parquet(
     _file: usize,
     _specs: &[SignalSpec],
     _time: Option<&str>,
-) -> Result<Vec<Signal>, DataError> {
+) -> Result<FileSignals, DataError> {
     Err(DataError::NoParquet {
         path: path.to_owned(),
     })

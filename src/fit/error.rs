@@ -69,7 +69,7 @@ pub enum DataError {
         limit: u64,
     },
     /// There is no such column or topic.
-    #[error("{}: no {what} {name}; there {}: {}", path.display(), if known.len() == 1 { "is" } else { "are" }, known.join(", "))]
+    #[error("{}: no {what} {name}; there {}", path.display(), listed(known))]
     Missing {
         /// The file.
         path: PathBuf,
@@ -80,6 +80,17 @@ pub enum DataError {
         /// What the file has instead.
         known: Vec<String>,
     },
+    /// A signal is in none of the files.
+    #[error("{}", not_found(source_name, files))]
+    NotFound {
+        /// Column of the signal, or topic and path.
+        source_name: String,
+        /// The files.
+        files: Vec<Contents>,
+    },
+    /// A file has none of the signals.
+    #[error("{}: none of the signals is in this file: leave it out, or name its signals with --signal; there {}", .0.path.display(), listed(&.0.known))]
+    UnusedFile(Contents),
     /// No column has the name of a field.
     #[error("{}: no column is named like a field of the top; name the columns with --signal, e.g. --signal theta={}; columns: {}", path.display(), quoted(columns.last()), columns.join(", "))]
     NoSignals {
@@ -178,6 +189,38 @@ pub enum DataError {
         /// Column.
         column: String,
     },
+}
+
+/// What a file of data has.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Contents {
+    /// The file.
+    pub path: PathBuf,
+    /// Names of the columns that can be read, or of the topics.
+    pub known: Vec<String>,
+}
+
+/// Names with their verb: "are: t, theta".
+fn listed(names: &[String]) -> String {
+    let verb = if names.len() == 1 { "is" } else { "are" };
+    format!("{verb}: {}", names.join(", "))
+}
+
+/// A sentence about a signal that is in none of the files.
+fn not_found(name: &str, files: &[Contents]) -> String {
+    if let [file] = files {
+        let path = file.path.display();
+        return format!(
+            "{path}: no column or topic {name}; there {}",
+            listed(&file.known)
+        );
+    }
+    let mut sentence = format!("no column or topic {name} in any file");
+    for file in files {
+        let path = file.path.display();
+        sentence += &format!("; in {path} there {}", listed(&file.known));
+    }
+    sentence
 }
 
 /// Reason why a Parquet file can't be read.

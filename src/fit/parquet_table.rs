@@ -1,7 +1,8 @@
 //! Tables of measured values in Parquet files.
 
+use super::data::FileSignals;
 use super::error::{DataError, ParquetError};
-use super::signal::{Signal, SignalSpec};
+use super::signal::SignalSpec;
 use super::table::{MAX_ROWS, Rows, Table, is_needed};
 use crate::archive::caught::catch;
 use crate::archive::input::open_file;
@@ -21,7 +22,7 @@ pub(super) fn read(
     file: usize,
     specs: &[SignalSpec],
     time: Option<&str>,
-) -> Result<Vec<Signal>, DataError> {
+) -> Result<FileSignals, DataError> {
     let source = open_file(path).map_err(|reason| DataError::Io {
         path: path.to_owned(),
         reason,
@@ -144,6 +145,7 @@ fn per_second(unit: TimeUnit) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::data;
     use super::*;
     use crate::telemetry::fields::state;
     use arrow_array::{Float32Array, StringArray, TimestampMicrosecondArray};
@@ -162,12 +164,15 @@ mod tests {
             ("theta (mrad)", Arc::new(angles)),
         ];
         let batch = RecordBatch::try_from_iter(columns).unwrap();
-        let file = tempfile::NamedTempFile::new().unwrap();
+        let file = tempfile::Builder::new()
+            .suffix(".parquet")
+            .tempfile()
+            .unwrap();
         let mut writer =
             ArrowWriter::try_new(file.reopen().unwrap(), batch.schema(), None).unwrap();
         writer.write(&batch).unwrap();
         writer.close().unwrap();
-        let [signal] = &read(file.path(), 0, &[], None).unwrap()[..] else {
+        let [signal] = &read(file.path(), 0, &[], None).unwrap().signals[..] else {
             panic!("not one signal");
         };
         assert_eq!(signal.field, state::THETA);
@@ -176,10 +181,12 @@ mod tests {
             (&[0.0, 0.2][..], &[0.5, 0.25][..])
         );
         assert_eq!(signal.missing, 1);
-        let spec = SignalSpec::parse("phi=name").unwrap();
-        let error = read(file.path(), 0, &[spec], None).unwrap_err().to_string();
+        // Texts are no measured values, also if another signal can be read.
+        let specs = ["theta", "phi=name"].map(|text| SignalSpec::parse(text).unwrap());
+        let read_data = data::read(&[file.path().to_owned()], &specs, None);
+        let error = read_data.unwrap_err().to_string();
         assert!(
-            error.contains("no column name; there are: timestamp, theta (mrad)"),
+            error.contains("no column or topic name; there are: timestamp, theta (mrad)"),
             "{error}"
         );
         std::fs::write(file.path(), b"PAR1, but no more").unwrap();

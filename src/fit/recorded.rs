@@ -1,5 +1,6 @@
 //! Measured values from MCAP files: recordings of toprise, and JSON messages of other software.
 
+use super::data::FileSignals;
 use super::error::{DataError, SignalError};
 use super::signal::{Row, SigmaSpec, Signal, SignalSpec};
 use super::table::MAX_ROWS;
@@ -12,7 +13,7 @@ use std::path::Path;
 
 /// The signals of an MCAP file.
 pub(super) struct Read {
-    pub signals: Vec<Signal>,
+    pub found: FileSignals,
     /// Whether the file is a recording of toprise.
     pub is_ours: bool,
     /// Parts that could not be read, in sentences, each once.
@@ -41,14 +42,14 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
     }
     let mut places = Vec::new();
     for spec in specs {
-        // Messages have no columns: the text after the colon can only be meant as a number.
-        if let SigmaSpec::Column(sigma) = &spec.sigma {
-            return Err(DataError::Signal {
-                text: spec.source.clone(),
-                reason: SignalError::Sigma(sigma.clone()),
-            });
-        }
         if let Some(place) = find_place(&recording, spec) {
+            // Messages have no columns: the text after the colon can only be meant as a number.
+            if let SigmaSpec::Column(sigma) = &spec.sigma {
+                return Err(DataError::Signal {
+                    text: spec.source.clone(),
+                    reason: SignalError::Sigma(sigma.clone()),
+                });
+            }
             if places.iter().any(|(_, known)| *known == place) {
                 return Err(DataError::Duplicate {
                     path: path.to_owned(),
@@ -57,9 +58,6 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
             }
             places.push((spec, place));
         }
-    }
-    if places.is_empty() {
-        return Err(missing(&recording, path, &specs[0].source));
     }
     let mut signals = Vec::new();
     let mut losses = Vec::new();
@@ -85,7 +83,10 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
         signals.push(Signal::new(spec, file, found, missing)?);
     }
     Ok(Read {
-        signals,
+        found: FileSignals {
+            signals,
+            known: topics(&recording),
+        },
         is_ours: recording.is_ours(),
         losses,
     })
@@ -120,7 +121,8 @@ fn find_place(recording: &Recording, spec: &SignalSpec) -> Option<Place> {
     is_named.then_some(Place::Field(field))
 }
 
-fn missing(recording: &Recording, path: &Path, name: &str) -> DataError {
+/// Names of the topics that signals can be in.
+fn topics(recording: &Recording) -> Vec<String> {
     let channels = recording.channels().iter();
     let readable = channels.filter(|c| c.table.is_some() || c.encoding == "json");
     let mut known: Vec<String> = readable
@@ -128,12 +130,7 @@ fn missing(recording: &Recording, path: &Path, name: &str) -> DataError {
         .collect();
     known.sort();
     known.dedup();
-    DataError::Missing {
-        path: path.to_owned(),
-        what: "field (TOPIC.PATH)",
-        name: name.to_owned(),
-        known,
-    }
+    known
 }
 
 /// Times (s) and values of a place; no value where it is missing or not a number.

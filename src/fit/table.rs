@@ -1,6 +1,7 @@
 //! Tables of measured values: their columns as signals.
 
 use super::cell;
+use super::data::FileSignals;
 use super::error::DataError;
 use super::signal::{Row, SigmaSpec, Signal, SignalSpec};
 use super::unit::{Dimension, split_header};
@@ -62,13 +63,13 @@ impl Rows {
 }
 
 impl Table<'_> {
-    /// The signals of a file. Without `specs`, these are the columns that are named like fields.
+    /// The signals that are in a file. Without `specs`, these are the columns that are named like fields.
     pub(super) fn signals(
         self,
         file: usize,
         specs: &[SignalSpec],
         time: Option<&str>,
-    ) -> Result<Vec<Signal>, DataError> {
+    ) -> Result<FileSignals, DataError> {
         let clock = self.time_column(time)?;
         let named: Vec<SignalSpec> = if specs.is_empty() {
             self.named_signals()
@@ -80,21 +81,21 @@ impl Table<'_> {
                 .cloned()
                 .collect()
         };
-        match (named.is_empty(), specs.first()) {
-            (false, _) => {}
-            (true, Some(spec)) => return Err(self.missing(&spec.source)),
-            (true, None) => {
-                return Err(DataError::NoSignals {
-                    path: self.path.to_owned(),
-                    columns: self.columns,
-                });
-            }
+        if named.is_empty() && specs.is_empty() {
+            return Err(DataError::NoSignals {
+                path: self.path.to_owned(),
+                columns: self.columns,
+            });
         }
         self.check_duplicates(&named, specs.is_empty())?;
-        named
-            .iter()
-            .map(|spec| self.signal(spec, clock, file))
-            .collect()
+        let mut signals = Vec::new();
+        for spec in &named {
+            signals.push(self.signal(spec, clock, file)?);
+        }
+        Ok(FileSignals {
+            signals,
+            known: self.columns,
+        })
     }
 
     /// The column with a name: with its unit, or else without.

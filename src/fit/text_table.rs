@@ -1,8 +1,9 @@
 //! Text tables: CSV as video trackers, phones, loggers and spreadsheets write it.
 
 use super::cell::{is_missing, parse_number};
+use super::data::FileSignals;
 use super::error::DataError;
-use super::signal::{Signal, SignalSpec};
+use super::signal::SignalSpec;
 use super::table::{Line, MAX_ROWS, Rows, Table};
 use super::unit::is_unit;
 use crate::archive::input::read_file;
@@ -18,7 +19,7 @@ pub(super) fn read(
     file: usize,
     specs: &[SignalSpec],
     time: Option<&str>,
-) -> Result<Vec<Signal>, DataError> {
+) -> Result<FileSignals, DataError> {
     // A file that can't be examined can't be read either, and is reported below.
     if std::fs::metadata(path).is_ok_and(|file| file.len() > MAX_BYTES) {
         return Err(DataError::TooLarge {
@@ -155,6 +156,8 @@ fn beginning(text: &str) -> impl Iterator<Item = &str> + Clone {
 
 #[cfg(test)]
 mod tests {
+    use super::super::data;
+    use super::super::signal::Signal;
     use super::*;
     use crate::telemetry::fields::{pose, state};
     use std::io::Write as _;
@@ -163,7 +166,8 @@ mod tests {
         let mut file = tempfile::NamedTempFile::new().unwrap();
         file.write_all(text.as_bytes()).unwrap();
         let specs: Result<Vec<_>, _> = specs.iter().map(|text| SignalSpec::parse(text)).collect();
-        read(file.path(), 0, &specs?, None)
+        let data = data::read(&[file.path().to_owned()], &specs?, None)?;
+        Ok(data.signals)
     }
 
     #[test]
@@ -219,7 +223,11 @@ mod tests {
                 "theta",
                 ":3: column theta: \"abc\" is not a number",
             ),
-            ("t,x\n0,0.5\n", "theta", "no column theta; there are: t, x"),
+            (
+                "t,x\n0,0.5\n",
+                "theta",
+                "no column or topic theta; there are: t, x",
+            ),
             (
                 "a,theta\n0,0.5\n",
                 "theta",

@@ -691,7 +691,7 @@ fn exit_codes_tell_bad_fits_from_bad_input() {
         ),
         (
             "fit full-coulomb a.csv --free friction.k --signal phi",
-            "no column phi; there are: t, theta",
+            "no column or topic phi; there are: t, theta",
         ),
         (
             "fit full-coulomb none.csv --free friction.k",
@@ -799,4 +799,50 @@ fn val_robust_losses_estimate_the_noise_without_outliers() {
     }
     let estimate = &report.parameters[0];
     assert!((estimate.value - 0.0517).abs() < 4.0 * estimate.sd.unwrap());
+}
+fn refuses_signals_that_no_file_has() {
+    let folder = Folder::new();
+    folder.toprise("run paper --stop.duration=0.1 -o run.mcap", 0);
+    folder.write("camera.csv", "t,theta,x\n0,0.5,1\n0.1,0.5,1\n");
+    folder.write("gyro.csv", "t,gyro z\n0,100\n0.1,100\n");
+    for (name, files, signals, expected) in [
+        (
+            "beside one that is found",
+            &["camera.csv"][..],
+            &["theta", "phi"][..],
+            &["no column or topic phi; there are: t, theta, x"][..],
+        ),
+        (
+            "in a recording",
+            &["run.mcap"],
+            &["theta", "/top/state.phii"],
+            &["no column or topic /top/state.phii; there are: /"],
+        ),
+        (
+            "in several files",
+            &["camera.csv", "gyro.csv"],
+            &["theta", "omega_n=gyroz"],
+            &[
+                "no column or topic gyroz in any file; in ",
+                "camera.csv there are: t, theta, x; in ",
+                "gyro.csv there are: t, gyro z",
+            ],
+        ),
+        (
+            "a file without any",
+            &["camera.csv", "gyro.csv"],
+            &["theta", "phi=x"],
+            &["gyro.csv: none of the signals is in this file"],
+        ),
+    ] {
+        let paths: Vec<_> = files.iter().map(|file| folder.at(file)).collect();
+        let specs: Vec<_> = signals
+            .iter()
+            .map(|text| SignalSpec::parse(text).unwrap())
+            .collect();
+        let message = read(&paths, &specs, None).unwrap_err().to_string();
+        for part in expected {
+            assert!(message.contains(part), "{name}: {message}");
+        }
+    }
 }
