@@ -605,7 +605,7 @@ fn fast_precession() -> (BodyRotation, [f64; BodyRotation::STATE_LENGTH]) {
     let scenario = scenario("rise-by-loss-of-spin", &FAST_PRECESSION);
     let state = BodyRotation::state(scenario.angles, scenario.rates, &scenario.model);
     let (model, phase) = (scenario.model, Phase::Sliding);
-    (BodyRotation { model, phase }, state)
+    (BodyRotation::new(model, phase), state)
 }
 
 /// The paper's top, with a friction that sets in over `speed` m/s of slip: soft or stiff.

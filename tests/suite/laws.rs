@@ -663,7 +663,7 @@ fn formulations_agree_on_derivatives_at_rest() {
     };
     let phase = Phase::Sticking;
     let euler = EulerAngles { model, phase };
-    let body = BodyRotation { model, phase };
+    let body = BodyRotation::new(model, phase);
     let y: [f64; EulerAngles::STATE_LENGTH] = EulerAngles::state(angles, rates, &model);
     let z: [f64; BodyRotation::STATE_LENGTH] = BodyRotation::state(angles, rates, &model);
     // dL_z/dt = I φ̈, and the work is that of the air.

@@ -13,12 +13,14 @@ use crate::physics::kinematics::{
     Euler, Tilt, euler_angles, inclination, lean_to_world, world_from_body,
 };
 use crate::physics::math::atan2;
+use crate::physics::top::Top;
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
+use std::f64::consts::SQRT_2;
 
 /// The motion as a rotation of the body: regular in every orientation.
 ///
 /// State: quaternion x, y, z, w (transforms body to world components), angular momentum about the peg's centre in world
-/// components (kg m²/s), then the running integrals.
+/// components (kg m²/s, divided by a [unit](momentum_unit)), then the running integrals.
 ///
 /// The world-frame angular momentum varies only with the slow precession, which allows longer steps than the body-frame
 /// angular velocity, and its conserved components stay exactly constant. The quaternion norm drifts by rounding only;
@@ -30,9 +32,21 @@ pub struct BodyRotation {
     /// Phase of the contact point. While it sticks, only the vertical angular momentum is used; the other components
     /// follow from it. While friction prevents turning about the vertical, only the horizontal components are used.
     pub phase: Phase,
+    /// See [`momentum_unit`].
+    momentum_unit: f64,
 }
 
 impl BodyRotation {
+    /// The equations of a model in a phase.
+    pub fn new(model: Model, phase: Phase) -> Self {
+        let momentum_unit = momentum_unit(&model.top);
+        Self {
+            model,
+            phase,
+            momentum_unit,
+        }
+    }
+
     /// Number of state components for the motion; the running integrals follow.
     const VARIABLES: usize = 7;
     /// State length with all running integrals.
@@ -67,11 +81,12 @@ impl<const N: usize> System<N> for BodyRotation {
     #[inline]
     fn derivative(&self, _t: f64, y: &[f64; N]) -> [f64; N] {
         let q = quaternion(y);
-        let lean = Lean::new(&q, |_| momentum(y));
-        let tilt = self.tilt(&lean, &momentum(y));
+        let lean = Lean::new(&q, |_| self.momentum(y));
+        let tilt = self.tilt(&lean, &self.momentum(y));
         let contact = self.model.contact(&tilt);
         let friction = self.model.friction_torque(&contact, &tilt);
-        let torque = lean.lean_to_world(&(self.model.top.gravity_torque(&tilt) + friction));
+        let torque = lean.lean_to_world(&(self.model.top.gravity_torque(&tilt) + friction))
+            / self.momentum_unit;
         let omega = lean.lean_to_world(&tilt.omega_lean);
         let turning = Quaternion::from_imag(omega) * q * 0.5;
         let integrands = if N == Self::STATE_LENGTH {
@@ -94,43 +109,64 @@ impl BodyRotation {
         let q = world_from_body(angles);
         let tilt = Tilt::from_rates(angles.theta, rates);
         let momentum_lean = tilt.node_to_lean(&model.top.angular_momentum_node(&tilt));
-        let momentum = lean_to_world(&momentum_lean, angles.phi);
+        let momentum = lean_to_world(&momentum_lean, angles.phi) / momentum_unit(&model.top);
         let first = [q.i, q.j, q.k, q.w, momentum.x, momentum.y, momentum.z];
         with_integrals(first, &Integrals::default())
     }
 }
 
+impl BodyRotation {
+    /// The angular momentum in a state, or the torque in its derivative; world frame, kg m²/s or N m.
+    #[inline]
+    fn momentum<const N: usize>(&self, y: &[f64; N]) -> Vector3<f64> {
+        Vector3::new(y[4], y[5], y[6]) * self.momentum_unit
+    }
+
+    /// The state with another angular momentum (world frame, kg m²/s).
+    fn with_momentum<const N: usize>(&self, y: &[f64; N], momentum: &Vector3<f64>) -> [f64; N] {
+        let mut state = *y;
+        state[4..7].copy_from_slice((momentum / self.momentum_unit).as_slice());
+        state
+    }
+}
+
 impl<const N: usize> FixedPeg<N> for BodyRotation {
     fn with_model(self, model: Model, phase: Phase) -> Self {
-        Self { model, phase }
+        Self {
+            model,
+            phase,
+            ..self
+        }
     }
 
     fn at_rest(&self, y: &[f64; N], turns: bool) -> [f64; N] {
         if !turns {
-            return with_momentum(y, &Vector3::zeros());
+            return self.with_momentum(y, &Vector3::zeros());
         }
-        let lean = Lean::new(&quaternion(y), |_| momentum(y));
+        let lean = Lean::new(&quaternion(y), |_| self.momentum(y));
         let held = Self {
             phase: Phase::Sticking,
             ..*self
         };
-        let tilt = held.tilt(&lean, &momentum(y));
+        let tilt = held.tilt(&lean, &self.momentum(y));
         let top = &self.model.top;
         let momentum = lean.lean_to_world(&top.turning_momentum(&tilt, tilt.omega_lean.z));
         let mut rested = *y;
-        (rested[4], rested[5]) = (momentum.x, momentum.y);
+        rested[4] = momentum.x / self.momentum_unit;
+        rested[5] = momentum.y / self.momentum_unit;
         rested
     }
 
     fn without_turning(&self, y: &[f64; N]) -> [f64; N] {
-        let lean = Lean::new(&quaternion(y), |_| momentum(y));
+        let lean = Lean::new(&quaternion(y), |_| self.momentum(y));
         let held = Self {
             model: self.model.with_turning(Turning::Held),
             phase: Phase::Sliding,
+            ..*self
         };
-        let tilt = held.tilt(&lean, &momentum(y));
+        let tilt = held.tilt(&lean, &self.momentum(y));
         let momentum_lean = tilt.node_to_lean(&self.model.top.angular_momentum_node(&tilt));
-        with_momentum(y, &lean.lean_to_world(&momentum_lean))
+        self.with_momentum(y, &lean.lean_to_world(&momentum_lean))
     }
 }
 
@@ -138,24 +174,27 @@ impl<const N: usize> Formulation<N> for BodyRotation {
     fn start(model: &Model, start: &Start) -> Started<Self, N> {
         let state = Self::state(start.angles, start.rates, model);
         let (model, phase) = (*model, Phase::Sliding);
-        fixed::start(Self { model, phase }, state, start)
+        fixed::start(Self::new(model, phase), state, start)
     }
 
     fn angles(&self, y: &[f64; N], reference: Euler) -> Euler {
         let q = quaternion(y);
-        let lean = Lean::new(&q, |_| momentum(y));
+        let lean = Lean::new(&q, |_| self.momentum(y));
         euler_angles(&q, lean.unwrap_reference(reference))
     }
 
     fn motion_without_turns(&self, y: &[f64; N], reference: Euler) -> Motion {
         let q = quaternion(y);
-        let lean = Lean::new(&q, |_| momentum(y));
-        let mut tilt = self.tilt(&lean, &momentum(y));
+        let lean = Lean::new(&q, |_| self.momentum(y));
+        let mut tilt = self.tilt(&lean, &self.momentum(y));
         if tilt.is_upright() {
             let per_moment = 1.0 / self.model.top.transverse_moment;
-            let torque = momentum(&self.derivative(0.0, y));
-            tilt =
-                lean.rates_at_vertical(tilt, &(momentum(y) * per_moment), &(torque * per_moment));
+            let torque = self.momentum(&self.derivative(0.0, y));
+            tilt = lean.rates_at_vertical(
+                tilt,
+                &(self.momentum(y) * per_moment),
+                &(torque * per_moment),
+            );
         }
         Motion {
             angles: Euler {
@@ -195,13 +234,18 @@ impl<const N: usize> Formulation<N> for BodyRotation {
     }
 }
 
-fn with_momentum<const N: usize>(y: &[f64; N], momentum: &Vector3<f64>) -> [f64; N] {
-    let mut state = *y;
-    state[4..7].copy_from_slice(momentum.as_slice());
-    state
-}
+/// Transverse moment of inertia of the paper's top, kg m².
+const PAPER_MOMENT: f64 = 8.52e-5;
 
-#[inline]
-fn momentum<const N: usize>(y: &[f64; N]) -> Vector3<f64> {
-    Vector3::new(y[4], y[5], y[6])
+/// Unit of the angular momentum in the state, kg m²/s: the power of two nearest to the ratio of the top's moment of
+/// inertia to that of the paper's top.
+///
+/// The integrator's absolute tolerance acts on the state. In this unit it allows all tops about the same error of the
+/// angular velocity, whatever their mass and size: the motion of a fixed peg doesn't depend on the mass. A power of two
+/// scales without rounding, and it is 1 for the paper's top.
+fn momentum_unit(top: &Top) -> f64 {
+    const EXPONENT: u64 = 0x7FF0_0000_0000_0000;
+    // Rounded down, powers of two would change at ratios of 1, 2, 4, … instead of halfway between them.
+    let ratio = SQRT_2 * (top.transverse_moment / PAPER_MOMENT);
+    f64::from_bits(ratio.clamp(f64::MIN_POSITIVE, f64::MAX).to_bits() & EXPONENT)
 }

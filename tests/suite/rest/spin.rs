@@ -71,3 +71,46 @@ fn energy_changes_by_the_work_of_friction_only() {
         );
     }
 }
+
+/// The torques on a fixed peg are proportional to the mass, so the motion doesn't depend on it.
+#[test]
+fn motion_with_a_fixed_peg_is_independent_of_mass() {
+    let times = [1e-9, 1e-6, 1e-3, 0.11, 1e3].map(|mass: f64| {
+        let scaled = |moment: f64| (moment / 0.11 * mass).to_string();
+        let run = Run::with(
+            "full-coulomb",
+            &[
+                ("formulation", "body"),
+                ("top.mass", &mass.to_string()),
+                ("top.transverse_moment", &scaled(8.52e-5)),
+                ("top.axial_moment", &scaled(7.25e-5)),
+                ("friction.k", "1"),
+                ("rolling.arm", "0.02"),
+                ("drilling.k", "0.3"),
+                ("drilling.patch_radius", "0.002"),
+                ("initial.theta", "0.855"),
+                ("initial.phi_dot", "-0.612"),
+                ("initial.theta_dot", "4.297"),
+                ("initial.psi_dot", "0"),
+                ("stop.theta_risen", ""),
+                ("stop.duration", "1"),
+            ],
+        );
+        let events = run.events.iter();
+        (mass, events.map(|e| (e.kind, e.time)).collect::<Vec<_>>())
+    });
+    let (_, expected) = &times[3];
+    for (mass, found) in &times {
+        assert_eq!(found.len(), expected.len(), "{mass} kg");
+        for ((kind, time), (expected_kind, expected_time)) in found.iter().zip(expected) {
+            assert_eq!(kind, expected_kind, "{mass} kg");
+            // Units of momentum differ by up to √2 from those of the same relative size.
+            assert_near(
+                &format!("{kind:?}"),
+                *time,
+                *expected_time,
+                1e-9 * expected_time,
+            );
+        }
+    }
+}
