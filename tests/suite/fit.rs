@@ -800,9 +800,11 @@ fn val_robust_losses_estimate_the_noise_without_outliers() {
     let estimate = &report.parameters[0];
     assert!((estimate.value - 0.0517).abs() < 4.0 * estimate.sd.unwrap());
 }
+
+#[test]
 fn refuses_signals_that_no_file_has() {
     let folder = Folder::new();
-    folder.toprise("run paper --stop.duration=0.1 -o run.mcap", 0);
+    folder.toprise("run paper --set stop.duration=0.1 -o run.mcap", 0);
     folder.write("camera.csv", "t,theta,x\n0,0.5,1\n0.1,0.5,1\n");
     folder.write("gyro.csv", "t,gyro z\n0,100\n0.1,100\n");
     for (name, files, signals, expected) in [
