@@ -20,6 +20,12 @@ pub(super) enum FileKind {
         expect(dead_code, reason = "written by sweeps")
     )]
     Parquet,
+    /// A scenario file.
+    #[cfg_attr(
+        not(any(feature = "fit", test)),
+        expect(dead_code, reason = "written by fits")
+    )]
+    Scenario,
 }
 
 /// A name of a file that promises another kind.
@@ -48,6 +54,7 @@ impl FileKind {
             Self::Mcap => ("an MCAP file", "mcap"),
             Self::Rrd => ("a Rerun recording", "rrd"),
             Self::Parquet => ("a Parquet table", "parquet"),
+            Self::Scenario => ("a scenario file", "toml"),
         };
         // Drafts have their own error.
         if extension == own || extension == "partial" {
@@ -96,6 +103,12 @@ mod tests {
                 FileKind::Parquet,
                 "map.csv",
                 "-o writes a Parquet table: call it map.parquet",
+            ),
+            (FileKind::Scenario, "best.toml", ""),
+            (
+                FileKind::Scenario,
+                "best.mcap",
+                "-o writes a scenario file: call it best.toml",
             ),
         ] {
             let error = kind.check("-o", Path::new(name)).err();

@@ -7,6 +7,7 @@ mod remarks;
 use super::arguments::{Override, parse_override, parse_positive};
 use super::file_kind::FileKind;
 use super::input::checked;
+use super::interrupt;
 use super::page::markdown;
 use super::progress::Progress;
 use super::report::{self, WrittenFile};
@@ -173,7 +174,10 @@ pub(super) fn fit(arguments: &FitArguments, drafts: &Drafts) -> Result<Status, a
         }
         Err(error) => return Err(error.into()),
     };
-    let written = plan.write(&fitted, drafts)?;
+    let complete = plan.write(&fitted, drafts)?;
+    // Until here an interruption leaves all files as they were. From here on the first one is too late.
+    interrupt::watch(drafts)?;
+    let written = publish(complete)?;
     let mut report = FitReport {
         fit: fitted.report.clone(),
         written: Vec::new(),
@@ -253,6 +257,9 @@ impl FitArguments {
         if let Some(output) = &self.output {
             FileKind::Mcap.check("-o", output)?;
         }
+        if let Some(best) = &self.best {
+            FileKind::Scenario.check("--scenario", best)?;
+        }
         let outputs = self.outputs(show);
         for (place, output) in outputs.iter().enumerate() {
             check_not_an_input(output, inputs.iter().map(PathBuf::as_path))?;
@@ -284,8 +291,8 @@ impl FitArguments {
 }
 
 impl FitPlan {
-    /// Writes the files that were asked for.
-    fn write(&self, fitted: &Fit, drafts: &Drafts) -> Result<Vec<WrittenFile>, anyhow::Error> {
+    /// Writes the files that were asked for, still without their names.
+    fn write(&self, fitted: &Fit, drafts: &Drafts) -> Result<Vec<Draft>, anyhow::Error> {
         let mut written = Vec::new();
         if let Some(path) = &self.best {
             let draft = self.create(drafts, path)?;
@@ -306,7 +313,7 @@ impl FitPlan {
         fitted: &Fit,
         drafts: &Drafts,
         directory: &Path,
-    ) -> Result<Vec<WrittenFile>, anyhow::Error> {
+    ) -> Result<Vec<Draft>, anyhow::Error> {
         let created = std::fs::create_dir_all(directory);
         created.with_context(|| format!("cannot create {}", directory.display()))?;
         let mut written = Vec::new();
@@ -315,7 +322,7 @@ impl FitPlan {
             let mut draft = self.create(drafts, &path)?;
             let result = draft.write_all(drawing.svg().as_bytes());
             result.with_context(|| format!("cannot write {}", path.display()))?;
-            written.push(WrittenFile::publish(draft)?);
+            written.push(draft);
         }
         Ok(written)
     }
@@ -334,27 +341,31 @@ fn figure_path(directory: &Path, name: &str) -> PathBuf {
     directory.join(format!("{name}.svg"))
 }
 
-fn write_scenario(mut draft: Draft, scenario: &Scenario) -> Result<WrittenFile, anyhow::Error> {
+/// Gives complete files their names.
+fn publish(complete: Vec<Draft>) -> Result<Vec<WrittenFile>, anyhow::Error> {
+    let mut written = Vec::new();
+    for draft in complete {
+        written.push(WrittenFile::publish(draft)?);
+    }
+    Ok(written)
+}
+
+fn write_scenario(mut draft: Draft, scenario: &Scenario) -> Result<Draft, anyhow::Error> {
     let written = draft.write_all(scenario.to_toml().as_bytes());
     written.with_context(|| format!("cannot write {}", draft.path().display()))?;
-    Ok(WrittenFile::publish(draft)?)
+    Ok(draft)
 }
 
 /// Records the best fit with its data.
-fn write_recording(
-    draft: Draft,
-    fitted: &Fit,
-    request: &Request,
-) -> Result<WrittenFile, anyhow::Error> {
+fn write_recording(draft: Draft, fitted: &Fit, request: &Request) -> Result<Draft, anyhow::Error> {
     let problem = format!("cannot write {}", draft.path().display());
     let buffer =
         fit::record(fitted, request, BufWriter::new(draft)).with_context(|| problem.clone())?;
     // The rest of the buffer is written here; when dropped, an error would be lost.
-    let written = buffer
+    buffer
         .into_inner()
         .map_err(IntoInnerError::into_error)
-        .with_context(|| problem)?;
-    Ok(WrittenFile::publish(written)?)
+        .with_context(|| problem)
 }
 
 fn parse_signal(text: &str) -> Result<SignalSpec, fit::DataError> {

@@ -813,7 +813,7 @@ fn refuses_signals_that_no_file_has() {
         (
             "in a recording",
             &["run.mcap"],
-            &["theta", "/top/state.phii"],
+            &["theta", "phi=/top/state.phii"],
             &["no column or topic /top/state.phii; there are: /"],
         ),
         (
@@ -843,4 +843,38 @@ fn refuses_signals_that_no_file_has() {
             assert!(message.contains(part), "{name}: {message}");
         }
     }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_failed_output_leaves_the_others_as_they_were() {
+    let folder = Folder::new();
+    let data = measure(&preset("paper"), 50.0, 1.0, &THETA_PHI, None);
+    let mut text = "t,theta,phi\n".to_owned();
+    for (at, time) in data.signals[0].times.iter().enumerate() {
+        let [theta, phi] = [0, 1].map(|signal| data.signals[signal].values[at]);
+        text += &format!("{time},{theta},{phi}\n");
+    }
+    folder.write("data.csv", text);
+    folder.write("best.toml", "mine\n");
+    folder.write("fit.mcap", "mine, too\n");
+    // A scenario has less than 8 KiB, a recording of one second more.
+    let output = folder.limited(
+        8,
+        "fit paper data.csv --free friction.k --signal theta:1mrad --signal phi:1mrad \
+         --scenario best.toml -o fit.mcap --force",
+    );
+    assert_eq!(output.status.code(), Some(2));
+    assert_contains(&String::from_utf8_lossy(&output.stderr), "fit.mcap");
+    assert_eq!(folder.text("best.toml"), "mine\n");
+    assert_eq!(folder.text("fit.mcap"), "mine, too\n");
+    assert_eq!(folder.files(), ["best.toml", "data.csv", "fit.mcap"]);
+}
+
+#[test]
+fn refuses_scenario_files_with_other_extensions() {
+    Folder::new().refuses(
+        "fit full-coulomb none.csv --free friction.k --scenario best.mcap",
+        "--scenario writes a scenario file: call it best.toml",
+    );
 }
