@@ -1,10 +1,11 @@
 //! Errors of fits.
 
-use super::degeneracy::{Degeneracy, join_clauses};
+use super::degeneracy::{Degeneracy, join_clauses, pronoun};
 use crate::archive::recording::RecordingError;
 use crate::run::scenario::ScenarioError;
 use crate::run::simulation::SimulationError;
 use crate::telemetry::fields::state;
+use std::fmt::{self, Display, Formatter};
 use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -323,6 +324,26 @@ pub enum FitError {
         /// Time at which the fitted data end, s.
         until: Option<f64>,
     },
+    /// The data have a gap that is long compared with all of them.
+    #[error(
+        "the data have no values from t = {from} to {to} s, and are only {rest} s long without this gap; is a time wrong ({stray} {} {})? Remove {}, or leave {} out with {remedy}",
+        if *stray == 1 { "row" } else { "rows" },
+        remedy.side(),
+        pronoun(*stray),
+        pronoun(*stray)
+    )]
+    Gap {
+        /// Last time before the gap, on the clock of the first file, s.
+        from: f64,
+        /// First time after the gap, s.
+        to: f64,
+        /// Time of the data without the gap, s.
+        rest: f64,
+        /// Number of times on the side with fewer of them.
+        stray: usize,
+        /// Option that leaves that side out.
+        remedy: Cut,
+    },
     /// A value is too large for a sum of squares.
     #[error(
         "{field}: the value {value:e} at t = {time} s, with the standard deviation {sigma:e}, is too large to be fitted: remove it"
@@ -395,6 +416,34 @@ pub enum FitError {
     /// The optimiser refused its input.
     #[error("the optimiser failed: {0}")]
     Optimiser(&'static str),
+}
+
+/// An option that leaves out a part of the data.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cut {
+    /// `--start` at this time of the data, s.
+    Start(f64),
+    /// `--until` this time after the start, s.
+    Until(f64),
+}
+
+impl Cut {
+    /// The side of a gap that is left out.
+    fn side(self) -> &'static str {
+        match self {
+            Self::Start(_) => "before it",
+            Self::Until(_) => "after it",
+        }
+    }
+}
+
+impl Display for Cut {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Start(time) => write!(f, "--start {time}"),
+            Self::Until(time) => write!(f, "--until {time}"),
+        }
+    }
 }
 
 /// A name in quotes for an example on the command line.

@@ -1,6 +1,6 @@
 //! From a request to a problem, with the checks that come before a fit.
 
-use super::error::FitError;
+use super::error::{Cut, FitError};
 use super::model::Problem;
 use super::request::Request;
 use super::signal::Signal;
@@ -39,6 +39,7 @@ pub(super) fn prepare(request: &Request) -> Result<Prepared, FitError> {
         }
     }
     check_values(&signals)?;
+    check_gaps(&signals, origin, request.until)?;
     let mut problem = Problem::new(scenario, parameters, signals, request.loss, origin)?;
     problem.keep_until(request.until);
     check_range(&problem, origin, request.until)?;
@@ -80,6 +81,63 @@ fn check_values(signals: &[Signal]) -> Result<(), FitError> {
     Ok(())
 }
 
+/// Refuses data with a gap that no motion can be followed through: a mistaken time of one row would otherwise make the
+/// simulation many times longer than the data.
+fn check_gaps(signals: &[Signal], origin: f64, until: Option<f64>) -> Result<(), FitError> {
+    /// Usual steps that a camera may lose without being suspected of a wrong time.
+    const MAX_LOST_STEPS: f64 = 100.0;
+    /// So few values don't determine a motion by themselves.
+    const MAX_STRAY: usize = 3;
+    /// Gap beyond which so few values count as stray, relative to the time of all others.
+    const MAX_STRAY_GAP: f64 = 0.1;
+    let end = origin + until.unwrap_or(f64::INFINITY);
+    let mut times: Vec<f64> = Vec::new();
+    for signal in signals.iter().filter(|signal| signal.file == 0) {
+        let is_fitted = |time: &&f64| (origin..=end).contains(*time);
+        times.extend(signal.times.iter().filter(is_fitted));
+    }
+    times.sort_by(f64::total_cmp);
+    // Signals of one file share its rows.
+    times.dedup();
+    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let Some(longest) = (0..steps.len()).max_by(|a, b| steps[*a].total_cmp(&steps[*b])) else {
+        return Ok(());
+    };
+    let (before, after) = (longest + 1, times.len() - longest - 1);
+    let [from, to] = [times[longest], times[longest + 1]];
+    let gap = to - from;
+    let [first, last] = [times[0], times[times.len() - 1]];
+    let rest = (from - first) + (last - to);
+    steps.sort_by(f64::total_cmp);
+    let usual = steps[steps.len() / 2];
+    let limit = if before.min(after) <= MAX_STRAY {
+        MAX_STRAY_GAP * rest
+    } else {
+        rest
+    };
+    if gap <= MAX_LOST_STEPS * usual || gap <= limit {
+        return Ok(());
+    }
+    let is_stray_first = before < after;
+    Err(FitError::Gap {
+        from,
+        to,
+        rest,
+        stray: before.min(after),
+        remedy: if is_stray_first {
+            Cut::Start(to)
+        } else {
+            // Half of a usual step: a decimal fraction may be rounded.
+            Cut::Until(rounded(from - origin + usual / 2.0))
+        },
+    })
+}
+
+/// A time to the microsecond.
+fn rounded(time: f64) -> f64 {
+    (time * 1e6).round() / 1e6
+}
+
 /// Refuses signals of the first file without a value in the time that is fitted.
 fn check_range(problem: &Problem, origin: f64, until: Option<f64>) -> Result<(), FitError> {
     for (index, signal) in problem.signals.iter().enumerate() {
@@ -95,4 +153,52 @@ fn check_range(problem: &Problem, origin: f64, until: Option<f64>) -> Result<(),
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refuses_long_gaps() {
+        /// A time, s, at 100 Hz.
+        fn hundredths(range: std::ops::Range<i32>) -> Vec<f64> {
+            range.map(|i| f64::from(i) / 100.0).collect()
+        }
+        let camera = hundredths(0..500);
+        let [all, early, late, far] = [vec![], vec![-5.0], vec![55.0], vec![1e18]]
+            .map(|stray| [stray, camera.clone()].concat());
+        let paused = [hundredths(0..300), hundredths(500..800)].concat();
+        let far_apart = [hundredths(0..300), hundredths(2000..2300)].concat();
+        let lost_frames = [hundredths(0..497), hundredths(590..593)].concat();
+        for (name, times, until, expected) in [
+            ("none", all, None, None),
+            ("an early row", early, None, Some("--start 0")),
+            ("a late row", late.clone(), None, Some("--until 4.995")),
+            ("a late row that is left out", late, Some(6.0), None),
+            ("a row in the far future", far, None, Some("--until 4.995")),
+            ("a pause", paused, None, None),
+            (
+                "a pause longer than the data",
+                far_apart,
+                None,
+                Some("--until 2.995"),
+            ),
+            ("lost frames before the end", lost_frames, None, None),
+            ("few values", vec![0.0, 1.0, 50.0], None, None),
+        ] {
+            let values = vec![0.5; times.len()];
+            let signal = Signal::from_values(state::THETA, &times, &values, Some(1e-3)).unwrap();
+            let origin = signal.times[0];
+            let error = check_gaps(&[signal], origin, until).err();
+            let message = error.map(|error| error.to_string());
+            match (&message, expected) {
+                (None, None) => {}
+                (Some(message), Some(part)) => {
+                    assert!(message.ends_with(part), "{name}: {message}");
+                }
+                (Some(_) | None, Some(_) | None) => panic!("{name}: {message:?}"),
+            }
+        }
+    }
 }
