@@ -7,7 +7,7 @@ use crate::run::simulation::SimulationError;
 use crate::telemetry::fields::state;
 use std::fmt::{self, Display, Formatter};
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// Error of reading measured data.
@@ -48,10 +48,35 @@ pub enum DataError {
         path: PathBuf,
     },
     /// The file has no rows of numbers.
-    #[error("{}: no rows of numbers", path.display())]
+    #[error("{}: no rows of numbers{}", path.display(), refused.as_ref().map_or_else(String::new, |(line, text)| format!("; line {line}: {text:?} is not a number")))]
     Empty {
         /// The file.
         path: PathBuf,
+        /// Line, from 1, and text of a cell that should be a number, if there is one.
+        refused: Option<(u64, String)>,
+    },
+    /// A row has more cells than there are columns.
+    #[error("{}:{line}: {cells} cells, but {columns} columns{}", path.display(), if *has_commas { "; if numbers have decimal commas, separate the columns with semicolons or tabs" } else { "" })]
+    Width {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: u64,
+        /// Number of cells of the row.
+        cells: usize,
+        /// Number of columns.
+        columns: usize,
+        /// Whether commas separate the columns.
+        has_commas: bool,
+    },
+    /// An error in a file.
+    #[error("{}: {reason}", path.display())]
+    InFile {
+        /// The file.
+        path: PathBuf,
+        /// The error.
+        #[source]
+        reason: Box<DataError>,
     },
     /// The file is too large.
     #[error("{}: more than {limit} rows: thin out the data", path.display())]
@@ -190,6 +215,16 @@ pub enum DataError {
         /// Column.
         column: String,
     },
+}
+
+impl DataError {
+    /// Adds the file to an error that is found where only a column is known.
+    pub(super) fn in_file(self, path: &Path) -> Self {
+        Self::InFile {
+            path: path.to_owned(),
+            reason: Box::new(self),
+        }
+    }
 }
 
 /// What a file of data has.

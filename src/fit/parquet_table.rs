@@ -40,6 +40,7 @@ pub(super) fn read(
     if count == 0 {
         return Err(DataError::Empty {
             path: path.to_owned(),
+            refused: None,
         });
     }
     let table = Table {

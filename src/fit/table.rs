@@ -11,7 +11,7 @@ use std::path::Path;
 pub(super) const MAX_ROWS: usize = 2_000_000;
 
 /// Maximum number of characters of a cell in an error.
-const MAX_SHOWN: usize = 40;
+pub(super) const MAX_SHOWN: usize = 40;
 
 /// A table of cells with a header.
 pub(super) struct Table<'a> {
@@ -214,13 +214,15 @@ impl Table<'_> {
                 column: spec.source.clone(),
             });
         }
-        Signal::new(spec, file, rows, missing)
+        Signal::new(spec, file, rows, missing).map_err(|error| error.in_file(self.path))
     }
 
     /// A column in SI units.
     fn cells(&self, at: usize, dimension: Dimension) -> Result<Cells<'_>, DataError> {
         let name = &self.columns[at];
-        let factor = dimension.factor(split_header(name).1, name)?;
+        let factor = dimension
+            .factor(split_header(name).1, name)
+            .map_err(|error| error.in_file(self.path))?;
         Ok(Cells { at, name, factor })
     }
 

@@ -4,7 +4,7 @@ use super::cell::{is_missing, parse_number};
 use super::data::FileSignals;
 use super::error::DataError;
 use super::signal::SignalSpec;
-use super::table::{Line, MAX_ROWS, Rows, Table};
+use super::table::{Line, MAX_ROWS, MAX_SHOWN, Rows, Table};
 use super::unit::is_unit;
 use crate::archive::input::read_file;
 use csv::StringRecord;
@@ -67,12 +67,27 @@ fn parse<'a>(path: &'a Path, text: &str) -> Result<Table<'a>, DataError> {
                 limit: MAX_ROWS,
             });
         }
-        let number = record.position().map_or(0, csv::Position::line);
+        let number = line_of(&record);
+        // A single cell is a title, and names no column.
+        let width = match titles[1].len() {
+            0 | 1 => lines.first().map_or(record.len(), |line| line.record.len()),
+            named => named,
+        };
+        if record.iter().skip(width).any(|cell| !cell.is_empty()) {
+            return Err(DataError::Width {
+                path: path.to_owned(),
+                line: number,
+                cells: record.len(),
+                columns: width,
+                has_commas: delimiter == b',',
+            });
+        }
         lines.push(Line { number, record });
     }
     let Some(first) = lines.first() else {
         return Err(DataError::Empty {
             path: path.to_owned(),
+            refused: refused_cell(&titles, has_decimal_comma),
         });
     };
     Ok(Table {
@@ -83,6 +98,25 @@ fn parse<'a>(path: &'a Path, text: &str) -> Result<Table<'a>, DataError> {
             has_decimal_comma,
         },
     })
+}
+
+/// The line of a record in the file, from 1.
+fn line_of(record: &StringRecord) -> u64 {
+    record.position().map_or(0, csv::Position::line)
+}
+
+/// The first cell of the last line that is no number, if a header is before that line.
+fn refused_cell(titles: &[StringRecord; 2], has_decimal_comma: bool) -> Option<(u64, String)> {
+    let [before, last] = titles;
+    if before.is_empty() {
+        return None;
+    }
+    for cell in last {
+        if parse_number(cell, has_decimal_comma).is_none() && !is_missing(cell) {
+            return Some((line_of(last), cell.chars().take(MAX_SHOWN).collect()));
+        }
+    }
+    None
 }
 
 /// Whether the cells are numbers, at least one of them present.
@@ -242,6 +276,26 @@ mod tests {
                 "t,theta,sd\n0,0.5,1\n1,1,0\n",
                 "theta:sd",
                 ":3: column sd: the standard deviation 0 is not",
+            ),
+            (
+                "t,theta\n0,0,0,5\n",
+                "theta",
+                ":2: 4 cells, but 2 columns; if numbers have decimal commas",
+            ),
+            (
+                "t;theta\n0;0,5\n1;0,5;7\n",
+                "theta",
+                ":3: 3 cells, but 2 columns",
+            ),
+            (
+                "t,theta\n0,abc\n1,0.5 rad\n",
+                "theta",
+                "no rows of numbers; line 3: \"0.5 rad\" is not a number",
+            ),
+            (
+                "t,theta (rpm)\n0,0.5\n",
+                "theta",
+                ": column theta (rpm): \"rpm\" is not",
             ),
             ("", "theta", "no rows of numbers"),
             ("t,theta\n", "theta", "no rows of numbers"),
