@@ -41,7 +41,7 @@ pub(super) struct FitArguments {
     data: Vec<PathBuf>,
 
     /// Free parameters: keys (comma-separated), and `initial` for all of the start that the signals show
-    #[arg(long, value_name = "KEYS", value_delimiter = ',', required = true)]
+    #[arg(long, value_name = "KEYS", value_delimiter = ',', required = true, value_parser = parse_name)]
     free: Vec<String>,
 
     /// A signal: its field, column (or topic and path) and standard deviation, e.g. theta="tilt (deg)":2mrad; without
@@ -66,7 +66,7 @@ pub(super) struct FitArguments {
     start: Option<f64>,
 
     /// Use only the data until this time after the start, s
-    #[arg(long, value_name = "TIME", value_parser = parse_positive)]
+    #[arg(long, value_name = "TIME", allow_negative_numbers = true, value_parser = parse_positive)]
     until: Option<f64>,
 
     /// How residuals count: squares, or huber for data with outliers
@@ -78,7 +78,7 @@ pub(super) struct FitArguments {
     rescale: bool,
 
     /// Compare friction laws (comma-separated); `toprise laws` lists them
-    #[arg(long, value_name = "LAWS", value_delimiter = ',')]
+    #[arg(long, value_name = "LAWS", value_delimiter = ',', value_parser = parse_name)]
     compare: Vec<String>,
 
     /// Predict this part of the data at the end instead of fitting it, e.g. 0.2
@@ -86,7 +86,7 @@ pub(super) struct FitArguments {
     holdout: f64,
 
     /// Profile likelihood of parameters (comma-separated)
-    #[arg(long, value_name = "KEYS", value_delimiter = ',')]
+    #[arg(long, value_name = "KEYS", value_delimiter = ',', value_parser = parse_name)]
     profile: Vec<String>,
 
     /// Show all numbers
@@ -372,6 +372,14 @@ fn parse_signal(text: &str) -> Result<SignalSpec, fit::DataError> {
     SignalSpec::parse(text)
 }
 
+/// Parses a name in a list that is separated by commas.
+fn parse_name(text: &str) -> Result<String, FitArgumentError> {
+    match text.trim() {
+        "" => Err(FitArgumentError::EmptyName),
+        name => Ok(name.to_owned()),
+    }
+}
+
 fn parse_bound(text: &str) -> Result<Bound, FitArgumentError> {
     let (key, range) = text.split_once('=').ok_or(FitArgumentError::Bound)?;
     let (low, high) = range.split_once("..").ok_or(FitArgumentError::Bound)?;
@@ -402,6 +410,8 @@ enum FitArgumentError {
     Bound,
     #[error("must be a number")]
     Finite,
+    #[error("a name in the list is empty")]
+    EmptyName,
     #[error("must be a number from 0 to 0.9")]
     Part,
     #[error("two outputs are the same file, {}", path.display())]
@@ -427,6 +437,8 @@ mod tests {
             "paper data.csv --free friction.k --bound friction.k=1..0",
             "paper data.csv --free friction.k --holdout 1",
             "paper data.csv --free friction.k --signal theta:0",
+            "paper data.csv --free friction.k,,initial",
+            "paper data.csv --free friction.k --profile ,",
         ] {
             assert!(parse::<FitArguments>(line).is_err(), "{line}");
         }
