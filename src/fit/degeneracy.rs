@@ -18,6 +18,8 @@ pub enum Degeneracy {
         symbols: [String; 2],
         /// The combination that is determined.
         combination: Combination,
+        /// Whether motions with the same combination are the same, and not only similar in these data.
+        is_exact: bool,
     },
     /// These parameters can change together in one way.
     Together {
@@ -60,8 +62,20 @@ impl Display for Degeneracy {
                 names,
                 symbols: [first, second],
                 combination,
+                is_exact,
             } => {
                 match combination {
+                    Combination::Product | Combination::Quotient if !is_exact => {
+                        let sign = if *combination == Combination::Product {
+                            '·'
+                        } else {
+                            '/'
+                        };
+                        write!(
+                            f,
+                            "these data determine {first}{sign}{second} so much better than {first} and {second} that they can't be told apart"
+                        )
+                    }
                     Combination::Product => write!(
                         f,
                         "only {first}·{second} is determined ({first} × 2 and {second} ÷ 2 is the same motion)"
@@ -79,7 +93,7 @@ impl Display for Degeneracy {
             }
             Self::Together { names } => write!(
                 f,
-                "{} can change together without any effect: fix one of them",
+                "{} can change together without an effect on these data: fix one of them",
                 join_names(names)
             ),
             Self::Several { names, directions } => {

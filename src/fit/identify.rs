@@ -78,8 +78,19 @@ pub(super) fn identify(
     for at in scanned {
         free.push(problem.parameters[at].clone());
     }
-    let degeneracies = degeneracies(&parameters, &ScaledGram::new(&gram));
+    let mut degeneracies = degeneracies(&parameters, &ScaledGram::new(&gram));
     if !degeneracies.is_empty() {
+        for degeneracy in &mut degeneracies {
+            if let Degeneracy::Combined {
+                names,
+                combination,
+                is_exact,
+                ..
+            } = degeneracy
+            {
+                *is_exact = is_same_motion(problem, &points, &predicted, names, *combination);
+            }
+        }
         return Err(FitError::NotIdentifiable { degeneracies });
     }
     let mut notes = Vec::new();
@@ -244,6 +255,51 @@ fn degeneracies(parameters: &[Parameter], gram: &ScaledGram) -> Vec<Degeneracy> 
     }
 }
 
+/// Whether the motion stays the same if two parameters change and their combination doesn't.
+fn is_same_motion(
+    problem: &Problem,
+    points: &[Point],
+    predicted: &[f64],
+    names: &[String; 2],
+    combination: Combination,
+) -> bool {
+    /// A change whose effect is more than linear.
+    const FACTOR: f64 = 1.01;
+    /// Part of the effect of one parameter alone that is an error of the simulation: it is 1e-9 or less after a minute,
+    /// and the effect about 1e-2.
+    const SAME: f64 = 1e-6;
+    let other = match combination {
+        Combination::Product => 1.0 / FACTOR,
+        Combination::Quotient => FACTOR,
+        Combination::Other => return false,
+    };
+    let mut alone = problem.start();
+    let mut together = problem.start();
+    for (at, parameter) in problem.parameters.iter().enumerate() {
+        if parameter.name() == names[0] {
+            alone[at] *= FACTOR;
+            together[at] *= FACTOR;
+        } else if parameter.name() == names[1] {
+            together[at] *= other;
+        }
+    }
+    match [alone, together].map(|values| effect(problem, points, predicted, &values)) {
+        [Some(alone), Some(together)] => together < SAME * alone,
+        // No such motion can be computed.
+        [Some(_) | None, Some(_) | None] => false,
+    }
+}
+
+/// The size of the difference between a motion and the predicted one, in standard deviations.
+fn effect(problem: &Problem, points: &[Point], predicted: &[f64], values: &[f64]) -> Option<f64> {
+    let moved = problem.predict(values, points).ok()?;
+    let mut differences = Vec::new();
+    for ((point, moved), before) in points.iter().zip(moved).zip(predicted) {
+        differences.push((moved - before) / point.sigma);
+    }
+    Some(norm(&differences))
+}
+
 /// Relative changes of the parameters along a direction; absolute ones, in units of the scale, where the start is 0.
 fn relative_changes(parameters: &[Parameter], gram: &ScaledGram, direction: &[f64]) -> Vec<f64> {
     let mut changes = Vec::new();
@@ -276,6 +332,8 @@ fn degeneracy(parameters: &[Parameter], changes: &[f64]) -> Degeneracy {
             Degeneracy::Combined {
                 names: [a.name(), b.name()],
                 symbols: [a.symbol(), b.symbol()],
+                // The direction is that of small changes.
+                is_exact: false,
                 combination: if (power - 1.0).abs() < SAME_POWER {
                     Combination::Product
                 } else if (power + 1.0).abs() < SAME_POWER {
