@@ -643,3 +643,15 @@ fn offers_depend_on_the_other_keys() {
     let formulation = applicable(&keys, "formulation").unwrap();
     assert_eq!(formulation.allowed, Allowed::Words(vec!["body"]));
 }
+
+#[test]
+fn unknown_preset_names_the_similar_ones_or_all() {
+    for (name, expected, is_listed) in [
+        ("papr", "(did you mean paper?)", false),
+        ("zzzz", "presets: paper, ", true),
+    ] {
+        let message = Preset::find(name).unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
+        assert_eq!(message.contains("presets: "), is_listed, "{message}");
+    }
+}

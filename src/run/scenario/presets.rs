@@ -82,7 +82,7 @@ impl Preset {
     /// The preset with this name.
     ///
     /// # Errors
-    /// [`ScenarioError`], which lists all presets.
+    /// [`ScenarioError`], which names the similar presets, or all.
     pub fn find(name: &str) -> Result<&'static Self, ScenarioError> {
         PRESETS
             .iter()
