@@ -211,6 +211,7 @@ impl Claim {
     }
 
     /// The claim in words, as sentences of a paragraph about all `claims`.
+    #[allow(clippy::too_many_lines, reason = "a template for each claim")]
     pub(super) fn words_among(&self, claims: &[Self]) -> String {
         match self {
             Self::Conserves { mean_theta, .. } => {
@@ -239,11 +240,7 @@ impl Claim {
             ),
             Self::FrictionSpeedsPrecession { .. } => {
                 // A second argument for what the first has explained already.
-                let is_second = claims.iter().any(|claim| claim.is_rise_before(f64::INFINITY));
-                let start = if is_second { "In the paper's terms, the" } else { "The" };
-                format!(
-                    "{start} friction term of φ̈ speeds up the precession. Beyond the slow rate of regular precession, θ̈ is negative: the axis rises, and its rise slows the precession again. So the precession stays near the slow rate while the axis rises."
-                )
+                speeds_precession(claims.iter().any(|claim| claim.is_rise_before(f64::INFINITY)))
             }
             Self::LossesAlign {
                 has_friction,
@@ -386,6 +383,18 @@ impl Claim {
             | Self::ComesToRest { .. } => Vec::new(),
         }
     }
+}
+
+/// The paper's argument; `is_second` if another has explained the rise already.
+fn speeds_precession(is_second: bool) -> String {
+    let start = if is_second {
+        "In the paper's terms, the"
+    } else {
+        "The"
+    };
+    format!(
+        "{start} friction term of φ̈ speeds up the precession. Beyond the slow rate of regular precession, θ̈ is negative: the axis rises, and its rise slows the precession again. So the precession stays near the slow rate while the axis rises."
+    )
 }
 
 fn raises(
