@@ -805,6 +805,35 @@ fn val_peg_jams_where_mobility_vanishes() {
     assert!(left.abs() < 2e-6, "{left}");
 }
 
+/// A slip that turns as it stops lets the mobility vanish as a square root in time, too fast for any step.
+#[test]
+fn peg_jams_where_its_slip_turns_and_stops() {
+    for (theta, phi_dot, theta_dot, psi_dot) in [
+        ("1.026", "-3.19", "-2.7", "-11.76"),
+        ("0.464", "-0.46", "0", "-4.73"),
+    ] {
+        for tolerance in ["1e-9", "1e-10", "1e-11", "1e-12"] {
+            let run = Run::with(
+                "free-paper",
+                &[
+                    ("friction.k", "2.5"),
+                    ("initial.theta", theta),
+                    ("initial.phi_dot", phi_dot),
+                    ("initial.theta_dot", theta_dot),
+                    ("initial.psi_dot", psi_dot),
+                    ("stop.theta_risen", ""),
+                    ("stop.theta_fallen", ""),
+                    ("stop.duration", "0.2"),
+                    ("integrator.relative_tolerance", tolerance),
+                ],
+            );
+            assert_eq!(run.end.stop, StopReason::Jam, "{theta} {tolerance}");
+            let last = run.events.last().unwrap();
+            assert_eq!((last.kind, last.time), (EventKind::Jam, run.end.time));
+        }
+    }
+}
+
 /// Inside the range of Painlevé's paradox, a start ends as a motion does that enters it.
 #[test]
 fn starts_inside_the_painleve_range_jam_or_lift_off() {

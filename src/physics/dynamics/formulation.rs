@@ -147,4 +147,9 @@ pub trait Formulation<const N: usize>: System<N> + Copy {
     /// # Errors
     /// If an impact can't be computed.
     fn enter(&self, guard: Guard, state: &[f64; N], reference: Euler) -> Entered<Self, N>;
+
+    /// The transition at a singularity just after a state, beyond which no step leads; `None` if none is known there.
+    fn singularity(&self, _state: &[f64; N]) -> Option<Transition> {
+        None
+    }
 }

@@ -7,7 +7,7 @@ pub use self::state::FreeRotation;
 use self::state::{
     CENTER, CONTROLLED, SCALED_MOMENTUM, VELOCITY, quaternion_rate, set_vector, vector,
 };
-use self::transitions::JAMMED;
+use self::transitions::{JAM_HORIZON, JAMMED};
 
 use super::formulation::{Entered, Entry, Formulation, Guard, Started, Transition};
 use super::holding::Resting;
@@ -345,6 +345,10 @@ impl<const N: usize> Formulation<N> for FreeRotation {
             motion: formulation.motion(&state, reference),
             first_step: formulation.first_step(&state),
         })
+    }
+
+    fn singularity(&self, y: &[f64; N]) -> Option<Transition> {
+        (self.time_to_jam(y)? < JAM_HORIZON).then_some(Transition::Jams)
     }
 }
 

@@ -64,6 +64,19 @@ pub enum SimulationError {
     TooManySamples,
 }
 
+impl SimulationError {
+    /// The time up to which the motion was computed, s; `None` if the motion is not the reason.
+    pub fn time(&self) -> Option<f64> {
+        match self {
+            Self::Integration { time, .. }
+            | Self::Transition { time, .. }
+            | Self::TinySteps { time, .. }
+            | Self::Alternates { time, .. } => Some(*time),
+            Self::TooManySamples => None,
+        }
+    }
+}
+
 /// The phase of the contact between a fixed or a free peg and the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ContactPhase {

@@ -185,9 +185,10 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         self.reference = system.angles(state, self.reference);
         let contact = contact_phase(system);
         // Densely, because events and samples are read from the dense output, whose error has to be controlled as well.
-        let stepped = self.integrator.step_densely();
+        if let Err(source) = self.integrator.step_densely() {
+            return self.end_at_singularity(source);
+        }
         let time = self.integrator.t();
-        stepped.map_err(|source| integration_error(self.integrator.system(), time, source))?;
         let system = self.integrator.system();
         self.progress.record_step(time, contact, || {
             let state = self.integrator.y();
@@ -208,6 +209,33 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         self.reset_trackers(remaining);
         self.end_at_duration(&dense);
         self.dense = Some(dense);
+        Ok(())
+    }
+
+    /// Ends the run where no further step is possible, if the singularity is that of a transition.
+    #[cold]
+    fn end_at_singularity(&mut self, source: IntegrateError) -> Result<(), SimulationError> {
+        let (time, state) = (self.integrator.t(), *self.integrator.y());
+        let system = self.integrator.system();
+        let end = system.singularity(&state).map(consequences);
+        let Some(Consequences {
+            event,
+            stop: Some(reason),
+        }) = end
+        else {
+            return Err(integration_error(system, time, source));
+        };
+        let motion = system.motion(&state, self.reference);
+        if let Some(kind) = event {
+            self.queue.push_event(kind, time, motion);
+        }
+        let action = Action::Stop {
+            reason,
+            after: Some(motion),
+        };
+        self.early_end = Some(EarlyEnd { time, action });
+        // The last step has been sampled, and doesn't reach a sample that only rounding puts before the end.
+        self.dense = None;
         Ok(())
     }
 
@@ -304,9 +332,23 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         };
         if let Err(error) = advanced {
             self.stopped = Some(StopReason::Failed);
+            self.last = error.time().map_or(self.last, |time| self.failure_at(time));
             return Err(error);
         }
         Ok(true)
+    }
+
+    /// A time in the last step at which the run failed, and the motion then.
+    #[cold]
+    fn failure_at(&mut self, time: f64) -> TimedMotion {
+        let dense = self.integrator.dense();
+        let motion = if time < self.integrator.t() {
+            self.motion(&dense, (time - dense.t0) / dense.h)
+        } else {
+            let system = self.integrator.system();
+            system.motion(self.integrator.y(), self.reference)
+        };
+        TimedMotion { time, motion }
     }
 
     /// Runs to the end. Returns the end and the event counts.

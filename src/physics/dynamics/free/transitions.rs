@@ -21,6 +21,13 @@ const FIRST_TURN: f64 = 0.01;
 /// then a million times the frictionless one.
 pub(super) const JAMMED: f64 = 1e-6;
 
+/// Where the equations can't be integrated further, a jam is the reason if it is this near, s: the resolution of times in
+/// recordings.
+pub(super) const JAM_HORIZON: f64 = 1e-9;
+
+/// Part of the time in which the slip would stop, for the rate at which its direction changes.
+const PROBED_PART: f64 = 1e-4;
+
 /// The beginning of a phase after a flying peg has come down to the table.
 pub(super) struct Contact<const N: usize> {
     pub(super) formulation: FreeRotation,
@@ -222,6 +229,31 @@ impl FreeRotation {
         self.derivative(0.0, y)[..CONTROLLED]
             .iter()
             .all(|rate| *rate == 0.0)
+    }
+
+    /// The time until the peg jams, s; `None` if it slips freely, or the mobility doesn't decrease.
+    ///
+    /// Where a slow slip turns its direction, the mobility `D` vanishes although the inclination hardly changes. The normal
+    /// force, and with it the rate of that turn, is proportional to `1/D`. So `D` vanishes as `√(t₁ − t)`, and
+    /// `t₁ − t = −D/2Ḋ`. The slower the slip, the later it reaches [`JAMMED`]: at last too late for a step to resolve it.
+    pub(super) fn time_to_jam<const N: usize>(&self, y: &[f64; N]) -> Option<f64> {
+        if self.phase != Phase::Sliding {
+            return None;
+        }
+        let parts = self.parts(y);
+        let velocity = parts.contact_velocity();
+        let slip = Vector3::new(velocity.x, velocity.y, 0.0);
+        let body = self.body(parts.tilt);
+        let acceleration = body.slip_acceleration(&slip);
+        let (speed, strength) = (slip.norm(), hypot(acceleration.x, acceleration.y));
+        if speed == 0.0 || strength == 0.0 {
+            return None;
+        }
+        let interval = PROBED_PART * speed / strength;
+        let later = slip + interval * Vector3::new(acceleration.x, acceleration.y, 0.0);
+        let mobility = body.mobility(&slip);
+        let rate = (body.mobility(&later) - mobility) / interval;
+        (mobility > 0.0 && rate < 0.0).then(|| -0.5 * mobility / rate)
     }
 
     /// The transition to a phase in which the top doesn't rock: it rests or pivots. `None` if it rocks.
