@@ -170,6 +170,10 @@ fn bad_input_exits_with_2_and_writes_nothing() {
         ("run --set top.mass", "KEY=VALUE"),
         ("run --set friction.law=none", "friction.k"),
         ("run --topics /top/stat", "/top/state"),
+        (
+            "run --topics /top/state,/top/free_peg",
+            "fixed peg has no topic /top/free_peg",
+        ),
         ("run --realtime 0", "positive number"),
         ("run -o file/run.mcap", "file"),
         ("run --format xml", "xml"),

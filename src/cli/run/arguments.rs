@@ -9,8 +9,9 @@ use crate::cli::file_kind::FileKind;
 use crate::cli::input::{checked, run_name};
 use crate::cli::rerun::run::ShowArguments;
 use crate::cli::sweep::RowArgument;
-use crate::telemetry::Topics;
+use crate::physics::dynamics::Support;
 use crate::telemetry::encoding::Encoding;
+use crate::telemetry::{Topic, Topics};
 use anyhow::{Error, bail};
 use clap::Args;
 use std::path::PathBuf;
@@ -73,6 +74,7 @@ impl RunArguments {
         form.views &= !self.no_views;
         if !self.topics.is_empty() {
             topics = Topics::named(&self.topics)?;
+            check_topics(&topics, scenario.model.support)?;
         }
         let name = self
             .row
@@ -141,4 +143,17 @@ mod tests {
             assert!(parse::<RunArguments>(line).is_err(), "{line}");
         }
     }
+}
+
+/// Refuses a topic that runs with this support don't have: the recording would lack it without a word.
+fn check_topics(topics: &Topics, support: Support) -> Result<(), Error> {
+    let Topics::Only(topics) = topics else {
+        return Ok(());
+    };
+    for topic in topics {
+        if !Topic::all_with(support).any(|existing| existing == *topic) {
+            bail!("a run with a fixed peg has no topic {topic}: leave it out of --topics");
+        }
+    }
+    Ok(())
 }
