@@ -31,6 +31,9 @@ pub struct TopicBytes {
     pub other_publish_times: u64,
     /// Messages with the same values and another sequence number.
     pub other_sequences: u64,
+    /// Messages with the same values and another place among those of their time.
+    #[serde(skip)]
+    pub reordered: u64,
     /// Whether encoding or schema differ.
     pub is_described_differently: bool,
 }
@@ -44,7 +47,7 @@ impl TopicBytes {
     /// Whether the messages are the same in every respect.
     pub fn is_identical(&self) -> bool {
         let has_other_heads = self.other_publish_times > 0 || self.other_sequences > 0;
-        self.is_equal() && self.respelled == 0 && !has_other_heads
+        self.is_equal() && self.respelled == 0 && self.reordered == 0 && !has_other_heads
     }
 
     /// Number of messages of A and B that were compared with each other.
@@ -65,6 +68,7 @@ impl TopicBytes {
         }
         self.other_publish_times += u64::from(a.publish_time != b.publish_time);
         self.other_sequences += u64::from(a.sequence != b.sequence);
+        self.reordered += u64::from(a.place != b.place);
     }
 
     /// Compares A's and B's messages of one time: equal ones with each other, in any order, then the others in the order
@@ -117,6 +121,8 @@ struct Foreign {
     time_ns: u64,
     /// Index of its topic among those compared.
     topic: usize,
+    /// Number of messages of the same topic and time before it.
+    place: usize,
     publish_time: u64,
     sequence: u32,
     is_json: bool,
@@ -186,11 +192,21 @@ fn messages<'r>(
         ..Selection::default()
     };
     let mut reader = recording.reader(selection).in_order_of_time();
+    // For each topic, the time of the last message, and the number of messages at that time.
+    let mut latest = vec![(0, 0); topics.len()];
     std::iter::from_fn(move || {
         if let Some(raw) = reader.next_undecoded() {
+            let topic = topics.binary_search(&raw.channel.topic).ok()?;
+            let (time_ns, count) = &mut latest[topic];
+            if *time_ns != raw.log_time {
+                (*time_ns, *count) = (raw.log_time, 0);
+            }
+            let place = *count;
+            *count += 1;
             return Some(Foreign {
                 time_ns: raw.log_time,
-                topic: topics.binary_search(&raw.channel.topic).ok()?,
+                topic,
+                place,
                 publish_time: raw.publish_time,
                 sequence: raw.sequence,
                 is_json: raw.channel.encoding == "json",
@@ -224,10 +240,14 @@ type Count = fn(&TopicBytes) -> u64;
 
 /// Sentences about what differs besides the values, for all topics together.
 pub(super) fn notes(topics: &[TopicBytes]) -> Vec<String> {
-    let kinds: [(&str, Count); 3] = [
+    let kinds: [(&str, Count); 4] = [
         ("Publish times differ", |topic| topic.other_publish_times),
         ("Sequence numbers differ", |topic| topic.other_sequences),
         ("JSON is spelled differently", |topic| topic.respelled),
+        // Behind a missing message, all places are others.
+        ("The order of messages of the same time differs", |topic| {
+            if topic.is_equal() { topic.reordered } else { 0 }
+        }),
     ];
     let mut notes = Vec::new();
     for (what, count) in kinds {

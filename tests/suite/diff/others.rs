@@ -264,6 +264,27 @@ fn names_differences_besides_values() {
     }
 }
 
+/// Consumers see them one after the other, and the last one stays.
+#[test]
+fn notes_reordered_simultaneous_messages() {
+    let folder = Folder::new();
+    let original = [r#"{"a":1}"#, r#"{"a":2}"#].map(|text| Published {
+        publisher: 0,
+        sequence: 0,
+        milliseconds: 5,
+        publish_time: 7,
+        text,
+    });
+    let mut reversed = original;
+    reversed.reverse();
+    let a = published(&folder, "a.mcap", &original);
+    let b = published(&folder, "b.mcap", &reversed);
+    let report = compare(&a, &b, &quick()).unwrap();
+    assert_eq!(report.verdict, Verdict::SameValues);
+    let note = "The order of messages of the same time differs in 2 messages of /x.";
+    assert_eq!(report.notes, [note]);
+}
+
 #[test]
 fn merges_equal_channels_of_a_topic() {
     let folder = Folder::new();
