@@ -4,6 +4,7 @@ use crate::forgeries::forgery::{Forgery, RUN, Record, edit, named};
 use crate::raw::{PADDING, attachment, channel, chunk, file, header, message, record};
 use crate::support::{Folder, assert_contains, recorded, scenario, verified};
 use mcap::records::{Channel, op};
+use std::cmp::Reverse;
 use std::fs;
 use std::path::{Path, PathBuf};
 use toprise::analysis::diff::{Options, compare};
@@ -370,13 +371,61 @@ fn refuses_merged_runs() {
         .find(|record| named(RUN)(record))
         .unwrap()
         .clone();
-    file.records.push(run);
+    let mut other = run.clone();
+    let Record::Metadata(metadata) = &mut other else {
+        panic!("named {RUN}");
+    };
+    metadata.metadata.insert("scenario".into(), "other".into());
     let folder = Folder::new();
+    // An equal record is a repetition.
+    file.records.push(run);
+    Recording::open(&folder.write("a.mcap", file.bytes())).unwrap();
+    file.records.push(other);
     let path = folder.write("a.mcap", file.bytes());
     let error = Recording::open(&path).unwrap_err();
     assert!(matches!(error, RecordingError::MergedRuns(2)), "{error}");
     let printed = folder.toprise("info a.mcap", 2);
     assert_contains(&printed.stderr, "it holds 2 runs");
+}
+
+/// What belongs to a sample is found whichever topic another writer puts first, also if a chunk ends within the sample.
+#[test]
+fn explanations_ignore_order_of_topics() {
+    let scenario = scenario("paper", &[("stop.duration", "0.6")]);
+    let original = recorded(&scenario, &[], Form::default());
+    let folder = Folder::new();
+    let explanation = |name: &str, bytes: &[u8]| {
+        let path = folder.write(format!("{name}.mcap"), bytes);
+        let explanation = explain(&open(&path)).unwrap();
+        (explanation.story, explanation.chapters, explanation.losses)
+    };
+    let expected = explanation("original", &original);
+    assert!(!expected.0.claims.is_empty());
+    let reversed = |records: &mut Vec<Record>| {
+        records.sort_by_key(|record| match record {
+            Record::Message(message, _) => Some((message.log_time, Reverse(message.channel_id))),
+            _ => None,
+        });
+    };
+    let mut forgery = Forgery::of(&original);
+    let mut all = Vec::new();
+    forgery.records.retain(|record| match record {
+        Record::Chunk(chunk) => {
+            all.extend(chunk.iter().cloned());
+            false
+        }
+        _ => true,
+    });
+    reversed(&mut all);
+    for messages in [all.len(), 1000, 7] {
+        let mut packed = forgery.clone();
+        for (at, chunk) in all.chunks(messages).enumerate() {
+            // Behind the record of the run.
+            packed.records.insert(1 + at, Record::Chunk(chunk.to_vec()));
+        }
+        let found = explanation("reversed", &packed.bytes());
+        assert_eq!(found, expected, "{messages} messages in a chunk");
+    }
 }
 
 /// Chunks that all span the whole time, and loose messages between them, are read in order of time.

@@ -42,7 +42,7 @@ impl Recording {
             layout,
             path: path.to_owned(),
         };
-        let runs = recording.runs();
+        let runs = recording.runs()?;
         if runs > 1 {
             return Err(RecordingError::MergedRuns(runs));
         }
@@ -65,14 +65,23 @@ impl Recording {
             .map(|(_, topic)| *topic)
     }
 
-    /// Number of runs of toprise in the file. Either of their first records may be damaged.
-    fn runs(&self) -> usize {
-        self.layout
-            .metadata
-            .iter()
-            .filter(|(_, record)| record.name == RUN_RECORD)
-            .count()
-            .max(self.scenarios().count())
+    /// Number of runs of toprise in the file. Either of their first records may be damaged. Equal records are of one run:
+    /// some software repeats what it copies.
+    fn runs(&self) -> Result<usize, RecordingError> {
+        let mut records: Vec<&Entries> = Vec::new();
+        for (_, record) in &self.layout.metadata {
+            if record.name == RUN_RECORD && !records.contains(&&record.metadata) {
+                records.push(&record.metadata);
+            }
+        }
+        let mut scenarios = Vec::new();
+        for scenario in self.scenarios() {
+            let description = scenario.describe(&self.source)?;
+            if !scenarios.contains(&description) {
+                scenarios.push(description);
+            }
+        }
+        Ok(records.len().max(scenarios.len()))
     }
 
     /// The attached scenarios.
