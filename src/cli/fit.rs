@@ -175,16 +175,15 @@ pub(super) fn fit(arguments: &FitArguments, drafts: &Drafts) -> Result<Status, a
         Err(error) => return Err(error.into()),
     };
     let complete = plan.write(&fitted, drafts)?;
-    // Until here an interruption leaves all files as they were. From here on the first one is too late.
-    interrupt::watch(drafts)?;
-    let written = publish(complete)?;
     let mut report = FitReport {
         fit: fitted.report.clone(),
         written: Vec::new(),
     };
     let text = markdown(&page::page(&report, arguments.all));
     let shown = plan.show.show(&fitted, text, drafts, plan.existing)?;
-    report.written = written;
+    // Until here an interruption leaves all files as they were. From here on the first one is too late.
+    interrupt::watch(drafts)?;
+    report.written = publish(complete)?;
     report.written.extend(shown.file);
     report::print(&report, || page::page(&report, arguments.all))?;
     if shown.is_viewer_lost {
@@ -257,9 +256,6 @@ impl FitArguments {
         if let Some(output) = &self.output {
             FileKind::Mcap.check("-o", output)?;
         }
-        if let Some(best) = &self.best {
-            FileKind::Scenario.check("--scenario", best)?;
-        }
         let outputs = self.outputs(show);
         for (place, output) in outputs.iter().enumerate() {
             check_not_an_input(output, inputs.iter().map(PathBuf::as_path))?;
@@ -272,6 +268,12 @@ impl FitArguments {
                 }
                 .into());
             }
+        }
+        // An input as an output is the graver mistake.
+        if let Some(best) = &self.best {
+            FileKind::Scenario.check("--scenario", best)?;
+        }
+        for output in &outputs {
             check_target(output, Existing::forced(self.force))?;
         }
         Ok(())

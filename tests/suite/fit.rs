@@ -471,6 +471,11 @@ fn refuses_parameters_that_the_data_cannot_tell_apart() {
             "friction.k,top.peg_radius",
             "only k·R is determined (k × 2 and R ÷ 2 is the same motion)",
         ),
+        // Not the same motion: χ² grows by 100 if both change by 1 %.
+        (
+            "top.axial_moment,friction.k,initial",
+            "these data determine I_z·ψ̇ so much better than I_z and ψ̇",
+        ),
         ("friction.k,initial.psi", "no signal depends on initial.psi"),
         (
             "friction.k,offset",
