@@ -259,13 +259,6 @@ fn accepts_whole_numbers_and_unquoted_words() {
     assert_eq!(Scenario::from_toml(&scenario.to_toml()).unwrap(), scenario);
 }
 
-#[test]
-fn unknown_preset_lists_all_presets() {
-    let message = Preset::find("papr").unwrap_err().to_string();
-    assert_contains(&message, "papr");
-    assert_contains(&message, "full-coulomb");
-}
-
 proptest! {
     #[test]
     fn numbers_round_trip_bit_for_bit(phi in -1e9..1e9_f64, psi_dot in -1e6..1e6_f64, ns in 1_u64..3_600_000_000_000) {

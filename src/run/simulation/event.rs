@@ -148,7 +148,7 @@ impl EventKind {
             ),
             Self::Risen => format!("The top has risen to within {theta:.4} rad of upright."),
             Self::Fallen => format!(
-                "The top has fallen to {theta:.4} rad; its spin is {} rad/s.",
+                "The top has fallen to {theta:.4} rad; its spin is down to {} rad/s.",
                 decimal(psi_dot, 2)
             ),
             Self::NutationMinimum => format!("Nutation: the inclination is least, {theta:.6} rad."),
