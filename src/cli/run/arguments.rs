@@ -113,6 +113,19 @@ impl RunArguments {
     }
 }
 
+/// Refuses a topic that runs with this support don't have: the recording would lack it without a word.
+fn check_topics(topics: &Topics, support: Support) -> Result<(), Error> {
+    let Topics::Only(topics) = topics else {
+        return Ok(());
+    };
+    for topic in topics {
+        if !Topic::all_with(support).any(|existing| existing == *topic) {
+            bail!("a run with a fixed peg has no topic {topic}: leave it out of --topics");
+        }
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -143,17 +156,4 @@ mod tests {
             assert!(parse::<RunArguments>(line).is_err(), "{line}");
         }
     }
-}
-
-/// Refuses a topic that runs with this support don't have: the recording would lack it without a word.
-fn check_topics(topics: &Topics, support: Support) -> Result<(), Error> {
-    let Topics::Only(topics) = topics else {
-        return Ok(());
-    };
-    for topic in topics {
-        if !Topic::all_with(support).any(|existing| existing == *topic) {
-            bail!("a run with a fixed peg has no topic {topic}: leave it out of --topics");
-        }
-    }
-    Ok(())
 }

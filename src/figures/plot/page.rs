@@ -87,6 +87,7 @@ impl Panel {
     }
 
     /// Adds values as dots.
+    #[cfg(feature = "fit")]
     pub(crate) fn dots(&mut self, meaning: impl Into<String>, points: Vec<Point>, stroke: Stroke) {
         self.dots.push(Curve {
             meaning: meaning.into(),
