@@ -58,9 +58,10 @@ impl Series {
         let entity = self.entity(path);
         match self {
             Self::Measured => points(&entity, "measured", ORANGE, count, output),
-            Self::HeldOut => points(&entity, "held out", GREEN, count, output),
+            Self::HeldOut | Self::HeldOutResidual => {
+                points(&entity, "held out", GREEN, count, output)
+            }
             Self::Residual => points(&entity, "fitted", ORANGE, count, output),
-            Self::HeldOutResidual => points(&entity, "held out", GREEN, count, output),
             Self::Fitted => lines(&entity, &[("best fit", SKY, 1.8)], output),
             Self::Band => {
                 // Viewers list equal names once.
