@@ -20,7 +20,7 @@ use std::f64::consts::SQRT_2;
 /// The motion as a rotation of the body: regular in every orientation.
 ///
 /// State: quaternion x, y, z, w (transforms body to world components), angular momentum about the peg's centre in world
-/// components (kg m²/s, divided by a [unit](momentum_unit)), then the running integrals.
+/// components (kg m²/s, divided by a unit that follows the top), then the running integrals.
 ///
 /// The world-frame angular momentum varies only with the slow precession, which allows longer steps than the body-frame
 /// angular velocity, and its conserved components stay exactly constant. The quaternion norm drifts by rounding only;

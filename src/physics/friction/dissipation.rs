@@ -5,7 +5,7 @@ use crate::physics::kinematics::{Euler, Tilt};
 use crate::physics::top::Top;
 use nalgebra::Vector3;
 
-/// Parts of the sliding friction torque included in the equations of motion. [`Losses`] are always included.
+/// Parts of the sliding friction torque included in the equations of motion. [`Losses`](super::Losses) are always included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dissipation {
     /// All of it: the paper's equation (4).
