@@ -110,16 +110,18 @@ def fit(
         raise ValueError(f"sigma: {', '.join(sorted(unknown))} is not measured; files have theirs in `columns`")
     if not 0 <= holdout <= 0.9:
         raise ValueError("holdout must be from 0 to 0.9")
+    times = [] if time is None else _floats(time)
+    arrays = [(name, _floats(values), sigma.get(name)) for name, values in signals.items()]
+    for name, values, _ in arrays:
+        if len(values) != len(times):
+            raise ValueError(f"{name} has {len(values)} values, time has {len(times)}")
     measured = {
-        "time": [] if time is None else _floats(time),
-        "arrays": [(name, _floats(values), sigma.get(name)) for name, values in signals.items()],
+        "time": times,
+        "arrays": arrays,
         "files": files,
         "columns": list(columns),
         "time_column": time_column,
     }
-    for name, values, _ in measured["arrays"]:
-        if len(values) != len(measured["time"]):
-            raise ValueError(f"{name} has {len(values)} values, time has {len(measured['time'])}")
     options = {
         "free": list(free),
         "bounds": [(name, list(bound)) for name, bound in (bounds or {}).items()],

@@ -43,7 +43,7 @@ const SURROUNDINGS: [Surroundings; 41] = [
     ("$R 2>/dev/full", 0, true),
     ("$T run --set k= -o x.mcap 2>/dev/full", 2, false),
     ("$T run nonsense 2>&-", 2, false),
-    ("$R | true; exit ${PIPESTATUS[0]}", 2, true),
+    ("$R | true; exit ${PIPESTATUS[0]}", 0, true),
     (
         "$T info missing.mcap 2>&1 >/dev/null | true; exit ${PIPESTATUS[0]}",
         2,
