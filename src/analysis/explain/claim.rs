@@ -38,6 +38,8 @@ pub enum Claim {
         theta: [f64; 2],
         /// The end of the rise, s.
         until: f64,
+        /// Inclination of the axis in the last sample, rad: the top may fall after its rise.
+        theta_at_end: f64,
         /// Whether there is friction at the contact point.
         has_friction: bool,
         /// Whether there is air drag.
@@ -205,6 +207,11 @@ impl Claim {
         matches!(self, Self::FrictionRaises { until, .. } if *until < time)
     }
 
+    /// Whether the top rises, and is more inclined in the end than at the start.
+    fn is_rise_undone(&self) -> bool {
+        matches!(self, Self::FrictionRaises { theta, theta_at_end, .. } if *theta_at_end > theta[0])
+    }
+
     /// Whether the top falls after this time, s.
     fn is_fall_after(&self, from: f64) -> bool {
         matches!(self, Self::WeakTopFalls { time, .. } if *time > from)
@@ -236,7 +243,7 @@ impl Claim {
                 *vertical,
                 *is_vertical_constant,
                 [*has_friction, *has_air_drag],
-                claims.iter().any(|claim| claim.is_fall_after(*until)),
+                self.is_rise_undone() || claims.iter().any(|claim| claim.is_fall_after(*until)),
             ),
             Self::FrictionSpeedsPrecession { .. } => {
                 // A second argument for what the first has explained already.

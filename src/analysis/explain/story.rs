@@ -123,6 +123,7 @@ fn friction_raises(evidence: &Evidence) -> Option<Claim> {
         angle_to_momentum: span.angle_to_axis,
         theta: [span.from.theta, span.to.theta],
         until: span.to.time,
+        theta_at_end: evidence.observations.momentum.whole()?.to.theta,
         has_friction: friction.acts_at_contact(),
         has_air_drag: friction.has_air_drag(),
     })
@@ -206,7 +207,12 @@ fn weak_top_falls(evidence: &Evidence) -> Option<Claim> {
     // Strong at the start, the top falls because of friction; weak, it falls without it.
     let is_cause = !can_reach(evidence, fallen.state.theta, 0.0)
         && falls_without_friction == is_weak_from_start;
-    (is_weak && falls && is_cause).then_some(Claim::WeakTopFalls {
+    // A fall that mostly precedes the weakness has another cause, such as a fast precession.
+    let falls_when_weak = is_weak_from_start
+        || history.first(EventKind::WeakTop).is_some_and(|weak| {
+            weak.state.theta - span.from.theta < 0.5 * (fallen.state.theta - span.from.theta)
+        });
+    (is_weak && falls && is_cause && falls_when_weak).then_some(Claim::WeakTopFalls {
         axial,
         critical,
         theta: [span.from.theta, fallen.state.theta],

@@ -113,9 +113,7 @@ impl BodyRotation {
         let first = [q.i, q.j, q.k, q.w, momentum.x, momentum.y, momentum.z];
         with_integrals(first, &Integrals::default())
     }
-}
 
-impl BodyRotation {
     /// The angular momentum in a state, or the torque in its derivative; world frame, kg m²/s or N m.
     #[inline]
     fn momentum<const N: usize>(&self, y: &[f64; N]) -> Vector3<f64> {

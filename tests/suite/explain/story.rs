@@ -173,8 +173,10 @@ fn check(explained: &ExplainedRun, claim: &Claim) {
             by_friction,
             theta,
             until,
+            theta_at_end,
             ..
         } => {
+            assert_eq!(*theta_at_end, explained.ends(state::THETA)[1]);
             check_momentum(explained, *part, *vertical, *until);
             check_friction(explained, *part, *by_friction, *until);
             let at = explained
@@ -670,6 +672,39 @@ fn strong_top_that_falls_without_friction_is_not_slowed() {
         assert!(!explained.times_of(EventKind::Fallen).is_empty());
         let claims = &explained.explanation.story.claims;
         assert!(!kinds(claims).contains(&"weak top falls"), "{claims:?}");
+    }
+}
+
+/// Tops that rise at first and then fall in a fast precession, for the most part while they are strong.
+#[test]
+fn strong_top_that_falls_after_its_rise_is_not_weak() {
+    let falling: &[(&str, &[(&str, &str)])] = &[
+        (
+            "lifecycle",
+            &[
+                ("initial.theta", "0.601"),
+                ("initial.psi_dot", "-152.8"),
+                ("initial.phi_dot", "-6.14"),
+                ("friction.k", "1.5"),
+                ("stop.duration", "6"),
+            ],
+        ),
+        (
+            "full-coulomb",
+            &[
+                ("initial.theta", "0.614"),
+                ("initial.psi_dot", "-129.5"),
+                ("initial.phi_dot", "7"),
+                ("friction.k", "0.95"),
+                ("stop.duration", "2"),
+            ],
+        ),
+    ];
+    for (preset, keys) in falling {
+        let (explained, text) = checked(preset, keys);
+        let claims = &explained.explanation.story.claims;
+        assert_eq!(kinds(claims), ["friction raises"], "{preset}: {claims:?}");
+        assert!(text.starts_with("At first, "), "{preset}: {text}");
     }
 }
 
