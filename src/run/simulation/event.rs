@@ -141,14 +141,10 @@ impl EventKind {
             psi_dot,
         } = state;
         match self {
-            Self::Start => format!(
-                "The top starts inclined by {theta:.4} rad, spinning at {} rad/s and precessing at {} rad/s.",
-                decimal(psi_dot, 2),
-                decimal(phi_dot, 4)
-            ),
-            Self::Risen => format!("The top has risen to within {theta:.4} rad of upright."),
+            Self::Start => start_sentence(theta, phi_dot, psi_dot),
+            Self::Risen => format!("The top reaches θ = {theta:.4} rad."),
             Self::Fallen => format!(
-                "The top has fallen to {theta:.4} rad; its spin is down to {} rad/s.",
+                "The top has fallen to θ = {theta:.4} rad; its spin is {} rad/s.",
                 decimal(psi_dot, 2)
             ),
             Self::NutationMinimum => format!("Nutation: the inclination is least, {theta:.6} rad."),
@@ -160,16 +156,16 @@ impl EventKind {
             }
             // Regular precession of a tippe top may be backward: that makes no loops.
             Self::LoopingBegins if top.center_distance < 0.0 => {
-                format!("The precession turns backward, at {theta:.4} rad.")
+                format!("The precession turns backward, at θ = {theta:.4} rad.")
             }
             Self::LoopingBegins => {
-                format!("The precession turns backward: the axis loops, at {theta:.4} rad.")
+                format!("The precession turns backward: the axis loops, at θ = {theta:.4} rad.")
             }
             Self::LoopingEnds if top.center_distance < 0.0 => {
-                format!("The precession turns forward, at {theta:.4} rad.")
+                format!("The precession turns forward, at θ = {theta:.4} rad.")
             }
             Self::LoopingEnds => {
-                format!("The precession turns forward again, at {theta:.4} rad.")
+                format!("The precession turns forward again, at θ = {theta:.4} rad.")
             }
             // A top that swings may come back.
             Self::Inverts => format!(
@@ -184,23 +180,23 @@ impl EventKind {
                 "The spin, {} rad/s, is strong enough to hold an upright top.",
                 decimal(psi_dot, 2)
             ),
-            Self::SlipStops => format!("The contact point stops slipping, at {theta:.4} rad."),
+            Self::SlipStops => format!("The contact point stops slipping, at θ = {theta:.4} rad."),
             Self::Stick => format!(
-                "The contact point sticks: the top turns as a whole, inclined by {theta:.4} rad, at {} rad/s.",
+                "The contact point sticks: the top turns as a whole, inclined by θ = {theta:.4} rad, at {} rad/s.",
                 decimal(phi_dot + psi_dot * cos(theta), 2)
             ),
-            Self::SlipResumes => format!("The contact point slips again, at {theta:.4} rad."),
-            Self::Rest => format!("The top rests, inclined by {theta:.4} rad."),
+            Self::SlipResumes => format!("The contact point slips again, at θ = {theta:.4} rad."),
+            Self::Rest => format!("The top rests, inclined by θ = {theta:.4} rad."),
             Self::Singular => {
                 format!("The Euler angles are singular here, {theta:.2e} rad from the vertical.")
             }
-            Self::LiftOff => format!("The peg leaves the table, at {theta:.4} rad."),
-            Self::Landing => format!("The peg is on the table again, at {theta:.4} rad."),
-            Self::RollBegins => format!("The peg begins to roll, at {theta:.4} rad."),
-            Self::RollEnds => format!("The peg no longer rolls, at {theta:.4} rad."),
-            Self::Jam => format!("The peg jams, at {theta:.4} rad."),
+            Self::LiftOff => format!("The peg leaves the table, at θ = {theta:.4} rad."),
+            Self::Landing => format!("The peg is on the table again, at θ = {theta:.4} rad."),
+            Self::RollBegins => format!("The peg begins to roll, at θ = {theta:.4} rad."),
+            Self::RollEnds => format!("The peg no longer rolls, at θ = {theta:.4} rad."),
+            Self::Jam => format!("The peg jams, at θ = {theta:.4} rad."),
             Self::Pivot => format!(
-                "The top turns about the vertical only, inclined by {theta:.4} rad; rolling resistance holds it."
+                "The top turns about the vertical only, inclined by θ = {theta:.4} rad; rolling resistance holds it."
             ),
         }
     }
@@ -230,6 +226,22 @@ listed! {
         /// The simulation failed.
         Failed = "failed",
     }
+}
+
+/// The start of the run, with the rates that are not zero.
+fn start_sentence(theta: f64, phi_dot: f64, psi_dot: f64) -> String {
+    let mut rates = Vec::new();
+    if psi_dot != 0.0 {
+        rates.push(format!("spinning at {} rad/s", decimal(psi_dot, 2)));
+    }
+    if phi_dot != 0.0 {
+        rates.push(format!("precessing at {} rad/s", decimal(phi_dot, 4)));
+    }
+    let mut sentence = format!("The top starts at θ = {theta:.4} rad");
+    if !rates.is_empty() {
+        sentence += &format!(", {}", rates.join(" and "));
+    }
+    sentence + "."
 }
 
 /// A number with this many decimals and a true minus sign, but none before zero.
@@ -344,6 +356,25 @@ mod tests {
             (-0.0, 2, "0.00"),
         ] {
             assert_eq!(decimal(value, decimals), text);
+        }
+    }
+
+    #[test]
+    fn start_names_the_rates_that_are_not_zero() {
+        for (phi_dot, psi_dot, sentence) in [
+            (0.0, 0.0, "The top starts at θ = 0.5000 rad."),
+            (
+                0.0,
+                -6.92,
+                "The top starts at θ = 0.5000 rad, spinning at −6.92 rad/s.",
+            ),
+            (
+                1.5,
+                170.0,
+                "The top starts at θ = 0.5000 rad, spinning at 170.00 rad/s and precessing at 1.5000 rad/s.",
+            ),
+        ] {
+            assert_eq!(start_sentence(0.5, phi_dot, psi_dot), sentence);
         }
     }
 }
