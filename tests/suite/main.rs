@@ -31,6 +31,7 @@ mod fit_laws;
 mod foreign;
 mod forgeries;
 mod free_peg;
+mod frozen;
 mod fuzz_corpus;
 mod golden;
 mod integrate;
