@@ -1,7 +1,10 @@
 //! Files that other software wrote or rewrote: any order of messages, newer formats, files that are not whole.
 
 use crate::forgeries::forgery::{Forgery, RUN, Record, edit, named};
-use crate::raw::{PADDING, attachment, channel, chunk, file, header, message, record};
+use crate::raw::{
+    PADDING, attachment, channel, chunk, file, header, message, record, schema, statistics,
+    with_summary,
+};
 use crate::support::{Folder, assert_contains, recorded, scenario, verified};
 use mcap::records::{Channel, op};
 use std::cmp::Reverse;
@@ -477,6 +480,11 @@ fn reports_contradictions_as_damage() {
     let twice = [&sound[..], &sound].concat();
     let in_chunk = [&definition[..], &first, &nested, &later].concat();
     let undefined = message(2, 0, 0, b"{}");
+    let too_long = record(op::CHUNK, &{
+        let mut body = chunk((0, 0), "", &later);
+        body[16..24].fill(0);
+        body
+    });
     let redefined_in_chunk = record(op::CHUNK, &chunk((0, 1), "zstd", &redefined.concat()));
     let cases = [
         (
@@ -522,6 +530,18 @@ fn reports_contradictions_as_damage() {
             "a record with the opcode 0x06 in a chunk",
         ),
         (
+            "other definition in the summary",
+            with_summary(&[&other(), &definition, &first], &[&other_definition]),
+            1,
+            "in the summary, a second definition of channel 1",
+        ),
+        (
+            "content longer than stated",
+            whole(&[&definition, &first, &too_long]),
+            1,
+            "more content than the 0 bytes in its header",
+        ),
+        (
             "undefined channel",
             whole(&[&definition, &undefined, &later]),
             1,
@@ -539,6 +559,152 @@ fn reports_contradictions_as_damage() {
         let recording = Recording::open(&path).unwrap();
         let report = compare(&recording, &recording, &Options::default()).unwrap();
         assert_contains(&report.a.losses[0], reason);
+    }
+}
+
+/// What writers may leave out or add without damage, with the number of channels that a reader sees.
+#[test]
+fn accepts_what_writers_leave_out_or_add() {
+    let data = eleven();
+    let counts = [(1, 11)];
+    let stated =
+        |numbers, counts: &[_]| record(op::STATISTICS, &statistics(numbers, times(), counts));
+    let padded = {
+        // Two bytes after the last compressed frame, which the length of the data includes.
+        let mut body = chunk_body("zstd");
+        let at = 8 * 3 + 4 + 8;
+        let length = u64::from_le_bytes(body[at..at + 8].try_into().unwrap()) + 2;
+        body[at..at + 8].copy_from_slice(&length.to_le_bytes());
+        body.extend([0; 2]);
+        record(op::CHUNK, &body)
+    };
+    let empty = {
+        let mut body = chunk((0, 0), "", b"");
+        let zstd = crate::raw::text("zstd");
+        body.splice(28..32, zstd);
+        record(op::CHUNK, &body)
+    };
+    let silent = [
+        record(op::SCHEMA, &schema(7, "Silent")),
+        record(op::CHANNEL, &channel(2, "/silent")),
+    ]
+    .concat();
+    let cases = [
+        (
+            "topic without messages, in the summary only",
+            with_summary(
+                &[&other(), &data],
+                &[&silent, &stated([11, 1, 2, 0], &counts)],
+            ),
+            2,
+        ),
+        (
+            "no messages by channel",
+            with_summary(&[&other(), &data], &[&stated([11, 0, 1, 0], &[])]),
+            1,
+        ),
+        (
+            "schema with the id 0",
+            with_summary(
+                &[&other(), &record(op::SCHEMA, &schema(0, "Zero")), &data],
+                &[&stated([11, 0, 1, 0], &counts)],
+            ),
+            1,
+        ),
+        (
+            "padded frame",
+            with_summary(&[&other(), &padded], &[&stated([11, 0, 1, 1], &counts)]),
+            1,
+        ),
+        (
+            "chunk of nothing",
+            with_summary(
+                &[&other(), &empty, &data],
+                &[&stated([11, 0, 1, 1], &counts)],
+            ),
+            1,
+        ),
+    ];
+    let folder = Folder::new();
+    for (name, bytes, channels) in cases {
+        let overview = Overview::read(&folder.write("a.mcap", bytes)).unwrap();
+        assert_eq!(
+            overview.condition,
+            Condition::Foreign,
+            "{name}: {overview:#?}"
+        );
+        assert_eq!(overview.messages(), 11, "{name}");
+        assert_eq!(overview.channels.len(), channels, "{name}");
+        assert!(
+            overview.channels.iter().all(|c| c.schema.is_empty()),
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn finds_schemas_after_their_channels() {
+    let mut late = channel(1, "/a");
+    late[2] = 7;
+    let definitions = [
+        record(op::CHANNEL, &late),
+        record(op::SCHEMA, &schema(7, "Late")),
+    ];
+    let bytes = file(&[&other(), &definitions.concat(), &message(1, 0, 0, b"{}")]);
+    let folder = Folder::new();
+    let overview = Overview::read(&folder.write("a.mcap", bytes)).unwrap();
+    assert_eq!(overview.channels[0].schema, "Late");
+}
+
+#[test]
+fn resumes_at_messages_outside_chunks() {
+    let definition = record(op::CHANNEL, &channel(1, "/a"));
+    let messages = Vec::from_iter((0..100).map(|n| message(1, n, u64::from(n), b"{\"x\":1}")));
+    let length = messages[0].len();
+    let mut bytes = file(&[&other(), &definition, &messages.concat()]);
+    let start = mcap::MAGIC.len() + other().len() + definition.len();
+    bytes[start + 40 * length..][..length].fill(0);
+    let folder = Folder::new();
+    let overview = Overview::read(&folder.write("a.mcap", bytes)).unwrap();
+    assert_eq!(overview.condition, Condition::Damaged);
+    assert_eq!(overview.messages(), 99);
+    assert_eq!(overview.losses[0].length, length as u64);
+}
+
+/// The times between which damage lies, with the times of the chunks before and behind it.
+#[test]
+fn times_of_losses_never_run_backwards() {
+    let definition = record(op::CHANNEL, &channel(1, "/a"));
+    let at = |time_ns| {
+        record(
+            op::CHUNK,
+            &chunk((time_ns, time_ns), "zstd", &message(1, 0, time_ns, b"{}")),
+        )
+    };
+    let empty = record(op::CHUNK, &chunk((0, 0), "zstd", &definition));
+    let mut damaged = at(5);
+    damaged.fill(0);
+    let folder = Folder::new();
+    for (name, before, behind, expected) in [
+        ("in order", at(3), at(7), (Some(3), Some(7))),
+        (
+            "an empty chunk behind",
+            at(3),
+            [empty.clone(), at(7)].concat(),
+            (Some(3), Some(7)),
+        ),
+        (
+            "an empty chunk before",
+            [at(3), empty].concat(),
+            at(7),
+            (Some(3), Some(7)),
+        ),
+        ("not in order of time", at(7), at(3), (None, None)),
+    ] {
+        let bytes = file(&[&other(), &definition, &before, &damaged, &behind]);
+        let overview = Overview::read(&folder.write("a.mcap", bytes)).unwrap();
+        let loss = &overview.losses[0];
+        assert_eq!((loss.from_ns, loss.to_ns), expected, "{name}");
     }
 }
 

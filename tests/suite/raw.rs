@@ -90,8 +90,47 @@ pub fn attachment(name: &str, data: &[u8]) -> Vec<u8> {
 
 /// A complete file of these records, without a summary.
 pub fn file(records: &[&[u8]]) -> Vec<u8> {
+    with_summary(records, &[])
+}
+
+/// A complete file of these records, and of those of its summary.
+pub fn with_summary(records: &[&[u8]], summary: &[&[u8]]) -> Vec<u8> {
     let data = [mcap::MAGIC, &records.concat()].concat();
     let end = record(op::DATA_END, &crc32fast::hash(&data).to_le_bytes());
-    let footer = record(op::FOOTER, &[0; 20]);
-    [&data[..], &end, &footer, mcap::MAGIC].concat()
+    let start = match summary.len() {
+        0 => 0,
+        _ => (data.len() + end.len()) as u64,
+    };
+    let footer = record(op::FOOTER, &[&start.to_le_bytes()[..], &[0; 12]].concat());
+    [&data[..], &end, &summary.concat(), &footer, mcap::MAGIC].concat()
+}
+
+/// The body of a schema.
+pub fn schema(id: u16, name: &str) -> Vec<u8> {
+    let texts = [text(name), text("jsonschema"), counted(b"{}")];
+    [&id.to_le_bytes()[..], &texts.concat()].concat()
+}
+
+/// The body of statistics of a file without attachments and metadata. Messages are counted by channel if `counts` are given.
+pub fn statistics(
+    [messages, schemas, channels, chunks]: [u32; 4],
+    (first, last): (u64, u64),
+    counts: &[(u16, u64)],
+) -> Vec<u8> {
+    let mut map = Vec::new();
+    for (channel, count) in counts {
+        map.extend(channel.to_le_bytes());
+        map.extend(count.to_le_bytes());
+    }
+    [
+        &u64::from(messages).to_le_bytes()[..],
+        &(schemas as u16).to_le_bytes(),
+        &channels.to_le_bytes(),
+        &[0; 8],
+        &chunks.to_le_bytes(),
+        &first.to_le_bytes(),
+        &last.to_le_bytes(),
+        &counted(&map),
+    ]
+    .concat()
 }

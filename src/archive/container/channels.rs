@@ -70,6 +70,9 @@ impl FileChannel {
     }
 }
 
+/// The schema id of channels without a schema.
+const NO_SCHEMA: u16 = 0;
+
 /// Maximum size of all definitions, bytes. Further ones are ignored, because they stay in memory.
 const MAX_SIZE: usize = 64 << 20;
 
@@ -153,6 +156,7 @@ impl Channels {
     /// Checks a schema or channel record against the definitions; other records are no conflict.
     pub(crate) fn conflict(&self, record: &Record<'_>) -> Option<Conflict> {
         match record {
+            Record::Schema { header, .. } if header.id == NO_SCHEMA => None,
             Record::Schema { header, data } => match self.schemas.get(&header.id) {
                 Some(schema) => {
                     let is_equal = schema.name == header.name
@@ -191,6 +195,8 @@ impl Channels {
             return;
         }
         match record {
+            // Invalid, and ignored by readers.
+            Record::Schema { header, .. } if header.id == NO_SCHEMA => {}
             Record::Schema { header, data } => {
                 let schema = Arc::new(FileSchema {
                     name: header.name,
@@ -201,24 +207,71 @@ impl Channels {
                 self.schemas.entry(header.id).or_insert(schema);
             }
             Record::Channel(record) => {
-                let schema = self.schemas.get(&record.schema_id).cloned();
-                let table = Topic::find(&record.topic);
+                if self.position(record.id).is_some() {
+                    return;
+                }
                 let channel = FileChannel {
                     id: record.id,
+                    schema: self.schemas.get(&record.schema_id).cloned(),
+                    table: Topic::find(&record.topic),
                     topic: record.topic,
                     encoding: record.message_encoding,
-                    schema,
                     metadata: record.metadata,
-                    table,
                 };
-                if let Entry::Vacant(free) = self.positions.entry(record.id) {
-                    free.insert(self.list.len());
-                    self.schema_ids.push(record.schema_id);
-                    self.list.push(channel);
-                }
+                self.push(channel, record.schema_id);
             }
             _ => {}
         }
+    }
+
+    /// Adds the definitions of the summary to those of the data, which have the last word. Writers may define a channel in
+    /// the data with its first message only, so the summary alone has those without messages.
+    ///
+    /// Returns the first definition of the summary that contradicts the data.
+    pub(crate) fn merge(&mut self, summary: Self) -> Option<Conflict> {
+        let mut conflict = None;
+        for (id, schema) in summary.schemas {
+            match self.schemas.entry(id) {
+                Entry::Vacant(free) => {
+                    free.insert(schema);
+                }
+                Entry::Occupied(defined) if *defined.get() == schema => {}
+                Entry::Occupied(_) => conflict = conflict.or(Some(Conflict::Schema(id))),
+            }
+        }
+        for (channel, schema_id) in summary.list.into_iter().zip(summary.schema_ids) {
+            match self.position(channel.id) {
+                Some(position) if self.is_defined_as(position, &channel, schema_id) => {}
+                Some(_) => conflict = conflict.or(Some(Conflict::Channel(channel.id))),
+                None => self.push(channel, schema_id),
+            }
+        }
+        self.find_late_schemas();
+        conflict
+    }
+
+    /// Gives channels that were defined before their schemas those schemas.
+    fn find_late_schemas(&mut self) {
+        for (channel, id) in self.list.iter_mut().zip(&self.schema_ids) {
+            if channel.schema.is_none() {
+                channel.schema = self.schemas.get(id).cloned();
+            }
+        }
+    }
+
+    /// Whether the channel at a position has this definition.
+    fn is_defined_as(&self, position: usize, channel: &FileChannel, schema_id: u16) -> bool {
+        let defined = &self.list[position];
+        defined.topic == channel.topic
+            && defined.encoding == channel.encoding
+            && defined.metadata == channel.metadata
+            && self.schema_ids[position] == schema_id
+    }
+
+    fn push(&mut self, channel: FileChannel, schema_id: u16) {
+        self.positions.insert(channel.id, self.list.len());
+        self.schema_ids.push(schema_id);
+        self.list.push(channel);
     }
 
     /// Whether a record has an id that is already defined.

@@ -205,13 +205,22 @@ impl Layout {
         });
     }
 
-    /// Finds the times of the losses: from the end of the chunk before it to the start of the next one.
+    /// Finds the times of the losses: from the end of the chunk before it to the start of the next one. They are unknown
+    /// where chunks don't follow each other in time.
     fn find_loss_times(&mut self) {
+        // Both times of a chunk without messages are 0.
+        let chunks = self.sections.iter().filter(|s| s.span != Some((0, 0)));
+        let chunks = Vec::from_iter(chunks);
         for loss in self.losses.iter_mut() {
-            let next = self.sections.partition_point(|s| s.offset <= loss.offset);
-            let (earlier, later) = self.sections.split_at(next);
+            let next = chunks.partition_point(|s| s.offset <= loss.offset);
+            let (earlier, later) = chunks.split_at(next);
             let before = earlier.last().and_then(|section| section.span);
             let behind = later.first().and_then(|section| section.span);
+            if let (Some((_, end)), Some((start, _))) = (before, behind)
+                && end > start
+            {
+                continue;
+            }
             // The summary has no messages.
             let is_in_data = self
                 .data_end
@@ -296,9 +305,8 @@ impl Layout {
         Ok((start != 0).then_some(start))
     }
 
-    /// Finds the channels in the data. toprise writes them to the first chunk, so the other chunks are not searched if
-    /// the summary has the same channels. Without any, those of the summary are used; its checksum may be missing or
-    /// wrong.
+    /// Finds the channels in the data, and further ones in the summary, whose checksum may be missing or wrong. toprise
+    /// writes them to the first chunk, so the other chunks are not searched if the summary has the same channels.
     fn find_channels(&mut self, source: &Source) {
         let in_summary = mem::take(&mut self.channels);
         let mut buffers = Buffers::default();
@@ -320,8 +328,11 @@ impl Layout {
                 return;
             }
         }
-        if self.channels.is_empty() {
-            self.channels = in_summary;
+        if let Some(conflict) = self.channels.merge(in_summary)
+            && let (Some(data_end), Some(footer)) = (&self.data_end, &self.footer)
+        {
+            let summary = data_end.end()..footer.offset;
+            self.report_loss(summary, &format!("in the summary, {conflict}"));
         }
     }
 }

@@ -154,13 +154,10 @@ impl<'a> Scanner<'a> {
                 let room = self.source.length() - position;
                 let plausible = head(&window[at..])
                     .is_some_and(|(opcode, length)| is_specified(opcode) && length + HEAD <= room);
-                // A single message could be random data.
-                let telling = window[at] != op::MESSAGE;
-                if plausible && telling && self.searched < SEARCH_LIMIT {
-                    let length = head(&window[at..]).map_or(0, |(_, length)| length);
-                    self.searched += PREFIX + deciding(window[at], length);
-                    // No record of the specification is empty, but zeros in a length are common.
-                    if self.record_at(position)?.is_some_and(|p| p.length > HEAD) {
+                if plausible && self.searched < SEARCH_LIMIT {
+                    // A single message could be random data.
+                    let count = if window[at] == op::MESSAGE { 3 } else { 1 };
+                    if self.are_records_at(position, count)? {
                         return Ok(Some(position));
                     }
                 }
@@ -172,6 +169,23 @@ impl<'a> Scanner<'a> {
             size = SEARCH_WINDOW;
         }
         Ok(None)
+    }
+
+    /// Whether this many consistent records follow each other from a position on, as far as the file goes.
+    fn are_records_at(&mut self, mut position: u64, count: usize) -> io::Result<bool> {
+        for _ in 0..count {
+            if self.at_end_magic(position)? {
+                return Ok(true);
+            }
+            self.searched += PREFIX;
+            // No record of the specification is empty, but zeros in a length are common.
+            let Some(place) = self.record_at(position)?.filter(|p| p.length > HEAD) else {
+                return Ok(false);
+            };
+            self.searched += deciding(place.opcode, place.length - HEAD);
+            position = place.end();
+        }
+        Ok(true)
     }
 }
 

@@ -91,6 +91,8 @@ fn decompress(header: &ChunkHeader, data: &[u8], records: &mut Vec<u8>) -> io::R
     let size = header.uncompressed_size;
     check_size(size, "chunk")?;
     match header.compression.as_str() {
+        // Encoders write nothing for nothing.
+        _ if size == 0 && data.is_empty() => records.clear(),
         "" => read_pieces(data, size, records)?,
         "zstd" => {
             let mut decoder = zstd::stream::read::Decoder::with_buffer(data)?;
@@ -100,13 +102,15 @@ fn decompress(header: &ChunkHeader, data: &[u8], records: &mut Vec<u8>) -> io::R
         }
         "lz4" => read_pieces(Lz4Frames::new(data), size, records)?,
         other => {
-            let reason = format!("unsupported compression {other:?} (supported: zstd, lz4, none)");
+            let reason = format!(
+                "unsupported compression {other:?} (supported: \"zstd\", \"lz4\", and \"\" for none)"
+            );
             return Err(io::Error::other(reason));
         }
     }
     let found = records.len() as u64;
-    if found != size {
-        let reason = format!("length {found} bytes, expected {size}");
+    if found < size {
+        let reason = format!("{found} bytes of content, expected {size}");
         return Err(io::Error::other(reason));
     }
     // Zero means that no checksum was computed.
@@ -119,11 +123,10 @@ fn decompress(header: &ChunkHeader, data: &[u8], records: &mut Vec<u8>) -> io::R
     Ok(())
 }
 
-/// Decompresses in pieces up to the maximum chunk size (decompression bombs).
+/// Decompresses `size` bytes in pieces (decompression bombs), and checks that no further ones follow.
 fn read_pieces(decoder: impl Read, size: u64, records: &mut Vec<u8>) -> io::Result<()> {
     records.clear();
-    // One extra byte to detect excess data.
-    let mut content = decoder.take(size + 1);
+    let mut content = decoder.take(size);
     let mut next = 0;
     loop {
         let length = content
@@ -132,7 +135,7 @@ fn read_pieces(decoder: impl Read, size: u64, records: &mut Vec<u8>) -> io::Resu
             .read_to_end(records)
             .map_err(|error| io::Error::other(format!("decompression failed: {error}")))?;
         if (length as u64) < PIECE {
-            return Ok(());
+            return check_end(content.into_inner(), size);
         }
         while let Some((opcode, length)) = records.get(next..).and_then(head) {
             // Readers skip unknown records, but 0 is no opcode.
@@ -144,6 +147,16 @@ fn read_pieces(decoder: impl Read, size: u64, records: &mut Vec<u8>) -> io::Resu
             next = next.saturating_add(length);
         }
     }
+}
+
+/// Checks that a chunk has no content beyond its `size`.
+fn check_end(mut decoder: impl Read, size: u64) -> io::Result<()> {
+    // Some writers pad the last compressed frame, and decoders fail at such bytes.
+    if decoder.read(&mut [0]).is_ok_and(|length| length > 0) {
+        let reason = format!("more content than the {size} bytes in its header");
+        return Err(io::Error::other(reason));
+    }
+    Ok(())
 }
 
 /// A record within a section.

@@ -106,6 +106,10 @@ pub(super) fn find_fault(layout: &Layout, tally: &Tally) -> Option<StatisticsFau
             found,
         });
     }
+    // The specification: an empty map indicates that this statistic is not available.
+    if stated.channel_message_counts.is_empty() {
+        return None;
+    }
     let ids = stated
         .channel_message_counts
         .keys()
