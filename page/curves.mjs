@@ -8,6 +8,7 @@ const LEFT = 58;
 const RIGHT = 12;
 const HEAD = 18; // above each panel, for its label and values
 const FOOT = 30;
+const NUMBER_HEIGHT = 11;
 const NO_CURVES = "The run ends at its start: there are no curves.";
 const SMALL = "12px system-ui, sans-serif";
 
@@ -64,7 +65,7 @@ function valueText(value, { unit, inDegrees }, { isShort, isConstant }) {
   return `${isConstant ? "constant: " : ""}${written(value, isConstant ? 5 : 4)} ${unit}${also && !isShort ? ` = ${also}` : ""}`;
 }
 
-/** A canvas whose picture is kept until its content changes, and whose horizontal axis is time. */
+/** A canvas whose picture is kept until its content changes, and whose horizontal axis is time. `cursorSpans` of a subclass are the vertical spans that its cursor crosses. */
 export class TimeCanvas {
   /** `choose` is called with a time, `zoom` with a window of time. */
   constructor(canvas, { choose, zoom }) {
@@ -128,16 +129,23 @@ export class TimeCanvas {
     pen.font = SMALL;
     const x = this.xOf(time);
     pen.fillStyle = getComputedStyle(canvas).color;
-    if (this.window[1] > this.window[0] && x >= LEFT - 0.5 && x <= width - RIGHT + 0.5) pen.fillRect(x - 0.5, HEAD, 1, height - HEAD - (this.foot ?? 0));
+    const isInside = this.window[1] > this.window[0] && x >= LEFT - 0.5 && x <= width - RIGHT + 0.5;
+    for (const [top, bottom] of isInside ? this.cursorSpans(height) : []) pen.fillRect(x - 0.5, top, 1, bottom - top);
     over(pen, width, height);
   }
 }
 
 export class Curves extends TimeCanvas {
-  foot = FOOT;
+  runs = [];
+
+  /** The panels, without their labels. */
+  cursorSpans(height) {
+    return isMoment(this.runs) ? [] : this.panelsOf(this.runs, height).map(({ ends }) => ends);
+  }
 
   /** Draws the curves of runs, each in its colour, the last on top, with a cursor at `time`; nothing after `seen`. */
   draw(runs, window, isZoomed, time, seen = Infinity) {
+    this.runs = runs;
     this.window = window;
     this.isZoomed = isZoomed;
     this.canvas.setAttribute("aria-label", isMoment(runs) ? NO_CURVES : "Curves over time");
@@ -207,13 +215,17 @@ export class Curves extends TimeCanvas {
     for (const time of times) pen.fillRect(this.xOf(time), top, 1, bottom - top);
     // A quantity that stays zero has no size for other ticks.
     const marks = isConstant && low === -high ? [0] : axisTicks(ofAxis(low), ofAxis(high), Math.max((bottom - top) / 22, 2.5));
+    let free = Infinity; // below the numbers that have been written
     for (const value of marks) {
       pen.fillStyle = style.getPropertyValue("--line");
       pen.fillRect(LEFT, yOfAxis(value), across, 1);
+      // A number at the upper end stays below the panel's title.
+      const baseline = Math.max(yOfAxis(value) + 4, top + 8);
+      if (baseline > free) continue;
+      free = baseline - NUMBER_HEIGHT;
       pen.fillStyle = style.color;
       pen.textAlign = "right";
-      // A number at the upper end stays below the panel's title.
-      pen.fillText(written(value), LEFT - 6, Math.max(yOfAxis(value) + 4, top + 8), LEFT - 8);
+      pen.fillText(written(value), LEFT - 6, baseline, LEFT - 8);
     }
     pen.save();
     pen.beginPath();

@@ -30,7 +30,10 @@ export function changeTexts(run, time) {
 }
 
 export class EnergyAreas extends TimeCanvas {
-  foot = 4;
+  /** All of the areas. */
+  cursorSpans(height) {
+    return [[CURVE_MARGINS.head, height - 4]];
+  }
 
   /** Draws a panel for each run: the edited run, below a pinned one; nothing after `seen`. */
   draw(runs, window, time, seen = Infinity) {

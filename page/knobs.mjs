@@ -27,8 +27,9 @@ const KNOBS = [
     path: "initial.theta",
     name: "Tilt",
     symbol: "θ",
-    ends: ["upright", "lying"],
-    range: [0.02, 1.45],
+    ends: ["nearly upright", "lying"],
+    // Below, it has risen before anything can be seen.
+    range: [0.06, 1.45],
     text: (value) => [`${fixed(degrees(value), 1)}°`, `${written(value)} rad`],
   },
 ];

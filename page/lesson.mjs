@@ -9,7 +9,8 @@ import { element } from "./elements.mjs";
 export const STEPS_OF_LESSON = [
   {
     title: "Does it rise without friction?",
-    ours: "frictionless",
+    // A runs as long.
+    ours: "frictionless&stop.duration=25",
     theirs: "full-coulomb",
     arrows: ["slip", "force"],
     question: "A slips on the table with friction, B without. Guess first: which of them rises?",

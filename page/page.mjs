@@ -16,6 +16,7 @@ import { showWorksheet } from "./worksheet.mjs";
 
 /** The presets that have buttons. */
 const TITLES = { paper: "The paper's rise", "tippe-top": "Tippe top", frictionless: "No friction", drop: "Dropped on the table" };
+const LEAST_PLAYBACK = 2; // s, of a run at the speed that nobody has chosen
 const PAUSE_AT_END = 1.5; // s, before playback starts again
 const DEFAULT = "paper";
 
@@ -33,6 +34,7 @@ const state = {
   time: 0,
   window: null, // of time, if the curves are zoomed in
   speed: 1,
+  isSpeedChosen: false, // by the person
   isPlaying: false,
   guess: null, // in a step of the lesson whose outcome hasn't been played yet: `seen`, the latest time shown
   frictionBefore: null, // the keys of friction and stop conditions, while friction is off
@@ -75,6 +77,7 @@ async function simulate() {
     state.window = null;
   }
   showControls(state.run.keys);
+  setUsualSpeed();
   showSummary();
   at("command").textContent = scenario.command;
   at("digest").textContent = "";
@@ -92,7 +95,22 @@ function showComputing() {
 /** Shows how the run ends, unless that is to be guessed first. */
 function showSummary() {
   document.body.classList.toggle("guessing", state.guess !== null);
-  if (state.run) at("summary").textContent = state.guess ? "Guess first. Then press Play." : state.run.sentence;
+  if (state.run) at("summary").textContent = state.guess ? "Guess first. Then press Play." : sentenceOfRuns();
+}
+
+/** How the run ends, and the pinned one. */
+function sentenceOfRuns() {
+  if (!state.pinned) return state.run.sentence;
+  return `A: ${state.pinned.sentence}. B: ${state.run.sentence}.`;
+}
+
+/** Slows the playback of short runs, so that they can be followed, unless a person has chosen its speed. */
+function setUsualSpeed() {
+  if (state.isSpeedChosen) return;
+  const speeds = [...at("speed").options].map(({ value }) => Number(value));
+  const isSlowEnough = (speed) => latest() / speed >= LEAST_PLAYBACK;
+  state.speed = speeds.findLast((speed) => speed <= 1 && isSlowEnough(speed)) ?? speeds[0];
+  at("speed").value = state.speed;
 }
 
 /** Shows the outcome that was to be guessed. */
@@ -402,7 +420,10 @@ at("arrows").replaceChildren(
 at("preset").onchange = () => startPreset(at("preset").value);
 at("play").onclick = () => play();
 at("time").oninput = () => choose(Number(at("time").value));
-at("speed").onchange = () => (state.speed = Number(at("speed").value));
+at("speed").onchange = () => {
+  state.speed = Number(at("speed").value);
+  state.isSpeedChosen = true;
+};
 at("pin").onclick = () => pin();
 at("save").onclick = save;
 at("copy-command").onclick = ({ target }) => copy(state.scenario.command, target);
@@ -412,7 +433,7 @@ at("reset-view").onclick = () => view.reset();
 at("help").onclick = () => at("keys").showModal();
 at("print").onclick = () => print();
 at("version").textContent = tables.version;
-showWorksheet(at("worksheet"), at("worksheet-answers"));
+showWorksheet(at("guesses"), at("worksheet"), at("worksheet-answers"));
 showKeys(at("keys").querySelector("dl"));
 
 /** Follows a link in the page, and shows the top, from which the link may be far away. */
