@@ -5,7 +5,7 @@ mod transitions;
 
 pub use self::state::FreeRotation;
 use self::state::{
-    CENTER, CONTROLLED, SCALED_MOMENTUM, VELOCITY, quaternion_rate, set_vector, vector,
+    CENTER, CONTROLLED, Departure, SCALED_MOMENTUM, VELOCITY, quaternion_rate, set_vector, vector,
 };
 use self::transitions::{JAM_HORIZON, JAMMED};
 
@@ -192,7 +192,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
             Phase::Sticking => vec![Guard::Grip],
             Phase::Sliding => sliding_guards(&self.model),
         };
-        if self.is_departing_patch() {
+        if self.departure == Some(Departure::Breakaway) {
             guards.push(Guard::Departure);
         }
         let held = self.held();

@@ -1,4 +1,4 @@
-//! Breakaway: friction on a fixed peg whose contact point has just begun to slip.
+//! Breakaway: friction on a peg whose contact point has just begun to slip.
 //!
 //! This is no law of friction but a regularisation of the first instants after a hold, which the laws leave stiff.
 
@@ -14,7 +14,8 @@ use nalgebra::Vector3;
 /// method has to resolve that time, in a number of steps proportional to `1/√v` of the slowest `v`. Slip below this
 /// speed is given the direction that it would take anyway. Friction turns it within `v/(k g)`, at this speed 1e-7 s, and
 /// what the slip misses in that time is below the tolerances: with a tenth of this speed, later events of sticking and
-/// slipping tops move by 2e-12 s, and by 1e-11 s with rolling resistance.
+/// slipping tops move by 2e-12 s, and by 1e-11 s with rolling resistance; with a hundredth, those of a rolling free peg by
+/// 3e-12 s.
 pub(crate) const BREAKAWAY_SPEED: f64 = 1e-7;
 
 impl Friction {

@@ -244,6 +244,27 @@ fn slowly_overloaded_rolling_resistance_takes_few_steps() {
     );
 }
 
+/// Took 104,000 steps a second once: friction resisted the direction of the slip from 1e-9 m/s on.
+#[test]
+fn rolling_top_gives_way_in_few_steps() {
+    let mut keys = ENDLESS.to_vec();
+    keys.extend([
+        ("initial.theta", "0.9107119979039868"),
+        ("initial.phi_dot", "-18.799806779706252"),
+        ("initial.psi_dot", "0"),
+        ("friction.k", "1.0081285348968305"),
+        ("rolling.arm", "9.138121385183824e-5"),
+        ("stop.duration", "0.3"),
+    ]);
+    let found = outcome(&scenario("free-paper", &keys), || true).unwrap();
+    assert_eq!(found.tally.count_of(EventKind::RollEnds), 2);
+    let steps = found.end.statistics.accepted;
+    assert!(steps < 10_000, "{steps} steps");
+    // With the law from 1e-9 m/s on, in 31,206 steps, whose errors of up to 1e-12 add up to this at most.
+    let [theta, tolerance] = [1.0513240268843684, 31_206.0 * 1e-12];
+    assert_near("θ", found.end.motion.angles.theta, theta, tolerance);
+}
+
 /// A top that is dropped upright does not move any more.
 #[test]
 fn landing_at_rest_is_no_rolling() {

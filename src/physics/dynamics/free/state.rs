@@ -11,7 +11,7 @@ use crate::physics::dynamics::motion::{
 use crate::physics::dynamics::reaction::{ContactArm, FreeBody, Inertia, Reaction};
 use crate::physics::dynamics::support::Phase;
 use crate::physics::friction::{
-    BREAKAWAY_SPEED, Branch, FrictionLaw, NO_ROLLING, PatchDirection, Rocking, Turning, Wrench,
+    BREAKAWAY_SPEED, Branch, FrictionLaw, NO_ROLLING, PatchDirection, Rocking, Turning,
 };
 use crate::physics::kinematics::Tilt;
 use crate::physics::math::{atan2, hypot};
@@ -186,8 +186,7 @@ impl FreeRotation {
     pub(super) fn departing(&self, tilt: &Tilt, slip: &Vector3<f64>) -> Option<Departing> {
         let departure = self.departure?;
         let friction = &self.model.friction;
-        let is_patch = self.is_departing_patch();
-        if !is_patch && !is_departing(slip) {
+        if matches!(departure, Departure::Toward(_)) && !is_departing(slip) {
             return None;
         }
         let holding = self.holding();
@@ -199,11 +198,7 @@ impl FreeRotation {
             return None;
         }
         match departure {
-            Departure::Breakaway if is_patch => self.departing_patch(tilt, slip, &held),
-            Departure::Breakaway => Some(Departing {
-                slip: DEPARTING * self.body(*tilt).release_direction(),
-                turning_rate: tilt.omega_lean.z,
-            }),
+            Departure::Breakaway => Some(self.breaking_away(tilt, slip, &held)),
             Departure::Toward(direction) => Some(Departing {
                 slip: DEPARTING * direction,
                 turning_rate: tilt.omega_lean.z,
@@ -211,39 +206,46 @@ impl FreeRotation {
         }
     }
 
-    /// Whether a contact patch that rested as a whole has given way.
-    #[inline]
-    pub(super) fn is_departing_patch(&self) -> bool {
-        self.departure == Some(Departure::Breakaway) && self.model.friction.rests_as_a_whole()
-    }
-
-    /// The motion of a contact patch that gives way to the load that would still hold it: turned towards the direction
-    /// in which the load moves it, the more the slower it is. Friction depends on its direction only.
+    /// The motion of a contact that gives way to the load that would still hold it: turned towards the direction in which
+    /// the load moves it, the more the slower it is.
     #[cold]
-    fn departing_patch(
-        &self,
-        tilt: &Tilt,
-        slip: &Vector3<f64>,
-        held: &Reaction,
-    ) -> Option<Departing> {
+    fn breaking_away(&self, tilt: &Tilt, slip: &Vector3<f64>, held: &Reaction) -> Departing {
         let friction = &self.model.friction;
-        let FrictionLaw::Contensou { patch_radius, .. } = friction.law else {
-            return None;
-        };
-        let Wrench { force, couple } = held.friction;
+        let force = Vector3::new(held.friction.force.x, held.friction.force.y, 0.0);
+        let torque = held.friction.couple.z;
         let strength = hypot(force.x, force.y);
-        let bound = friction.law.static_bound_at(held.normal, 0.0);
-        let torque_bound = friction.drilling_bound(held.normal, true);
+        let along = force / strength.max(f64::MIN_POSITIVE);
         let rate = tilt.omega_lean.z;
-        let share = friction.patch_speed(slip.norm(), rate) / BREAKAWAY_SPEED;
-        let direction = PatchDirection::under_load(strength / bound, couple.z.abs() / torque_bound);
-        let speed = (1.0 - share) * BREAKAWAY_SPEED;
-        let along = Vector3::new(force.x, force.y, 0.0) / strength.max(f64::MIN_POSITIVE);
-        let rim = direction.rim.copysign(-couple.z);
-        Some(Departing {
-            slip: slip - speed * direction.slip * along,
-            turning_rate: rate + speed * rim / patch_radius,
-        })
+        match friction.law {
+            FrictionLaw::Contensou { patch_radius, .. } => {
+                let bound = friction.law.static_bound_at(held.normal, 0.0);
+                let torque_bound = friction.drilling_bound(held.normal, true);
+                let direction =
+                    PatchDirection::under_load(strength / bound, torque.abs() / torque_bound);
+                // The friction of a patch depends on the direction of its motion only.
+                let share = friction.patch_speed(slip.norm(), rate) / BREAKAWAY_SPEED;
+                let speed = (1.0 - share) * BREAKAWAY_SPEED;
+                let rim = direction.rim.copysign(-torque);
+                Departing {
+                    slip: slip - speed * direction.slip * along,
+                    turning_rate: rate + speed * rim / patch_radius,
+                }
+            }
+            // Only the first two hold a contact point, which then gives way.
+            FrictionLaw::Coulomb { .. }
+            | FrictionLaw::Stribeck { .. }
+            | FrictionLaw::None
+            | FrictionLaw::Regularised { .. }
+            | FrictionLaw::Viscous { .. } => {
+                let speed = slip.norm();
+                let direction = slip - (BREAKAWAY_SPEED - speed) * along;
+                Departing {
+                    // Stribeck's friction depends on the speed, too.
+                    slip: speed.max(DEPARTING) * direction.normalize(),
+                    turning_rate: rate,
+                }
+            }
+        }
     }
 
     /// Rates of change of the running integrals (all or few); `losses` is the power of the losses, W.
