@@ -32,7 +32,8 @@ pub enum SimulationError {
     },
     /// Very many steps hardly advance the run.
     #[error(
-        "the simulation stalled at t = {time:?} s, {contact}: {steps} steps advanced it by less than {advance} s and turned the top by {turn:.1e} rad each"
+        "the simulation stalled at t = {time:?} s, {contact}: {steps} steps advanced it by less than {advance} s and turned the top by {turn:.1e} rad each; {}; a stop.duration of at most {time:?} s ends the run before",
+        cause_of_stall(*turn)
     )]
     TinySteps {
         /// Time, s.
@@ -118,6 +119,21 @@ fn transition_name(guard: Guard) -> &'static str {
         Guard::Rolling | Guard::Turning => "the end of a rotation",
         Guard::RollingGrip | Guard::TurningGrip => "the beginning of a rotation",
         Guard::Departure | Guard::Mobility | Guard::Regular => "the end of the phase",
+    }
+}
+
+/// Angle per step above which the rotation itself needs the steps, rad. Where only the motion limits steps, they turn the
+/// top by 0.01 rad or more, even at the strictest tolerances.
+const TURN_OF_FAST_ROTATION: f64 = 1e-3;
+
+/// A clause that names what limits the steps of a stalled run, and the keys that change it. `turn` is the angle by which a
+/// step turned the top, rad.
+fn cause_of_stall(turn: f64) -> &'static str {
+    if turn >= TURN_OF_FAST_ROTATION {
+        "the rotation needs them: initial rates may be too large, or moments of inertia too small"
+    } else {
+        "the forces change much faster than the top moves: friction.viscous_speed, friction.smoothing_speed or moments \
+         of inertia may be too small, or air drag or friction.k too large"
     }
 }
 

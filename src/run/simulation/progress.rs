@@ -90,23 +90,39 @@ mod tests {
     use super::*;
     use crate::physics::dynamics::Phase;
 
-    #[test]
-    fn stalls_state_what_was_measured() {
+    /// The message of a run that stalls in steps of 40 ns at an angular speed, rad/s.
+    fn message_of_stall(speed: f64) -> String {
         let contact = ContactPhase {
             phase: Phase::Sliding,
             is_free: false,
         };
-        // Steps of 40 ns at 1e6 rad/s turn the top by 0.04 rad each.
         let mut progress = Progress::default();
         let stalled = (1..=STALLED_STEPS).find_map(|step| {
             let time = 4e-8 * f64::from(step);
-            progress.record_step(time, contact, || 1e6).err()
+            progress.record_step(time, contact, || speed).err()
         });
-        let message = stalled.unwrap().to_string();
+        stalled.unwrap().to_string()
+    }
+
+    #[test]
+    fn stalls_state_what_was_measured() {
+        // Steps of 40 ns at 1e6 rad/s turn the top by 0.04 rad each.
+        let message = message_of_stall(1e6);
         assert!(
-            message.ends_with("turned the top by 4.0e-2 rad each"),
+            message.contains("turned the top by 4.0e-2 rad each"),
             "{message}"
         );
         assert!(!message.contains("friction"), "{message}");
+    }
+
+    #[test]
+    fn stalls_advise_by_what_limits_the_steps() {
+        for (speed, advice) in [(1e6, "initial rates"), (10.0, "friction.viscous_speed")] {
+            let message = message_of_stall(speed);
+            assert!(message.contains(advice), "{message}");
+            // A million steps of 40 ns.
+            let earlier = "a stop.duration of at most 0.04 s ends the run before";
+            assert!(message.ends_with(earlier), "{message}");
+        }
     }
 }
