@@ -24,6 +24,7 @@ mod momentum;
 mod observations;
 mod precession;
 mod story;
+mod tippe;
 
 pub use self::claim::{Claim, Hold, Inversion, Stopped};
 use self::evidence::Evidence;

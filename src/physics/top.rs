@@ -119,6 +119,17 @@ impl Top {
         self.transverse_moment * sin * sin + self.axial_moment * cos * cos
     }
 
+    /// The least energy on the table with this Jellett's integral `J`, J, for sine and cosine of θ; zero potential as in
+    /// [`Top::potential_energy`].
+    ///
+    /// `J = L·a` with `a = l n + R z′`, so the energy of the rotation, `L·𝕀⁻¹L/2`, is at least `J²/(2 a·𝕀a)`.
+    pub fn least_energy(&self, jellett: f64, sin: f64, cos: f64) -> f64 {
+        let across = self.peg_radius * sin;
+        let along = self.center_distance + self.peg_radius * cos;
+        let moments = self.central_moment() * across * across + self.axial_moment * along * along;
+        0.5 * jellett * jellett / moments + self.gravity_moment() * cos
+    }
+
     /// The radicand of Routh's integral of a rolling top, kg² m⁴, for sine and cosine of θ; see
     /// [`Model::routh`](crate::physics::dynamics::Model::routh).
     pub fn rolling_moments(&self, sin: f64, cos: f64) -> f64 {

@@ -91,6 +91,43 @@ pub enum Claim {
         /// Whether there is air drag.
         has_air_drag: bool,
     },
+    /// The angular momentum is nearly vertical, as in fast precession, and friction shortens its part about the axis:
+    /// the axis turns away from the angular momentum.
+    ///
+    /// Gravity and the normal force have no torque about the axis. The whole angular momentum does not grow, so the angle
+    /// between it and the axis increases only because of its part about the axis.
+    FrictionLowers {
+        /// Time at which the axis is least inclined, s.
+        from: f64,
+        /// Angle between the axis and the line of the angular momentum then and in the last sample, rad; it increases.
+        angle_to_momentum: [f64; 2],
+        /// The largest inclination of the line of the angular momentum since then, rad: less than half of this increase.
+        momentum_inclination: f64,
+        /// Angular momentum about the axis, kg m²/s; its size decreases.
+        axial: [f64; 2],
+        /// Inclination of the axis, rad; it increases.
+        theta: [f64; 2],
+        /// Whether the top falls to the level of the event.
+        falls: bool,
+        /// Whether there is friction at the contact point.
+        has_friction: bool,
+        /// Whether there is air drag.
+        has_air_drag: bool,
+    },
+    /// A tippe top does not turn over, because its energy at the start is less than the least with which the axis can
+    /// reach the horizontal with this Jellett's integral.
+    StaysUpright {
+        /// Energy at the start, J.
+        energy: f64,
+        /// The least energy at some inclination between that at the start and the horizontal, J; it is more.
+        needed: f64,
+        /// That inclination, rad.
+        needed_at: f64,
+        /// Jellett's integral, kg m³/s.
+        jellett: f64,
+        /// The largest deviation of Jellett's integral, relative to its terms.
+        jellett_deviation: f64,
+    },
     /// A tippe top turns over: the vertical angular momentum keeps its sense, the axial one is reversed, and the centre
     /// of mass rises at the expense of the rotation.
     Inverts {
@@ -214,7 +251,12 @@ impl Claim {
 
     /// Whether the top falls after this time, s.
     fn is_fall_after(&self, from: f64) -> bool {
-        matches!(self, Self::WeakTopFalls { time, .. } if *time > from)
+        match self {
+            Self::WeakTopFalls { time, .. } => *time > from,
+            // The axis is least inclined about when the angular momentum is.
+            Self::FrictionLowers { .. } => true,
+            _ => false,
+        }
     }
 
     /// The claim in words, as sentences of a paragraph about all `claims`.
@@ -282,6 +324,19 @@ impl Claim {
                     "{start} {verb} the spin until the top is weak: the spin no longer holds the axis up against gravity, and the top falls."
                 )
             }
+            Self::FrictionLowers {
+                falls,
+                has_friction,
+                has_air_drag,
+                ..
+            } => lowers(
+                claims.iter().any(|claim| claim.is_rise_before(f64::INFINITY)),
+                [*has_friction, *has_air_drag],
+                *falls,
+            ),
+            Self::StaysUpright { .. } => {
+                "The top does not turn over. It spins too slowly: friction at the contact point does not change Jellett's integral, and with this value of the integral the axis could reach the horizontal only with more energy than the top has at the start.".to_owned()
+            }
             Self::Inverts { .. } => {
                 "The top turns over because its contact point slips. Friction at the contact point does not change Jellett's integral, and the angular momentum about the vertical keeps its sense while the axis turns over. So the spin about the axis is reversed in the end. The centre of mass rises, and the energy for this comes from the rotation.".to_owned()
             }
@@ -333,11 +388,16 @@ impl Claim {
             Self::FrictionRaises {
                 horizontal,
                 angle_to_momentum,
+                theta,
+                theta_at_end,
+                until,
                 ..
             } => vec![
                 Fact::HorizontalMomentum {
                     first: horizontal[0],
                     last: horizontal[1],
+                    // Since then, the axis has moved by more than in a nutation.
+                    until: (*theta_at_end - theta[1] > *angle_to_momentum).then_some(*until),
                 },
                 Fact::AngleToMomentum {
                     largest: *angle_to_momentum,
@@ -360,6 +420,19 @@ impl Claim {
                     critical: *critical,
                 },
             ],
+            Self::FrictionLowers {
+                from,
+                angle_to_momentum,
+                ..
+            } => vec![Fact::TurnsAway {
+                from: *from,
+                first: angle_to_momentum[0],
+                last: angle_to_momentum[1],
+            }],
+            Self::StaysUpright { energy, needed, .. } => vec![Fact::EnergyToTurnOver {
+                energy: *energy,
+                needed: *needed,
+            }],
             Self::Inverts {
                 axial,
                 center_height,
@@ -434,6 +507,21 @@ fn raises(
     let start = if falls_later { "At first, the" } else { "The" };
     format!(
         "{start} top rises because {cause} {turn} {line}its angular momentum upright. {torque} The top spins so fast that its axis stays close to {line}the angular momentum, and rises with it."
+    )
+}
+
+fn lowers(is_later: bool, [friction, air]: [bool; 2], falls: bool) -> String {
+    let cause = works([friction, air, false]);
+    let shorten = if friction && air {
+        "shorten"
+    } else {
+        "shortens"
+    };
+    let start = if is_later { "Later, the" } else { "The" };
+    let falls = if falls { "falls" } else { "sinks" };
+    format!(
+        "{start} precession is so fast that the angular momentum is nearly vertical. {} {shorten} the part of the angular momentum about the axis. So the axis turns away from the line of the angular momentum, and the top {falls}.",
+        capitalized(cause)
     )
 }
 

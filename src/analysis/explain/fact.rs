@@ -161,6 +161,8 @@ pub enum Fact {
         first: f64,
         /// At the end of the rise, kg m²/s.
         last: f64,
+        /// Time of the end of the rise, s; absent if the axis has not turned back since.
+        until: Option<f64>,
     },
     /// The axis stays close to the line of the angular momentum.
     AngleToMomentum {
@@ -173,6 +175,22 @@ pub enum Fact {
         first: f64,
         /// The angle between them in the last sample, rad.
         last: f64,
+    },
+    /// The axis turns away from the line of the angular momentum.
+    TurnsAway {
+        /// Start, s.
+        from: f64,
+        /// The angle between them then, rad.
+        first: f64,
+        /// The angle between them in the last sample, rad.
+        last: f64,
+    },
+    /// A tippe top has less energy than it needs to turn over.
+    EnergyToTurnOver {
+        /// At the start, J.
+        energy: f64,
+        /// The least energy on the way to the horizontal, J.
+        needed: f64,
     },
     /// The angular momentum about the symmetry axis.
     AxialMomentum {
@@ -417,8 +435,12 @@ impl Fact {
                 rate(*demanded),
                 rate(*mean)
             ),
-            Self::HorizontalMomentum { first, last } => format!(
-                "The horizontal part of the angular momentum decreases from {} to {}.",
+            Self::HorizontalMomentum { first, last, until } => format!(
+                "{} horizontal part of the angular momentum decreases from {} to {}.",
+                match until {
+                    Some(time) => format!("Until {}, the", moment(*time)),
+                    None => "The".to_owned(),
+                },
                 significant(*first, 4),
                 quantity(*last, 3, "kg m²/s")
             ),
@@ -430,6 +452,17 @@ impl Fact {
                 "The angle between the axis and the line of the angular momentum decreases from {} to {}.",
                 significant(*first, 3),
                 quantity(*last, 3, "rad")
+            ),
+            Self::TurnsAway { from, first, last } => format!(
+                "From {} on, the angle between the axis and the line of the angular momentum increases from {} to {}.",
+                moment(*from),
+                significant(*first, 3),
+                quantity(*last, 3, "rad")
+            ),
+            Self::EnergyToTurnOver { energy, needed } => format!(
+                "The top starts with {}; to reach the horizontal, it would need at least {}.",
+                quantity(*energy, 4, "J"),
+                quantity(*needed, 4, "J")
             ),
             Self::AxialMomentum { first, last } => format!(
                 "The angular momentum about the axis changes from {} to {}.",

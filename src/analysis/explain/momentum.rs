@@ -43,6 +43,11 @@ impl MomentumState {
         atan2(self.horizontal, self.sense * self.vertical)
     }
 
+    /// Magnitude of the angular momentum, kg m²/s.
+    pub(super) fn size(&self) -> f64 {
+        hypot(self.horizontal, self.vertical)
+    }
+
     /// The same with the line in this sense, where it is that of the angular momentum itself.
     fn with_sense(self, sense: f64) -> Self {
         let angle_to_axis = if sense < 0.0 {
@@ -69,6 +74,30 @@ pub(super) struct MomentumSpan {
     pub(super) angle_to_axis: f64,
     /// The largest inclination of the line of the angular momentum, rad.
     pub(super) inclination: f64,
+}
+
+impl MomentumSpan {
+    /// A span that begins at a sample.
+    fn new(state: MomentumState) -> Self {
+        Self {
+            from: state,
+            to: state,
+            by_friction: 0.0,
+            angle_to_axis: state.angle_to_axis,
+            inclination: state.inclination(),
+        }
+    }
+
+    /// The span to the next sample. `shortening` is the mean torque along the horizontal part in between, N m.
+    fn extended(self, state: MomentumState, shortening: f64) -> Self {
+        Self {
+            from: self.from,
+            to: state,
+            by_friction: self.by_friction + (state.time - self.to.time) * shortening,
+            angle_to_axis: self.angle_to_axis.max(state.angle_to_axis),
+            inclination: self.inclination.max(state.inclination()),
+        }
+    }
 }
 
 /// What the messages of one sample say; they come one after the other.
@@ -103,6 +132,8 @@ pub(super) struct MomentumHistory {
     whole: Option<MomentumSpan>,
     /// From the first sample to the one in which the angular momentum is least inclined.
     lowest: Option<MomentumSpan>,
+    /// From the sample in which the axis is least inclined to the last.
+    descent: Option<MomentumSpan>,
     /// The part about the vertical.
     vertical: Option<Constancy>,
     /// The part about the symmetry axis.
@@ -127,6 +158,11 @@ impl MomentumHistory {
     /// From the first sample to the one in which the angular momentum is least inclined.
     pub(super) fn to_lowest(&self) -> Option<MomentumSpan> {
         self.lowest
+    }
+
+    /// From the sample in which the axis is least inclined to the last.
+    pub(super) fn descent(&self) -> Option<MomentumSpan> {
+        self.descent
     }
 
     /// The part about the vertical.
@@ -186,25 +222,17 @@ impl MomentumHistory {
         let state = state.with_sense(if vertical < 0.0 { -1.0 } else { 1.0 });
         Constancy::take(&mut self.vertical, state.vertical);
         Constancy::take(&mut self.axial, state.axial);
-        self.largest = self.largest.max(hypot(state.horizontal, state.vertical));
+        self.largest = self.largest.max(state.size());
+        // The trapezoidal rule: the torque of friction hardly changes within a sampling period.
+        let mean = 0.5 * (self.shortening + shortening);
         let span = match self.whole {
-            None => MomentumSpan {
-                from: state,
-                to: state,
-                by_friction: 0.0,
-                angle_to_axis: state.angle_to_axis,
-                inclination: state.inclination(),
-            },
-            Some(span) => MomentumSpan {
-                from: span.from,
-                to: state,
-                // The trapezoidal rule: the torque of friction hardly changes within a sampling period.
-                by_friction: span.by_friction
-                    + 0.5 * (state.time - span.to.time) * (self.shortening + shortening),
-                angle_to_axis: span.angle_to_axis.max(state.angle_to_axis),
-                inclination: span.inclination.max(state.inclination()),
-            },
+            None => MomentumSpan::new(state),
+            Some(span) => span.extended(state, mean),
         };
+        self.descent = Some(match self.descent {
+            Some(span) if state.theta >= span.from.theta => span.extended(state, mean),
+            _ => MomentumSpan::new(state),
+        });
         self.shortening = shortening;
         self.whole = Some(span);
         // A top may sink again after its rise, which the whole run would hide.

@@ -4,8 +4,9 @@ use super::claim::{Claim, Hold, Inversion, Stopped};
 use super::evidence::{Evidence, ROUNDED};
 use super::fact::{Fact, PrecessionRoot};
 use super::fixed;
+use super::momentum::MomentumSpan;
 use super::observations::{Ends, GripSpan};
-use super::precession;
+use super::{precession, tippe};
 use crate::analysis::history::{Constancy, PegPhase, in_phase};
 use crate::physics::math::sin_cos;
 use crate::run::simulation::{EventKind, StopReason};
@@ -54,11 +55,11 @@ pub(super) fn story(evidence: &Evidence) -> Story {
     if !starts_in_air {
         claims.extend(bounces(evidence));
     }
-    let inverts = inverts(evidence);
-    let is_inversion_claimed = inverts.is_some();
-    claims.extend(inverts);
+    let inversion = tippe::inverts(evidence).or_else(|| tippe::stays_upright(evidence));
+    let is_inversion_claimed = inversion.is_some();
+    claims.extend(inversion);
     claims.extend(slip_ends(evidence, rises, is_inversion_claimed));
-    claims.extend(weak_top_falls(evidence));
+    claims.extend(weak_top_falls(evidence).or_else(|| friction_lowers(evidence)));
     claims.extend(rests(evidence));
     Story { claims }
 }
@@ -222,6 +223,39 @@ fn weak_top_falls(evidence: &Evidence) -> Option<Claim> {
     })
 }
 
+/// A fall, or the beginning of one, in fast precession.
+fn friction_lowers(evidence: &Evidence) -> Option<Claim> {
+    let model = &evidence.scenario.model;
+    // Without terms of the Euler equations, no torque shortens the angular momentum.
+    if model.friction.dissipation.drops_euler_terms() || model.top.gravity_moment() <= 0.0 {
+        return None;
+    }
+    let MomentumSpan {
+        from,
+        to,
+        inclination,
+        ..
+    } = evidence.observations.momentum.descent()?;
+    let increase = to.angle_to_axis - from.angle_to_axis;
+    // The inclination of the axis is within `inclination` of its angle to the angular momentum.
+    let must_sink = increase > 2.0 * inclination;
+    // Gravity and the normal force have no torque about the axis: only friction changes the part about it. If the whole
+    // does not grow, only that can increase the angle.
+    let loses = from.axial.abs() - to.axial.abs() > ROUNDED * from.axial.abs();
+    let is_cause = loses && from.axial * to.axial > 0.0 && to.size() <= from.size();
+    let fallen = evidence.history.first(EventKind::Fallen);
+    (must_sink && is_cause).then_some(Claim::FrictionLowers {
+        from: from.time,
+        angle_to_momentum: [from.angle_to_axis, to.angle_to_axis],
+        momentum_inclination: inclination,
+        axial: [from.axial, to.axial],
+        theta: [from.theta, to.theta],
+        falls: fallen.is_some_and(|fallen| fallen.time > from.time),
+        has_friction: model.friction.acts_at_contact(),
+        has_air_drag: model.friction.has_air_drag(),
+    })
+}
+
 /// Whether the motion from the start, without friction and with this largest torque of gravity, N m, reaches an
 /// inclination below that at the start, rad.
 ///
@@ -249,39 +283,6 @@ fn can_reach(evidence: &Evidence, theta: f64, gravity_moment: f64) -> bool {
     // The energy of the precession at θ, (L_z′ − L_n cos θ)²/(2 I_x sin² θ); the rest of the energy is left to θ̇.
     let needed = 0.5 * horizontal * horizontal / top.transverse_moment;
     kinetic + gravity_moment * (start_cos - cos) > needed
-}
-
-fn inverts(evidence: &Evidence) -> Option<Claim> {
-    let history = &evidence.history;
-    let observations = &evidence.observations;
-    if !history.is_tippe_top() || !history.has_exact_inversion() {
-        return None;
-    }
-    let jellett_deviation = evidence.summary.peg.as_ref()?.jellett_deviation?;
-    let span = observations.momentum.whole()?;
-    let vertical = [span.from.vertical, span.to.vertical];
-    let axial = [span.from.axial, span.to.axial];
-    let theta = [span.from.theta, span.to.theta];
-    let (center, kinetic) = (observations.center_height?, observations.kinetic?);
-    let turns_over = theta[0] < FRAC_PI_2 && theta[1] > FRAC_PI_2;
-    let reverses = vertical[0] * vertical[1] > 0.0 && axial[0] * axial[1] < 0.0;
-    let rises = center.last > center.first && kinetic.last < kinetic.first;
-    let lost_sliding = evidence.summary.peg.as_ref()?.lost?[0];
-    // Other torques change Jellett's integral, and could turn the top over by themselves.
-    let by_contact_force =
-        jellett_deviation <= ROUNDED && !evidence.scenario.model.friction.has_losses();
-    (turns_over && reverses && rises && by_contact_force && lost_sliding > 0.0).then_some(
-        Claim::Inverts {
-            time: history.inverted?,
-            theta,
-            jellett_deviation,
-            vertical,
-            axial,
-            center_height: [center.first, center.last],
-            kinetic: [kinetic.first, kinetic.last],
-            lost_sliding,
-        },
-    )
 }
 
 fn slip_ends(evidence: &Evidence, rises: bool, is_inversion_claimed: bool) -> Option<Claim> {

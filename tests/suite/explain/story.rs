@@ -207,6 +207,25 @@ fn check(explained: &ExplainedRun, claim: &Claim) {
             assert!(last < first, "{claim:?}");
         }
         Claim::WeakTopFalls { axial, time, .. } => check_weak(explained, *axial, *time),
+        Claim::FrictionLowers {
+            from,
+            angle_to_momentum,
+            axial,
+            theta,
+            falls,
+            ..
+        } => {
+            check_descent(explained, *from, *angle_to_momentum, *axial, *theta);
+            let fallen = explained.times_of(EventKind::Fallen);
+            assert_eq!(*falls, fallen.first().is_some_and(|time| time > from));
+        }
+        Claim::StaysUpright {
+            energy: first,
+            needed,
+            needed_at,
+            jellett,
+            ..
+        } => check_barrier(explained, *first, *needed, *needed_at, *jellett),
         Claim::Inverts { vertical, .. } => check_inversion(explained, *vertical),
         Claim::SlipEnds {
             from,
@@ -381,6 +400,67 @@ fn check_weak(explained: &ExplainedRun, axial: [f64; 2], time: f64) {
     assert!(theta > explained.numbers(state::THETA)[0]);
 }
 
+/// The angle to the angular momentum grows because the part about the axis shrinks.
+fn check_descent(
+    explained: &ExplainedRun,
+    from: f64,
+    angle: [f64; 2],
+    axial: [f64; 2],
+    theta: [f64; 2],
+) {
+    let times = explained.times();
+    let at = times.iter().position(|time| *time == from).unwrap();
+    let last = times.len() - 1;
+    let thetas = explained.numbers(state::THETA);
+    assert!(thetas.iter().all(|other| *other >= thetas[at]));
+    assert_same("θ", theta, [thetas[at], thetas[last]]);
+    assert!(thetas[last] > thetas[at]);
+    let spins = explained.numbers(momentum::AXIAL);
+    assert_same("axial", axial, [spins[at], spins[last]]);
+    assert!(spins[last].abs() < spins[at].abs());
+    let (momenta, axes) = (explained.angular_momenta(), explained.axes());
+    assert!(momenta[last].norm() <= momenta[at].norm());
+    let sense = momenta[0].z.signum();
+    let angles = [at, last].map(|index| (sense * momenta[index]).angle(&axes[index]));
+    for (claimed, recorded) in angle.into_iter().zip(angles) {
+        // Arc cosines of small angles lose half of the digits.
+        assert!((claimed - recorded).abs() < 1e-7, "{claimed} {recorded}");
+    }
+    for momentum in &momenta[at..] {
+        let inclination = (sense * momentum).angle(&Vector3::z());
+        assert!(2.0 * inclination < angles[1] - angles[0] + 1e-7);
+    }
+}
+
+/// The least energy is that of a rotation about `a = l n + R z′` with the moment of inertia about it.
+fn check_barrier(explained: &ExplainedRun, energy: f64, needed: f64, needed_at: f64, jellett: f64) {
+    assert!(explained.times_of(EventKind::Inverts).is_empty());
+    for theta in explained.numbers(state::THETA) {
+        assert!(theta < FRAC_PI_2, "{theta}");
+    }
+    let energies = explained.numbers(energy::TOTAL);
+    assert_eq!(energies[0], energy);
+    // Friction adds no energy: what the sum of kinetic and potential energy rounds to is left.
+    let rounded = 1e-9 * needed.abs().max(energy.abs());
+    assert!(energies.iter().all(|later| *later <= energy + rounded));
+    for recorded in explained.numbers(free_peg::JELLETT) {
+        assert!((recorded - jellett).abs() <= 1e-6 * jellett.abs().max(1e-9));
+    }
+    let top = explained.scenario.model.top.about_center();
+    let (sin, cos) = sin_cos(needed_at);
+    let axis = Vector3::new(sin, 0.0, cos);
+    let arm = top.center_distance * axis + top.peg_radius * Vector3::z();
+    let along = arm.dot(&axis);
+    let across = arm - along * axis;
+    let moments = top.axial_moment * along * along + top.transverse_moment * across.norm_squared();
+    let least =
+        0.5 * jellett * jellett / moments + top.mass * top.gravity * top.center_distance * cos;
+    // The claim takes the uncertainty of Jellett's integral off, 1e-6 of its terms, which cancel to a tenth at most.
+    let kinetic = 0.5 * jellett * jellett / moments;
+    assert!(needed <= least && least - needed <= 1e-4 * kinetic + 1e-15);
+    assert!(needed > energy);
+}
+
 fn check_inversion(explained: &ExplainedRun, vertical: [f64; 2]) {
     let [first, last] = explained.ends(state::THETA);
     assert!(first < FRAC_PI_2 && last > FRAC_PI_2);
@@ -442,6 +522,8 @@ fn kinds(claims: &[Claim]) -> Vec<&'static str> {
             Claim::FrictionSpeedsPrecession { .. } => "friction speeds precession",
             Claim::LossesAlign { .. } => "losses align",
             Claim::WeakTopFalls { .. } => "weak top falls",
+            Claim::FrictionLowers { .. } => "friction lowers",
+            Claim::StaysUpright { .. } => "stays upright",
             Claim::Inverts { .. } => "inverts",
             Claim::SlipEnds { .. } => "slip ends",
             Claim::Bounces { .. } => "bounces",
@@ -703,8 +785,35 @@ fn strong_top_that_falls_after_its_rise_is_not_weak() {
     for (preset, keys) in falling {
         let (explained, text) = checked(preset, keys);
         let claims = &explained.explanation.story.claims;
-        assert_eq!(kinds(claims), ["friction raises"], "{preset}: {claims:?}");
+        let causes = ["friction raises", "friction lowers"];
+        assert_eq!(kinds(claims), causes, "{preset}: {claims:?}");
         assert!(text.starts_with("At first, "), "{preset}: {text}");
+        assert!(text.contains("Later, the precession is so fast"), "{text}");
+        let chapters = &explained.explanation.chapters;
+        let sentences: Vec<String> = chapters
+            .iter()
+            .flat_map(|chapter| chapter.facts.iter().map(Fact::sentence))
+            .collect();
+        let is_of_rise = |sentence: &String| {
+            sentence.starts_with("Until ") && sentence.contains("the horizontal part")
+        };
+        assert!(sentences.iter().any(is_of_rise), "{sentences:?}");
+    }
+}
+
+/// A slow tippe top stays below the horizontal; a faster one turns over.
+#[test]
+fn slow_tippe_tops_lack_the_energy_to_turn_over() {
+    for (spin, cause) in [
+        ("20", "stays upright"),
+        ("-30", "stays upright"),
+        ("150", "inverts"),
+    ] {
+        let (explained, text) = checked("tippe-top", &[("initial.psi_dot", spin)]);
+        let claims = &explained.explanation.story.claims;
+        assert_eq!(kinds(claims), [cause], "{spin}");
+        let is_slow = cause == "stays upright";
+        assert_eq!(text.contains("It spins too slowly"), is_slow, "{text}");
     }
 }
 
