@@ -3,6 +3,5 @@
 pub mod diff;
 pub mod explain;
 pub mod history;
-pub(crate) mod missing;
 pub(crate) mod phrase;
 pub mod subject;

@@ -71,7 +71,7 @@ pub enum ExplainError {
     #[error(
         "it has fewer than two samples ({})",
         match loss {
-            Some(loss) => format!("missing: {loss}"),
+            Some(loss) => loss.clone(),
             None => "set a shorter sampling.period or a longer stop.duration".to_owned(),
         }
     )]

@@ -1,8 +1,9 @@
 //! Inputs of analysis: recordings, or scenarios to simulate.
 
-use crate::analysis::missing::{MessageCounts, Missing};
 use crate::archive::format::end_entries;
-use crate::archive::recording::{Condition, Entries, Reader, Recording, Selection};
+use crate::archive::recording::{
+    Condition, ContentCheck, Entries, Missing, Reader, Recording, Selection,
+};
 use crate::run::scenario::Scenario;
 use crate::telemetry::{Message, RunError, RunMessages, Topic, Topics};
 
@@ -124,52 +125,34 @@ fn read(
         topics: Topics::Only(wanted.iter().map(ToString::to_string).collect()),
         ..Selection::default()
     };
-    // The first error of a message, and the number of errors.
-    let mut undecodable: Option<(String, u64)> = None;
-    let mut counts = MessageCounts::default();
+    let mut check = ContentCheck::default();
     let mut is_stopped = false;
     let mut reader = recording.reader(selection).in_order_of_time();
     loop {
         let bytes = reader.progress();
-        match reader.next() {
-            Some(Ok(message)) => {
-                counts.take(&message);
-                if !take(&message, bytes) {
-                    is_stopped = true;
-                    break;
-                }
-            }
-            Some(Err(error)) => {
-                // A damaged file may have millions: one sentence is enough.
-                undecodable.get_or_insert_with(|| (error.to_string(), 0)).1 += 1;
-            }
-            None => break,
+        let Some(message) = reader.next() else {
+            break;
+        };
+        check.take(&message);
+        if let Ok(message) = message
+            && !take(&message, bytes)
+        {
+            is_stopped = true;
+            break;
         }
     }
     let mut losses = losses(recording, &reader);
-    if let Some((first, count)) = undecodable {
-        losses.push(match count {
-            1 => format!("missing {first}"),
-            _ => format!("missing {first} (the first of {count} messages that can't be decoded)"),
-        });
-    }
-    let missing = match recording.end() {
-        Some(end) if !is_stopped => {
-            // A channel that the recording doesn't have is not incomplete.
-            let mut counted = wanted;
-            counted.retain(|topic| recorded.contains(topic));
-            counts.missing(&counted, end)
-        }
-        _ => Vec::new(),
-    };
-    // The damage that explains them is listed already.
-    if losses.is_empty() {
-        losses.extend(missing.iter().map(|part| format!("missing {part}")));
-    }
+    // A channel that the recording doesn't have is not incomplete.
+    let mut counted = wanted;
+    counted.retain(|topic| recorded.contains(topic));
+    // The rest of a recording that is read in part isn't missing.
+    let end = recording.end().filter(|_| !is_stopped);
+    let faults = check.finish(&counted, end);
+    losses.extend(faults.sentences(!losses.is_empty()));
     ReadEnd {
         end: recording.end().cloned(),
         losses,
-        missing,
+        missing: faults.missing,
     }
 }
 

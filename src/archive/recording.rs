@@ -19,8 +19,10 @@
 
 mod batch;
 mod condition;
+mod content;
 mod file;
 mod loader;
+mod missing;
 mod order;
 mod overview;
 mod reader;
@@ -29,9 +31,12 @@ mod statistics;
 mod windows;
 
 pub use self::condition::Condition;
+pub(crate) use self::content::ContentCheck;
+pub use self::content::Undecodable;
 pub use self::file::Recording;
+pub use self::missing::Missing;
 pub use self::order::Misplaced;
-pub use self::overview::{ChannelOverview, EventOverview, MessageCount, Overview};
+pub use self::overview::{ChannelOverview, EventOverview, Overview};
 pub use self::reader::{Reader, Undecoded};
 pub use self::selection::Selection;
 pub use self::statistics::StatisticsFault;

@@ -87,12 +87,12 @@ impl InfoReport {
         }
         let losses = loss_lines(&overview.losses, overview.more_losses);
         facts.extend(losses.into_iter().map(|line| ("lost", line)));
-        // The end record has the counts of the run: others show that messages were removed or added.
-        let wrong = overview.counts.iter().filter(|c| c.found != c.recorded);
-        facts.extend(wrong.map(|c| {
-            let (found, recorded) = (format_integer(c.found), format_integer(c.recorded));
-            ("counts", format!("{found} of {recorded} {}", c.kind))
-        }));
+        facts.extend(
+            overview
+                .faults
+                .iter()
+                .map(|fault| ("altered", fault.clone())),
+        );
         if let Some(fault) = &overview.statistics_fault {
             facts.push(("altered", fault.to_string()));
         }

@@ -782,11 +782,11 @@ fn reports_counts_that_contradict_the_end_record() {
         overview.condition,
         Condition::Altered,
         "{:?}",
-        overview.counts
+        overview.faults
     );
     let printed = folder.toprise("info a.mcap", 3);
     assert_contains(&printed.stdout, "altered");
-    assert_contains(&printed.stdout, "201 of 301 samples");
+    assert_contains(&printed.stdout, "missing 100 of 301 samples");
 }
 
 #[test]

@@ -9,6 +9,7 @@
     reason = "the program wrote the names"
 )]
 
+mod agreement;
 mod answers;
 mod architecture;
 mod archive;

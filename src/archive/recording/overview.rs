@@ -1,7 +1,9 @@
 //! Content of a file.
 
 use super::condition::Condition;
+use super::content::ContentCheck;
 use super::file::Recording;
+use super::reader::Reader;
 use super::selection::Selection;
 use super::statistics::StatisticsFault;
 use crate::archive::container::channels::FileChannel;
@@ -9,9 +11,8 @@ use crate::archive::container::loss::Loss;
 use crate::archive::error::RecordingError;
 use crate::archive::format::Entries;
 use crate::physics::top::Top;
-use crate::telemetry::encoding::Row;
 use crate::telemetry::fields::{EVENTS, events};
-use crate::telemetry::{Message, event_sentence};
+use crate::telemetry::{Message, Topic, event_sentence};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
@@ -33,13 +34,14 @@ pub struct Overview {
     pub end: Option<Entries>,
     /// The scenario, TOML.
     pub scenario: Option<String>,
-    /// Numbers of samples and events, in channels of the table that are in the file.
-    #[serde(skip)]
-    pub counts: Vec<MessageCount>,
     /// The channels, in the order of the file.
     pub channels: Vec<ChannelOverview>,
     /// The events.
     pub events: Vec<EventOverview>,
+    /// What is wrong with the messages of the run, in sentences: some are missing, repeated or can't be decoded; absent if
+    /// nothing is.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub faults: Vec<String>,
     /// A number in the file's statistics that contradicts its content; absent if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub statistics_fault: Option<StatisticsFault>,
@@ -98,43 +100,6 @@ impl ChannelOverview {
     }
 }
 
-/// Number of messages in a channel, compared with the end record.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct MessageCount {
-    /// `samples` or `events`.
-    pub kind: &'static str,
-    /// Number of messages in the channel.
-    pub found: u64,
-    /// Number in the end record.
-    pub recorded: u64,
-}
-
-impl MessageCount {
-    /// The counts of a recording's channels, without repetitions; none if it has no end record.
-    fn list(recording: &Recording, counted: &[ChannelOverview]) -> Vec<Self> {
-        let mut counts = Vec::new();
-        for (channel, overview) in recording.channels().iter().zip(counted) {
-            let kind = match (channel.info(), channel.table) {
-                // Optional channels leave out some samples.
-                (Some(info), _) if info.is_sampled && !info.is_optional => "samples",
-                (_, Some(EVENTS)) => "events",
-                _ => continue,
-            };
-            let recorded = recording.end().and_then(|end| end.get(kind)?.parse().ok());
-            let Some(recorded) = recorded else { continue };
-            let count = Self {
-                kind,
-                found: overview.messages,
-                recorded,
-            };
-            if !counts.contains(&count) {
-                counts.push(count);
-            }
-        }
-        counts
-    }
-}
-
 /// An event of a recording.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct EventOverview {
@@ -159,52 +124,56 @@ impl Overview {
 
     /// Reads a recording as far as it can be read.
     pub fn new(recording: &Recording) -> Self {
-        let channels = recording.channels();
-        let mut counted: Vec<_> = channels.iter().map(ChannelOverview::new).collect();
-        let decoder = channels
+        let mut channels: Vec<_> = recording
+            .channels()
             .iter()
-            .find(|channel| channel.table == Some(EVENTS))
-            .and_then(|channel| channel.decoder()?.ok());
+            .map(ChannelOverview::new)
+            .collect();
         let top = recording.scenario().ok().map(|scenario| scenario.model.top);
-        let (mut events, mut row) = (Vec::new(), Row::default());
+        let (mut events, mut check) = (Vec::new(), ContentCheck::default());
+        let is_ours = recording.is_ours();
         let mut reader = recording.reader(Selection::default());
-        while let Some(message) = reader.next_undecoded() {
-            counted[message.position].add_message(message.log_time, message.data.len());
-            if message.channel.table == Some(EVENTS)
-                && let Some(decoder) = &decoder
-                && decoder.decode(message.data, &mut row).is_ok()
+        if is_ours {
+            // As explain and diff read it: repeated messages are none of the run.
+            reader = reader.in_order_of_time();
+        }
+        while let Some((message, decoded)) = reader.next_both() {
+            channels[message.position].add_message(message.log_time, message.data.len());
+            let Some(decoded) = decoded else { continue };
+            check.take(&decoded);
+            if let Ok(decoded) = decoded
+                && decoded.topic() == EVENTS
             {
-                events.push(event(&row, top.as_ref()));
+                events.push(event(&decoded, top.as_ref()));
             }
         }
-        for channel in &mut counted {
+        for channel in &mut channels {
             channel.rate_hz = channel.rate_hz();
         }
         let losses = reader.all_losses();
-        let condition = recording.condition();
+        let statistics_fault = reader.statistics_fault();
+        let faults = if is_ours {
+            content_faults(recording, &reader, check)
+        } else {
+            Vec::new()
+        };
         // Damage that opening the file doesn't find.
         let is_damaged = !reader.losses().is_empty();
-        let counts = MessageCount::list(recording, &counted);
-        let statistics_fault = reader.statistics_fault();
-        let is_altered =
-            statistics_fault.is_some() || counts.iter().any(|count| count.found != count.recorded);
+        let is_altered = statistics_fault.is_some() || !faults.is_empty();
         Self {
-            condition: if is_damaged {
-                Condition::Damaged
-            } else {
-                match condition {
-                    Condition::Whole | Condition::Foreign if is_altered => Condition::Altered,
-                    condition => condition,
-                }
+            condition: match recording.condition() {
+                _ if is_damaged => Condition::Damaged,
+                Condition::Whole | Condition::Foreign if is_altered => Condition::Altered,
+                condition => condition,
             },
             library: recording.library().to_owned(),
-            is_ours: recording.is_ours(),
+            is_ours,
             run: recording.run().cloned(),
             end: recording.end().cloned(),
             scenario: recording.scenario_text().ok(),
-            counts,
-            channels: counted,
+            channels,
             events,
+            faults,
             statistics_fault,
             more_losses: losses.unlisted(),
             losses: losses.list().to_vec(),
@@ -233,17 +202,30 @@ impl Overview {
     }
 }
 
-fn event(row: &Row, top: Option<&Top>) -> EventOverview {
-    let message = Message {
-        channel: EVENTS.index(),
-        sequence: 0,
-        time_ns: row.time_ns,
-        numbers: &row.numbers,
-        texts: &row.texts,
-    };
+/// What is wrong with the messages of a recording, in sentences.
+fn content_faults(recording: &Recording, reader: &Reader<'_>, check: ContentCheck) -> Vec<String> {
+    let mut sentences = Vec::from_iter(reader.left_out().map(ToString::to_string));
+    let is_explained = !sentences.is_empty() || !reader.all_losses().is_empty();
+    let faults = check.finish(&promised_topics(recording), recording.end());
+    sentences.extend(faults.sentences(is_explained));
+    sentences
+}
+
+/// The topics of the table that a recording should have: those that its run was recorded with, or else those of its
+/// channels.
+fn promised_topics(recording: &Recording) -> Vec<Topic> {
+    match (recording.form(), recording.scenario()) {
+        (Some((_, topics)), Ok(scenario)) => Topic::all_with(scenario.model.support)
+            .filter(|topic| topics.include(topic))
+            .collect(),
+        _ => recording.topics(),
+    }
+}
+
+fn event(message: &Message<'_>, top: Option<&Top>) -> EventOverview {
     EventOverview {
-        name: events::NAME.of(&message).to_owned(),
-        time: events::TIME.of(&message),
-        description: top.map(|top| event_sentence(&message, top)),
+        name: events::NAME.of(message).to_owned(),
+        time: events::TIME.of(message),
+        description: top.map(|top| event_sentence(message, top)),
     }
 }

@@ -7,6 +7,7 @@ use super::selection::Selection;
 use super::statistics::{StatisticsFault, find_fault};
 use crate::archive::container::channels::FileChannel;
 use crate::archive::container::loss::{Loss, Losses};
+use crate::archive::container::section::MessageRecord;
 use crate::archive::error::MessageError;
 use crate::telemetry::encoding::{DecodeError, Decoder, Row};
 use crate::telemetry::{Message, Topic};
@@ -27,6 +28,22 @@ pub struct Undecoded<'a> {
     /// The encoded message.
     pub data: &'a [u8],
 }
+
+impl<'a> Undecoded<'a> {
+    fn new(recording: &'a Recording, found: &FoundMessage, message: &MessageRecord<'a>) -> Self {
+        Self {
+            channel: &recording.channels()[found.channel],
+            position: found.channel,
+            sequence: message.sequence,
+            log_time: message.log_time,
+            publish_time: message.publish_time,
+            data: message.data,
+        }
+    }
+}
+
+/// A message of a channel of the table, or the reason why it can't be decoded.
+pub(super) type Decoded<'a> = Result<Message<'a>, MessageError>;
 
 /// Maximum size of the messages that are sorted by time together, bytes. The window and one section are in memory.
 const MAX_WINDOW: usize = 128 << 20;
@@ -67,6 +84,38 @@ impl Plan {
             },
             _ => Self::Raw,
         }
+    }
+
+    /// Decodes a message into a row; `None` if its channel is not in the table.
+    fn decode<'w>(&self, message: &MessageRecord<'_>, row: &'w mut Row) -> Option<Decoded<'w>> {
+        let Self::Decode { topic, decoder } = self else {
+            return None;
+        };
+        let (sequence, time_ns) = (message.sequence, message.log_time);
+        let mut decoded = match decoder {
+            Ok(decoder) => decoder.decode(message.data, row),
+            Err(error) => Err(error.clone()),
+        };
+        // The time is in the message and in its head. If they differ, neither can be trusted.
+        let stamp = row.time_ns;
+        if decoded.is_ok() && stamp != time_ns {
+            decoded = Err(DecodeError::Timestamp(stamp));
+        }
+        Some(match decoded {
+            Ok(()) => Ok(Message {
+                channel: topic.index(),
+                sequence,
+                time_ns,
+                numbers: &row.numbers,
+                texts: &row.texts,
+            }),
+            Err(reason) => Err(MessageError {
+                topic: topic.name(),
+                sequence,
+                time_ns,
+                reason,
+            }),
+        })
     }
 }
 
@@ -160,36 +209,9 @@ impl<'r> Reader<'r> {
     }
 
     /// Decodes a message of a channel of the table.
-    fn decode(&mut self, found: &FoundMessage) -> Option<Result<Message<'_>, MessageError>> {
-        let Plan::Decode { topic, decoder } = &self.plans[found.channel] else {
-            return None;
-        };
+    fn decode(&mut self, found: &FoundMessage) -> Option<Decoded<'_>> {
         let message = self.loader.message(found)?;
-        let (sequence, time_ns) = (message.sequence, message.log_time);
-        let mut decoded = match decoder {
-            Ok(decoder) => decoder.decode(message.data, &mut self.row),
-            Err(error) => Err(error.clone()),
-        };
-        // The time is in the message and in its head. If they differ, neither can be trusted.
-        let stamp = self.row.time_ns;
-        if decoded.is_ok() && stamp != time_ns {
-            decoded = Err(DecodeError::Timestamp(stamp));
-        }
-        Some(match decoded {
-            Ok(()) => Ok(Message {
-                channel: topic.index(),
-                sequence,
-                time_ns,
-                numbers: &self.row.numbers,
-                texts: &self.row.texts,
-            }),
-            Err(reason) => Err(MessageError {
-                topic: topic.name(),
-                sequence,
-                time_ns,
-                reason,
-            }),
-        })
+        self.plans[found.channel].decode(&message, &mut self.row)
     }
 
     /// Number of bytes that have been read since the last call.
@@ -203,14 +225,25 @@ impl<'r> Reader<'r> {
     pub fn next_undecoded(&mut self) -> Option<Undecoded<'_>> {
         let found = self.advance()?;
         let message = self.loader.message(&found)?;
-        Some(Undecoded {
-            channel: &self.recording.channels()[found.channel],
-            position: found.channel,
-            sequence: message.sequence,
-            log_time: message.log_time,
-            publish_time: message.publish_time,
-            data: message.data,
-        })
+        Some(Undecoded::new(self.recording, &found, &message))
+    }
+
+    /// The next message as stored in the file, from any channel and also if it is left out; with the decoded message if
+    /// its channel is in the table and it is not left out.
+    pub(super) fn next_both(&mut self) -> Option<(Undecoded<'_>, Option<Decoded<'_>>)> {
+        let found = self.loader.next(self.order.as_ref())?;
+        let message = self.loader.message(&found)?;
+        let is_accepted = match &mut self.order {
+            Some(order) => order.accepts(found.channel, &message),
+            None => true,
+        };
+        let decoded = if is_accepted {
+            self.plans[found.channel].decode(&message, &mut self.row)
+        } else {
+            None
+        };
+        let stored = Undecoded::new(self.recording, &found, &message);
+        Some((stored, decoded))
     }
 
     /// Finds the next selected message.

@@ -1,4 +1,5 @@
-//! Messages that a recording lacks although its file is intact: filtered or cut by other software.
+//! Numbers of messages that contradict the end record although the file is intact: other software filtered, cut or added
+//! to the recording.
 
 use crate::archive::format::{EVENT_COUNT, Entries, NUTATION_COUNT, SAMPLE_COUNT};
 use crate::telemetry::fields::{EVENTS, FREE_PEG, IMPACTS, NUTATION, free_peg, impacts};
@@ -19,7 +20,7 @@ pub struct Missing {
 
 impl Missing {
     /// Whether messages of a topic are missing.
-    pub(super) fn is_of(&self, topic: Topic) -> bool {
+    pub(crate) fn is_of(&self, topic: Topic) -> bool {
         self.topics.contains(&topic)
     }
 }
@@ -38,6 +39,32 @@ impl fmt::Display for Missing {
             [topic, other] => write!(f, " of {topic} and {other}"),
             [topic, others @ ..] => write!(f, " of {topic} and {} other topics", others.len()),
         }
+    }
+}
+
+/// More messages than a run has.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Excess {
+    /// The first topic with too many messages.
+    pub topic: Topic,
+    /// Number of its messages.
+    pub found: u64,
+    /// Number of messages that the run has in this topic.
+    pub expected: u64,
+}
+
+impl fmt::Display for Excess {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            topic,
+            found,
+            expected,
+        } = self;
+        let what = noun(*topic);
+        write!(
+            f,
+            "{found} {what} of {topic}, but {expected} in the end record"
+        )
     }
 }
 
@@ -60,6 +87,16 @@ fn noun(topic: Topic) -> &'static str {
 /// A number of an end record.
 fn number(end: &Entries, key: &str) -> Option<u64> {
     end.get(key)?.parse().ok()
+}
+
+/// Number of messages that a run has in a topic, according to its end record; `None` if that has none.
+fn expected(topic: Topic, end: &Entries) -> Option<u64> {
+    match topic {
+        EVENTS => number(end, EVENT_COUNT),
+        NUTATION => number(end, NUTATION_COUNT),
+        _ if is_in_every_sample(topic) => number(end, SAMPLE_COUNT),
+        _ => None,
+    }
 }
 
 /// The messages that were read, counted in order to be compared with the end record.
@@ -113,16 +150,29 @@ impl MessageCounts {
         all
     }
 
+    /// The first topic that has more messages than its run, according to the end record.
+    pub(super) fn excess(&self, topics: &[Topic], end: &Entries) -> Option<Excess> {
+        topics.iter().find_map(|topic| {
+            let (found, expected) = (self.number(*topic), expected(*topic, end)?);
+            (found > expected).then_some(Excess {
+                topic: *topic,
+                found,
+                expected,
+            })
+        })
+    }
+
+    /// Number of messages of a topic.
+    fn number(&self, topic: Topic) -> u64 {
+        self.counts.get(&topic.index()).copied().unwrap_or(0)
+    }
+
     fn missing_from(&self, topic: Topic, end: &Entries) -> Option<Missing> {
-        let recorded = self.counts.get(&topic.index()).copied().unwrap_or(0);
-        let expected = match topic {
-            // The end record has no number of them.
-            IMPACTS => return self.missing_impacts(recorded),
-            EVENTS => number(end, EVENT_COUNT),
-            NUTATION => number(end, NUTATION_COUNT),
-            _ if is_in_every_sample(topic) => number(end, SAMPLE_COUNT),
-            _ => None,
-        }?;
+        let recorded = self.number(topic);
+        if topic == IMPACTS {
+            return self.missing_impacts(recorded);
+        }
+        let expected = expected(topic, end)?;
         (recorded < expected).then(|| Missing {
             topics: vec![topic],
             count: Some(expected - recorded),
