@@ -12,8 +12,8 @@ pub enum RecordingError {
     /// An I/O error.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// Two channels have the same topic of the table.
-    #[error("it has two channels named {0}, which is ambiguous")]
+    /// Two channels of a topic of the table have different encodings or schemas.
+    #[error("it has channels named {0} with different encodings or schemas, which is ambiguous")]
     AmbiguousTopic(Topic),
     /// Several recordings were merged into one file.
     #[error(

@@ -106,6 +106,9 @@ pub struct Report {
     /// Channels and attachments in addition to the run, e.g. the data of a fit. Their content is not verified.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub supplements: Vec<Supplementary>,
+    /// Metadata records and attachments that are repeated in equal form, by their names.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub repeated: Vec<String>,
     /// The version of toprise that recorded it, if different from this one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recorded_by: Option<String>,
@@ -141,6 +144,7 @@ fn verify_with(
         without: Vec::new(),
         unknown: Vec::new(),
         supplements: Vec::new(),
+        repeated: Vec::new(),
         recorded_by: other_version(recording),
         schemas: None,
     };
@@ -230,6 +234,7 @@ fn compare(
     }
     report.unknown = unknown_fields(recording);
     report.supplements = supplements::list(recording);
+    report.repeated = container::repeated(recording);
     report.verdict = if report.difference.is_some() {
         Verdict::Different
     } else if is_part || !report.unknown.is_empty() {

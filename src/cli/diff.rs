@@ -14,6 +14,7 @@ use crate::archive::sink::SinkError;
 use crate::telemetry::{Message, side::Side};
 use anyhow::{Error, bail};
 use clap::Args;
+use clap::builder::NonEmptyStringValueParser;
 use std::path::PathBuf;
 
 /// Arguments of `toprise diff`.
@@ -63,7 +64,7 @@ struct ComparisonArguments {
     tol: Vec<String>,
 
     /// Compare only these topics (comma-separated)
-    #[arg(long, value_name = "TOPICS", value_delimiter = ',')]
+    #[arg(long, value_name = "TOPICS", value_delimiter = ',', value_parser = NonEmptyStringValueParser::new())]
     topics: Vec<String>,
 
     /// Ignore these topics or fields, e.g. /top/pose or '/top/state.*_ddot'

@@ -85,8 +85,7 @@ impl InfoReport {
         if !overview.is_ours {
             facts.push(("written by", overview.library.clone()));
         }
-        let losses = loss_lines(&overview.losses, overview.more_losses);
-        facts.extend(losses.into_iter().map(|line| ("lost", line)));
+        facts.extend(loss_lines(&overview.losses, overview.more_losses));
         facts.extend(
             overview
                 .faults

@@ -6,19 +6,23 @@ use crate::archive::recording::Loss;
 /// Maximum number of losses that are shown; the JSON output lists more.
 const MAX_SHOWN: usize = 10;
 
-/// A line for each of the first losses, and one with the number of the others. `unlisted` is the number of those that
-/// are not in the list.
-pub(super) fn loss_lines(losses: &[Loss], unlisted: Option<u64>) -> Vec<String> {
-    let mut lines: Vec<String> = losses
+/// A line with its label for each of the first losses, and one with the number of the others. `unlisted` is the number of
+/// those that are not in the list.
+pub(super) fn loss_lines(losses: &[Loss], unlisted: Option<u64>) -> Vec<(&'static str, String)> {
+    let mut lines: Vec<_> = losses
         .iter()
         .take(MAX_SHOWN)
-        .map(ToString::to_string)
+        .map(|loss| (label(loss), loss.to_string()))
         .collect();
     let more = (losses.len() - lines.len()) as u64 + unlisted.unwrap_or(0);
     if more > 0 {
-        lines.push(format!("and {} more", format_integer(more)));
+        lines.push(("lost", format!("and {} more", format_integer(more))));
     }
     lines
+}
+
+fn label(loss: &Loss) -> &'static str {
+    if loss.is_suspect { "damage" } else { "lost" }
 }
 
 #[cfg(test)]
@@ -34,7 +38,7 @@ mod tests {
             (12, Some(2000), Some("and 2,002 more")),
         ] {
             let lines = loss_lines(&losses[..listed], unlisted);
-            assert_eq!(lines.get(10).map(String::as_str), last);
+            assert_eq!(lines.get(10).map(|(_, line)| line.as_str()), last);
             assert!(lines.len() <= 11);
         }
     }

@@ -1,7 +1,6 @@
 //! Numbers in reports.
 
-use crate::run::plural::plural;
-use indicatif::HumanCount;
+use crate::run::plural::{counted, grouped};
 
 /// Formats a number with `digits` decimals and a typographic minus; huge numbers in scientific notation.
 pub(super) fn format_fixed(value: f64, digits: usize) -> String {
@@ -30,12 +29,12 @@ pub(super) fn format_significant(value: f64, digits: usize) -> String {
 
 /// Formats an integer with thousands separators.
 pub(super) fn format_integer(value: u64) -> String {
-    HumanCount(value).to_string()
+    grouped(value)
 }
 
 /// Formats a count with its noun: "1 sample", "2 samples".
 pub(super) fn format_count(number: u64, noun: &str) -> String {
-    format!("{} {}", format_integer(number), plural(number, noun))
+    counted(number, noun)
 }
 
 /// Formats a number of bytes.

@@ -119,9 +119,12 @@ impl VerifyReport {
     }
 }
 
-fn verified(equality: Option<Equality>) -> &'static str {
-    match equality {
+fn verified(report: &Report) -> &'static str {
+    match report.equality {
         Some(Equality::ByteIdentical) | None => "verified (byte-identical to a new run)",
+        Some(Equality::PackedOtherwise) if !report.supplements.is_empty() => {
+            "verified (same run, in a file that holds more)"
+        }
         Some(Equality::PackedOtherwise) => "verified (same content, repacked)",
         Some(Equality::SameValues) => "verified (same values, recorded by another version)",
     }
@@ -139,7 +142,7 @@ fn not_compared(check: SchemaCheck) -> &'static str {
 
 fn section(file: &str, report: &Report) -> Section {
     let (tone, conclusion) = match report.verdict {
-        Verdict::Verified => (Tone::Good, verified(report.equality)),
+        Verdict::Verified => (Tone::Good, verified(report)),
         Verdict::Incomplete if report.equal == Some(0) => (Tone::Weak, "nothing can be compared"),
         Verdict::Incomplete => (Tone::Weak, "all readable messages match"),
         Verdict::Different => (Tone::Bad, "DIFFERENT from a new run of its scenario"),
@@ -155,8 +158,7 @@ fn section(file: &str, report: &Report) -> Section {
     if let Some(difference) = &report.difference {
         facts.push(("difference", difference.to_string()));
     }
-    let losses = loss_lines(&report.losses, report.more_losses);
-    facts.extend(losses.into_iter().map(|line| ("lost", line)));
+    facts.extend(loss_lines(&report.losses, report.more_losses));
     if let Some(version) = &report.recorded_by {
         let this = format!(
             "{} (telemetry {})",
@@ -176,6 +178,9 @@ fn section(file: &str, report: &Report) -> Section {
     }
     for supplement in &report.supplements {
         facts.push(("in addition", format!("{supplement}, not verified")));
+    }
+    if !report.repeated.is_empty() {
+        facts.push(("repeated", report.repeated.join(", ")));
     }
     if let Some(check) = report.schemas {
         facts.push(("not compared", not_compared(check).to_owned()));

@@ -1,6 +1,7 @@
 //! Shared parts of the decoders: rows, errors, message structure.
 
 use super::channel::ChannelInfo;
+use crate::run::plural::counted;
 use std::str::Utf8Error;
 use thiserror::Error;
 
@@ -58,7 +59,7 @@ pub enum DecodeError {
     #[error("not a protobuf message: {0}")]
     Protobuf(#[from] WireError),
     /// The message has other fields than its schema.
-    #[error("it has {found} of the {expected} fields of its schema, and {unknown} unknown fields")]
+    #[error("{}", describe_fields(*found, *expected, *unknown))]
     Fields {
         /// Number of fields of the schema that the message has.
         found: usize,
@@ -70,6 +71,21 @@ pub enum DecodeError {
     /// The message's own timestamp is not its log time.
     #[error("its timestamp, {0} ns, differs from its log time")]
     Timestamp(u64),
+}
+
+/// The fields in which a message differs from its schema.
+fn describe_fields(found: usize, expected: usize, unknown: usize) -> String {
+    // A field that is there twice is one more, too.
+    let others = counted((unknown + found.saturating_sub(expected)) as u64, "field");
+    match (expected.saturating_sub(found), unknown) {
+        (0, _) => format!("it has {others} more than its schema"),
+        (lacking, 0) => format!("it lacks {lacking} of the {expected} fields of its schema"),
+        (lacking, _) => {
+            format!(
+                "it lacks {lacking} of the {expected} fields of its schema, and has {others} more"
+            )
+        }
+    }
 }
 
 /// Error of reading the schema of a channel.

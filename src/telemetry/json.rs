@@ -121,10 +121,11 @@ impl JsonDecoder {
         if found == self.expected && unknown == self.unknown {
             return Ok(());
         }
+        // Its schema may have fields that this version doesn't know.
         Err(DecodeError::Fields {
-            found,
-            expected: self.expected,
-            unknown,
+            found: found + unknown.min(self.unknown),
+            expected: self.expected + self.unknown,
+            unknown: unknown.saturating_sub(self.unknown),
         })
     }
 

@@ -1,11 +1,12 @@
 //! Recordings that other software changed within an intact file: all commands report the same.
 
-use crate::forgeries::forgery::{Forgery, Record};
+use crate::forgeries::forgery::{END, Forgery, RUN, Record, named};
+use crate::raw;
 use crate::support::{Folder, assert_contains, recorded, scenario, verified};
 use toprise::analysis::diff::{Options, compare};
 use toprise::analysis::explain::explain;
 use toprise::archive::recording::{Condition, Overview, Recording};
-use toprise::archive::verify::Verdict;
+use toprise::archive::verify::{Equality, Verdict};
 use toprise::archive::writer::Form;
 
 /// A recording of 0.3 s that can be changed.
@@ -141,4 +142,179 @@ fn info_reports_dropped_topics() {
         ["missing 301 of 301 samples of /top/energy"]
     );
     assert_eq!(verified(&path).verdict, Verdict::Incomplete);
+}
+
+/// Two publishers: each topic has two channels, which have every other message.
+fn split_channels(forgery: &mut Forgery) {
+    const OTHER: u16 = 1000;
+    for record in &mut forgery.records {
+        let Record::Chunk(records) = record else {
+            continue;
+        };
+        let mut others = Vec::new();
+        for record in records.iter_mut() {
+            match record {
+                Record::Channel(channel) => {
+                    let mut other = channel.clone();
+                    other.id += OTHER;
+                    others.push(Record::Channel(other));
+                }
+                Record::Message(header, _) if header.sequence % 2 == 1 => {
+                    header.channel_id += OTHER;
+                }
+                _ => {}
+            }
+        }
+        // Behind the definitions of the first.
+        let at = records
+            .iter()
+            .rposition(|record| matches!(record, Record::Channel(_)))
+            .map_or(0, |last| last + 1);
+        records.splice(at..at, others);
+    }
+}
+
+fn repeat_records(forgery: &mut Forgery) {
+    for name in [RUN, END] {
+        let record = forgery.records.iter().find(|record| named(name)(record));
+        let record = record.unwrap().clone();
+        forgery.records.push(record);
+    }
+    forgery.attach(|_, _| {});
+}
+
+#[test]
+fn reads_repackings_as_the_same_run() {
+    type Change = fn(&mut Forgery);
+    let cases: [(&str, Change, &[&str]); 3] = [
+        ("two publishers", split_channels, &[]),
+        (
+            "repeated records",
+            repeat_records,
+            &["scenario.toml", "toprise.end", "toprise.run"],
+        ),
+        (
+            "both",
+            |forgery| {
+                split_channels(forgery);
+                repeat_records(forgery);
+            },
+            &["scenario.toml", "toprise.end", "toprise.run"],
+        ),
+    ];
+    let folder = Folder::new();
+    let original = Recording::open(&folder.write("run.mcap", original().bytes())).unwrap();
+    let expected = explain(&original).unwrap();
+    for (name, change, repeated) in cases {
+        let mut forgery = self::original();
+        change(&mut forgery);
+        let path = folder.write("changed.mcap", forgery.bytes());
+        let recording = Recording::open(&path).unwrap();
+        let overview = Overview::new(&recording);
+        assert_eq!(overview.condition, Condition::Whole, "{name}");
+        assert_eq!(overview.messages(), Overview::new(&original).messages());
+        let report = verified(&path);
+        assert_eq!(
+            report.equality,
+            Some(Equality::PackedOtherwise),
+            "{name}: {report:#?}"
+        );
+        assert_eq!(report.repeated, repeated, "{name}");
+        let explained = explain(&recording).unwrap();
+        assert_eq!(explained.story, expected.story, "{name}");
+        assert_eq!(explained.losses, expected.losses, "{name}");
+        let printed = folder.toprise("diff run.mcap changed.mcap --no-integration-error", 0);
+        assert_contains(&printed.stdout, "All values identical");
+    }
+}
+
+#[test]
+fn finds_messages_repeated_by_another_publisher() {
+    let mut forgery = original();
+    let second = forgery.like("/top/energy", |channel| channel.id = 99);
+    let (id, _) = forgery.id("/top/energy");
+    let chunk = forgery.first_chunk();
+    let is_seventh = |record: &&Record| matches!(record, Record::Message(header, _) if (header.channel_id, header.sequence) == (id, 7));
+    let mut repeated = chunk.iter().find(is_seventh).unwrap().clone();
+    if let Record::Message(header, _) = &mut repeated {
+        header.channel_id = 99;
+    }
+    chunk.extend([second, repeated]);
+    let folder = Folder::new();
+    let path = folder.write("a.mcap", forgery.bytes());
+    let recording = Recording::open(&path).unwrap();
+    let expected = ["1 repeated message is skipped, the first in /top/energy at t = 0.007 s"];
+    assert_eq!(Overview::new(&recording).faults, expected);
+    assert_eq!(explain(&recording).unwrap().losses, expected);
+    assert_eq!(verified(&path).verdict, Verdict::Different);
+}
+
+/// `mcap sort` and `mcap filter` write a channel with its first message.
+#[test]
+fn verifies_without_empty_channels() {
+    // It ends before the first nutation does.
+    let scenario = scenario("paper", &[("stop.duration", "0.02")]);
+    let mut forgery = Forgery::of(&recorded(&scenario, &[], Form::default()));
+    forgery.leave_out("/top/nutation");
+    let folder = Folder::new();
+    let path = folder.write("a.mcap", forgery.bytes());
+    let report = verified(&path);
+    assert_eq!(
+        report.equality,
+        Some(Equality::PackedOtherwise),
+        "{report:#?}"
+    );
+    assert_eq!(report.without, ["/top/nutation"]);
+    assert_eq!(Overview::read(&path).unwrap().condition, Condition::Whole);
+}
+
+#[test]
+fn wrong_checksum_of_the_data_loses_nothing() {
+    let mut bytes = raw::file(&[
+        &raw::header("other"),
+        &raw::record(mcap::records::op::CHANNEL, &raw::channel(1, "/a")),
+        &raw::message(1, 0, 0, &[b'1'; 2000]),
+    ]);
+    let at = bytes.len() - mcap::MAGIC.len() - 29 - 4;
+    bytes[at] ^= 1;
+    let folder = Folder::new();
+    folder.write("a.mcap", bytes);
+    let printed = folder.toprise("info a.mcap", 3).stdout;
+    assert_contains(&printed, "the checksum of the data is wrong: 2,");
+    assert!(!printed.contains("lost"), "{printed}");
+    let printed = folder.toprise("diff a.mcap a.mcap", 3).stdout;
+    assert_contains(&printed, "A: the checksum of the data is wrong: 2,");
+}
+
+#[test]
+fn deeply_nested_json_is_compared_by_bytes() {
+    let folder = Folder::new();
+    for (name, space) in [("a.mcap", ""), ("b.mcap", " ")] {
+        let data = format!("{}{space}{}", "[".repeat(200), "]".repeat(200));
+        let bytes = raw::file(&[
+            &raw::header("other"),
+            &raw::record(mcap::records::op::CHANNEL, &raw::channel(1, "/a")),
+            &raw::message(1, 0, 0, data.as_bytes()),
+        ]);
+        folder.write(name, bytes);
+    }
+    folder.toprise("diff a.mcap a.mcap", 0);
+    let printed = folder.toprise("diff a.mcap b.mcap", 1).stdout;
+    assert_contains(
+        &printed,
+        "JSON with more than 127 levels is not compared by its values in 1 message of /a.",
+    );
+}
+
+#[test]
+fn refuses_empty_names_of_topics() {
+    let folder = Folder::new();
+    for line in [
+        "run paper --topics , -o a.mcap",
+        "run paper --topics /events, -o a.mcap",
+        "diff paper paper --topics ,",
+    ] {
+        let printed = folder.toprise(line, 2);
+        assert_contains(&printed.stderr, "--topics");
+    }
 }

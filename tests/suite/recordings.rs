@@ -276,22 +276,28 @@ fn classifies_files() {
 }
 
 #[test]
-fn refuses_two_channels_of_one_topic() {
+fn refuses_different_channels_of_one_topic() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("twice.mcap");
-    let file = fs::File::create(&path).unwrap();
-    let options = mcap::WriteOptions::new().library("toprise/0.1.0");
-    let mut writer = options.create(std::io::BufWriter::new(file)).unwrap();
-    for origin in ["here", "there"] {
-        let metadata = BTreeMap::from([("origin".to_owned(), origin.to_owned())]);
-        writer
-            .add_channel(0, "/top/state", "json", &metadata)
-            .unwrap();
+    let expected =
+        "it has channels named /top/state with different encodings or schemas, which is ambiguous";
+    for (encoding, error) in [("json", None), ("protobuf", Some(expected))] {
+        let file = fs::File::create(&path).unwrap();
+        let options = mcap::WriteOptions::new().library("toprise/0.1.0");
+        let mut writer = options.create(std::io::BufWriter::new(file)).unwrap();
+        for (origin, encoding) in [("here", "json"), ("there", encoding)] {
+            let metadata = BTreeMap::from([("origin".to_owned(), origin.to_owned())]);
+            writer
+                .add_channel(0, "/top/state", encoding, &metadata)
+                .unwrap();
+        }
+        writer.finish().unwrap();
+        let opened = Recording::open(&path);
+        assert_eq!(
+            opened.err().map(|error| error.to_string()).as_deref(),
+            error
+        );
     }
-    writer.finish().unwrap();
-    let error = Recording::open(&path).unwrap_err();
-    let expected = "it has two channels named /top/state, which is ambiguous";
-    assert_eq!(error.to_string(), expected);
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! Topics compared as they stand in the files: time, sequence number, bytes.
 
-use super::spelling::is_same_json;
+use super::spelling::{MAX_DEPTH, Spelling, compare_json};
 use crate::analysis::subject;
 use crate::archive::recording::{Recording, Selection};
-use crate::run::plural::plural;
+use crate::run::plural::counted;
 use crate::run::time::seconds;
 use crate::telemetry::Topics;
 use crate::telemetry::side::Side;
@@ -34,6 +34,9 @@ pub struct TopicBytes {
     /// Messages with the same values and another place among those of their time.
     #[serde(skip)]
     pub reordered: u64,
+    /// Messages with other bytes whose JSON is nested too deeply to compare its values. They count as different.
+    #[serde(skip)]
+    pub too_deep: u64,
     /// Whether encoding or schema differ.
     pub is_described_differently: bool,
 }
@@ -57,14 +60,16 @@ impl TopicBytes {
 
     /// Compares two messages of the same time.
     fn add(&mut self, time_ns: u64, a: &Foreign, b: &Foreign) {
-        if a.data == b.data {
-            self.equal += 1;
-        } else if a.is_json && b.is_json && is_same_json(&a.data, &b.data) {
-            self.respelled += 1;
-        } else {
-            self.different += 1;
-            self.first.get_or_insert(seconds(time_ns));
-            return;
+        let values = a.compare_values(b);
+        match values {
+            Values::Identical => self.equal += 1,
+            Values::Json(Spelling::SameValues) => self.respelled += 1,
+            Values::Json(Spelling::Different | Spelling::TooDeep) | Values::Different => {
+                self.different += 1;
+                self.too_deep += u64::from(values == Values::Json(Spelling::TooDeep));
+                self.first.get_or_insert(seconds(time_ns));
+                return;
+            }
         }
         self.other_publish_times += u64::from(a.publish_time != b.publish_time);
         self.other_sequences += u64::from(a.sequence != b.sequence);
@@ -127,6 +132,29 @@ struct Foreign {
     sequence: u32,
     is_json: bool,
     data: Box<[u8]>,
+}
+
+/// How two messages compare.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Values {
+    /// All bytes are equal.
+    Identical,
+    /// Other bytes, of JSON.
+    Json(Spelling),
+    /// Other bytes.
+    Different,
+}
+
+impl Foreign {
+    fn compare_values(&self, other: &Self) -> Values {
+        if self.data == other.data {
+            Values::Identical
+        } else if self.is_json && other.is_json {
+            Values::Json(compare_json(&self.data, &other.data))
+        } else {
+            Values::Different
+        }
+    }
 }
 
 /// Compares topics that both files have, which are sorted; also returns the losses of A and B.
@@ -240,7 +268,9 @@ type Count = fn(&TopicBytes) -> u64;
 
 /// Sentences about what differs besides the values, for all topics together.
 pub(super) fn notes(topics: &[TopicBytes]) -> Vec<String> {
-    let kinds: [(&str, Count); 4] = [
+    let too_deep = format!("JSON with more than {MAX_DEPTH} levels is not compared by its values");
+    let kinds: [(&str, Count); 5] = [
+        (&too_deep, |topic| topic.too_deep),
         ("Publish times differ", |topic| topic.other_publish_times),
         ("Sequence numbers differ", |topic| topic.other_sequences),
         ("JSON is spelled differently", |topic| topic.respelled),
@@ -264,11 +294,11 @@ pub(super) fn note<'t>(what: &str, counts: impl Iterator<Item = (&'t str, u64)>)
     let counts: Vec<_> = counts.filter(|(_, count)| *count > 0).collect();
     let (first, _) = counts.first()?;
     let total: u64 = counts.iter().map(|(_, count)| count).sum();
-    let messages = plural(total, "message");
+    let messages = counted(total, "message");
     let others = match counts.len() - 1 {
         0 => String::new(),
         1 => " and one more topic".to_owned(),
         more => format!(" and {more} more topics"),
     };
-    Some(format!("{what} in {total} {messages} of {first}{others}."))
+    Some(format!("{what} in {messages} of {first}{others}."))
 }

@@ -92,15 +92,53 @@ impl<'de> Visitor<'de> for JsonVisitor {
     }
 }
 
-/// Whether two texts are JSON with the same values.
-pub(super) fn is_same_json(a: &[u8], b: &[u8]) -> bool {
+/// Maximum number of levels in each other that are read: `serde_json` reads no more, and a stack is limited, too.
+pub(super) const MAX_DEPTH: usize = 127;
+
+/// How the values of two JSON texts compare.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Spelling {
+    /// All values are equal.
+    SameValues,
+    /// Values differ, or a text is not JSON.
+    Different,
+    /// A text has more than [`MAX_DEPTH`] levels.
+    TooDeep,
+}
+
+/// Compares two JSON texts by their values.
+pub(super) fn compare_json(a: &[u8], b: &[u8]) -> Spelling {
+    if depth(a).max(depth(b)) > MAX_DEPTH {
+        return Spelling::TooDeep;
+    }
     match (
         serde_json::from_slice::<Json>(a),
         serde_json::from_slice::<Json>(b),
     ) {
-        (Ok(a), Ok(b)) => a == b,
-        _ => false,
+        (Ok(a), Ok(b)) if a == b => Spelling::SameValues,
+        _ => Spelling::Different,
     }
+}
+
+/// Largest number of lists and objects in each other.
+fn depth(json: &[u8]) -> usize {
+    let (mut depth, mut deepest) = (0_usize, 0);
+    let (mut is_text, mut is_escaped) = (false, false);
+    for byte in json {
+        match byte {
+            _ if is_escaped => is_escaped = false,
+            b'\\' if is_text => is_escaped = true,
+            b'"' => is_text = !is_text,
+            _ if is_text => {}
+            b'[' | b'{' => {
+                depth += 1;
+                deepest = deepest.max(depth);
+            }
+            b']' | b'}' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+    }
+    deepest
 }
 
 #[cfg(test)]
@@ -129,11 +167,36 @@ mod tests {
             ("{", "{", false),
             ("1", "1 2", false),
         ] {
+            let expected = match expected {
+                true => Spelling::SameValues,
+                false => Spelling::Different,
+            };
+            let found = compare_json(a.as_bytes(), b.as_bytes());
+            assert_eq!(found, expected, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn compares_values_up_to_the_maximum_depth() {
+        let nested = |depth: usize, space: &str| {
+            format!("{}{space}{}", "[".repeat(depth), "]".repeat(depth))
+        };
+        for (depth, expected) in [
+            (MAX_DEPTH, Spelling::SameValues),
+            (MAX_DEPTH + 1, Spelling::TooDeep),
+            (100_000, Spelling::TooDeep),
+        ] {
+            let [a, b] = ["", " "].map(|space| nested(depth, space));
             assert_eq!(
-                is_same_json(a.as_bytes(), b.as_bytes()),
+                compare_json(a.as_bytes(), b.as_bytes()),
                 expected,
-                "{a} {b}"
+                "{depth}"
             );
         }
+        // Brackets in a text are no levels.
+        let text = format!(r#"{{"a\"b": "{}"}}"#, "[".repeat(200));
+        let respelled = text.replace(": ", ":");
+        let found = compare_json(text.as_bytes(), respelled.as_bytes());
+        assert_eq!(found, Spelling::SameValues);
     }
 }

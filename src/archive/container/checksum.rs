@@ -65,6 +65,7 @@ impl Checksum {
         Loss {
             offset: self.part.start,
             length: self.part.end.saturating_sub(self.part.start),
+            is_suspect: true,
             reason: format!("the checksum of the {} is wrong", self.name),
             ..Loss::default()
         }

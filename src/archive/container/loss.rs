@@ -1,6 +1,6 @@
 //! Unreadable or skipped parts of a file.
 
-use crate::run::plural::plural;
+use crate::run::plural::{counted, grouped};
 use crate::run::time::seconds;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -21,6 +21,9 @@ pub struct Loss {
     /// Whether it was skipped although it may be intact.
     #[serde(skip)]
     pub is_unread: bool,
+    /// Whether it can be read, but its checksum is wrong: it, or the checksum, is damaged somewhere.
+    #[serde(skip)]
+    pub is_suspect: bool,
     /// The reason why it can't be read.
     pub reason: String,
 }
@@ -47,10 +50,11 @@ impl Losses {
             .list
             .iter()
             .take(MAX_SENTENCES)
-            .map(|loss| format!("missing {loss}"))
+            .map(Loss::sentence)
             .collect();
         let more = self.count - sentences.len() as u64;
         if more > 0 {
+            let more = grouped(more);
             sentences.push(format!("missing {more} more parts of the file"));
         }
         sentences
@@ -114,15 +118,25 @@ impl Losses {
     }
 }
 
+impl Loss {
+    fn sentence(&self) -> String {
+        if self.is_suspect {
+            self.to_string()
+        } else {
+            format!("missing {self}")
+        }
+    }
+}
+
 impl fmt::Display for Loss {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "{} {} at {}",
-            self.length,
-            plural(self.length, "byte"),
-            self.offset
-        )?;
+        let bytes = counted(self.length, "byte");
+        let offset = grouped(self.offset);
+        if self.is_suspect {
+            let reason = &self.reason;
+            return write!(f, "{reason}: {bytes} at {offset} may be damaged");
+        }
+        write!(f, "{bytes} at {offset}")?;
         match (self.from_ns.map(seconds), self.to_ns.map(seconds)) {
             (Some(from), Some(to)) => write!(f, ", from {from} s to {to} s")?,
             (Some(from), None) => write!(f, ", from {from} s on")?,

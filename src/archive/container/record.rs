@@ -1,6 +1,6 @@
 //! MCAP records: position and content.
 
-use mcap::records::{Record, op};
+use mcap::records::{ChunkHeader, Record, op};
 use mcap::{McapError, McapResult};
 use std::collections::BTreeSet;
 
@@ -143,6 +143,23 @@ pub(crate) fn attachment_fields(body: &[u8]) -> Option<(AttachmentHeader, u64, u
         media_type: text_at(body, media_type)?,
     };
     Some((header, length + 8, number_at(body, length)?))
+}
+
+/// Header of a chunk, and position and length of its content in the record's body.
+pub(crate) fn chunk_fields(body: &[u8]) -> Option<(ChunkHeader, u64, u64)> {
+    let compression = 28;
+    let length = end_of_text(body, compression)?;
+    let checksum = bytes_at(body, 24, compression)?.try_into().ok()?;
+    let header = ChunkHeader {
+        message_start_time: number_at(body, 0)?,
+        message_end_time: number_at(body, 8)?,
+        uncompressed_size: number_at(body, 16)?,
+        uncompressed_crc: u32::from_le_bytes(checksum),
+        compression: text_at(body, compression)?,
+        compressed_size: number_at(body, length)?,
+    };
+    let content_length = header.compressed_size;
+    Some((header, length + 8, content_length))
 }
 
 /// The number of eight bytes at a position.

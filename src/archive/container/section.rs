@@ -1,16 +1,20 @@
 //! The parts of a file that hold messages: chunks, and records outside chunks.
 
 use super::lz4::Lz4Frames;
-use super::record::{HEAD, RecordSpan, head, parse};
+use super::record::{HEAD, RecordSpan, chunk_fields, head};
 use super::source::Source;
-use mcap::records::{ChunkHeader, Record, op};
+use mcap::records::{ChunkHeader, op};
 use std::io::{self, Read};
+use std::ops::Range;
 
 /// Maximum size of a chunk, bytes, compressed and not; larger chunks are treated as damage.
 const MAX_CHUNK_SIZE: u64 = 256 << 20;
 
-/// Larger chunks are decompressed in pieces of this size.
+/// Larger chunks are decompressed in pieces of this size, and their compressed data are not kept.
 const PIECE: u64 = 1 << 22;
+
+/// Maximum length of the fields before a chunk's content, bytes. Only the name of its compression has no fixed length.
+const MAX_FIELDS: u64 = 1 << 12;
 
 /// A part of a file that holds messages.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -28,7 +32,8 @@ pub(crate) struct Section {
 /// Reusable buffers of a section.
 #[derive(Debug, Default)]
 pub(crate) struct Buffers {
-    raw: Vec<u8>,
+    /// Bytes as they stand in the file.
+    pub(crate) raw: Vec<u8>,
     /// The section's records.
     pub(crate) records: Vec<u8>,
 }
@@ -61,13 +66,37 @@ impl Section {
             let is_whole = buffers.records.len() as u64 == self.length;
             return is_whole.then_some(()).ok_or_else(cut);
         }
-        source.read(self.offset, self.length, &mut buffers.raw)?;
-        let body = buffers.raw.get(HEAD as usize..).ok_or_else(cut)?;
-        match parse(op::CHUNK, body) {
-            Ok(Record::Chunk { header, data }) => decompress(&header, &data, &mut buffers.records),
-            Ok(_) => Err(cut()),
-            Err(error) => Err(io::Error::other(format!("unreadable header: {error}"))),
+        let (header, content) = self.read_fields(source, &mut buffers.raw)?;
+        let (from, size) = (content.start, header.uncompressed_size);
+        check_size(size, "chunk")?;
+        if header.compression.is_empty() {
+            // Without a copy: a chunk may be as large as the memory that is meant for it. One extra byte to detect excess
+            // data.
+            let length = (content.end - from).min(size + 1);
+            source.read(from, length, &mut buffers.records)?;
+        } else {
+            source.read(from, content.end - from, &mut buffers.raw)?;
+            decompress(&header, &buffers.raw, &mut buffers.records)?;
+            if buffers.raw.capacity() as u64 > PIECE {
+                buffers.raw = Vec::new();
+            }
         }
+        check_content(&header, &buffers.records)
+    }
+
+    /// Header and place of the content of a chunk.
+    fn read_fields(
+        &self,
+        source: &Source,
+        bytes: &mut Vec<u8>,
+    ) -> io::Result<(ChunkHeader, Range<u64>)> {
+        let start = self.offset + HEAD;
+        let body_length = self.length.checked_sub(HEAD).ok_or_else(cut)?;
+        source.read(start, body_length.min(MAX_FIELDS), bytes)?;
+        chunk_fields(bytes)
+            .filter(|(_, at, length)| at.saturating_add(*length) <= body_length)
+            .map(|(header, at, length)| (header, start + at..start + at + length))
+            .ok_or_else(|| io::Error::other("unreadable header"))
     }
 }
 
@@ -89,26 +118,34 @@ fn check_size(length: u64, what: &str) -> io::Result<()> {
 
 fn decompress(header: &ChunkHeader, data: &[u8], records: &mut Vec<u8>) -> io::Result<()> {
     let size = header.uncompressed_size;
-    check_size(size, "chunk")?;
     match header.compression.as_str() {
         // Encoders write nothing for nothing.
-        _ if size == 0 && data.is_empty() => records.clear(),
-        "" => read_pieces(data, size, records)?,
+        _ if size == 0 && data.is_empty() => {
+            records.clear();
+            Ok(())
+        }
         "zstd" => {
             let mut decoder = zstd::stream::read::Decoder::with_buffer(data)?;
             // The default of 128 MiB would refuse large chunks that `zstd --long` compressed.
             decoder.window_log_max(MAX_CHUNK_SIZE.ilog2())?;
-            read_pieces(decoder, size, records)?;
+            read_pieces(decoder, size, records)
         }
-        "lz4" => read_pieces(Lz4Frames::new(data), size, records)?,
+        "lz4" => read_pieces(Lz4Frames::new(data), size, records),
         other => {
             let reason = format!(
                 "unsupported compression {other:?} (supported: \"zstd\", \"lz4\", and \"\" for none)"
             );
-            return Err(io::Error::other(reason));
+            Err(io::Error::other(reason))
         }
     }
-    let found = records.len() as u64;
+}
+
+/// Checks length and checksum of a chunk's content.
+fn check_content(header: &ChunkHeader, records: &[u8]) -> io::Result<()> {
+    let (found, size) = (records.len() as u64, header.uncompressed_size);
+    if found > size {
+        return Err(excess(size));
+    }
     if found < size {
         let reason = format!("{found} bytes of content, expected {size}");
         return Err(io::Error::other(reason));
@@ -153,10 +190,13 @@ fn read_pieces(decoder: impl Read, size: u64, records: &mut Vec<u8>) -> io::Resu
 fn check_end(mut decoder: impl Read, size: u64) -> io::Result<()> {
     // Some writers pad the last compressed frame, and decoders fail at such bytes.
     if decoder.read(&mut [0]).is_ok_and(|length| length > 0) {
-        let reason = format!("more content than the {size} bytes in its header");
-        return Err(io::Error::other(reason));
+        return Err(excess(size));
     }
     Ok(())
+}
+
+fn excess(size: u64) -> io::Error {
+    io::Error::other(format!("more content than the {size} bytes in its header"))
 }
 
 /// A record within a section.

@@ -5,7 +5,7 @@
 use super::missing::{Excess, MessageCounts, Missing};
 use crate::archive::error::MessageError;
 use crate::archive::format::Entries;
-use crate::run::plural::plural;
+use crate::run::plural::counted;
 use crate::telemetry::{Message, Topic};
 use std::fmt;
 
@@ -22,8 +22,8 @@ impl fmt::Display for Undecodable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { first, count } = self;
         let which = if *count > 1 { ", the first" } else { "" };
-        let messages = plural(*count, "message");
-        write!(f, "{count} {messages} can't be decoded{which}: {first}")
+        let messages = counted(*count, "message");
+        write!(f, "{messages} can't be decoded{which}: {first}")
     }
 }
 

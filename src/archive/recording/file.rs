@@ -14,6 +14,7 @@ use crate::run::scenario::Scenario;
 use crate::run::simulation::StopReason;
 use crate::telemetry::encoding::{Encoding, FieldDifferences};
 use crate::telemetry::{Topic, Topics};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Maximum size of a scenario, bytes.
@@ -46,23 +47,26 @@ impl Recording {
         if runs > 1 {
             return Err(RecordingError::MergedRuns(runs));
         }
-        // Other software may have two publishers of a topic; a run has one.
         if recording.is_ours()
-            && let Some(topic) = recording.repeated_topic()
+            && let Some(topic) = recording.ambiguous_topic()
         {
             return Err(RecordingError::AmbiguousTopic(topic));
         }
         Ok(recording)
     }
 
-    /// The first topic of the table that has a second channel.
-    fn repeated_topic(&self) -> Option<Topic> {
-        let topics = self.topics();
-        topics
-            .iter()
-            .enumerate()
-            .find(|(at, topic)| topics[..*at].contains(topic))
-            .map(|(_, topic)| *topic)
+    /// The first topic of the table whose channels have different encodings or schemas. Equal ones, e.g. of two publishers,
+    /// are one topic.
+    fn ambiguous_topic(&self) -> Option<Topic> {
+        let mut first: BTreeMap<Topic, &FileChannel> = BTreeMap::new();
+        for channel in self.channels() {
+            let Some(topic) = channel.table else { continue };
+            let known = first.entry(topic).or_insert(channel);
+            if (&known.encoding, &known.schema) != (&channel.encoding, &channel.schema) {
+                return Some(topic);
+            }
+        }
+        None
     }
 
     /// Number of runs of toprise in the file. Either of their first records may be damaged. Equal records are of one run:
@@ -222,7 +226,13 @@ impl Recording {
 
     /// The topics of the table that it has, in the order of the file.
     pub fn topics(&self) -> Vec<Topic> {
-        self.channels().iter().filter_map(|c| c.table).collect()
+        let mut topics = Vec::new();
+        for topic in self.channels().iter().filter_map(|c| c.table) {
+            if !topics.contains(&topic) {
+                topics.push(topic);
+            }
+        }
+        topics
     }
 
     /// Damage found on opening: the first parts. [`Reader::all_losses`](super::Reader::all_losses) also has what is
@@ -234,7 +244,12 @@ impl Recording {
     /// Differences from this version: topics with missing or unknown fields, and unknown topics.
     pub fn differences(&self) -> Vec<(String, FieldDifferences)> {
         let mut differences = Vec::new();
+        let mut topics = BTreeSet::new();
         for channel in self.channels() {
+            // Equal channels of a topic differ alike.
+            if !topics.insert(&channel.topic) {
+                continue;
+            }
             let found = match channel.decoder() {
                 Some(Ok(decoder)) => decoder.differences().clone(),
                 Some(Err(_)) => continue,

@@ -216,6 +216,8 @@ impl<'r> Loader<'r> {
     fn load_section(&mut self, index: usize) {
         let section = &self.recording.layout.sections[index];
         self.bytes_read = section.offset + section.length;
+        // The memory of the last section is used again: with two of them, large chunks would take twice their size.
+        mem::swap(&mut self.batch.records, &mut self.buffers.records);
         // The times in a chunk's header spare reading it.
         if section
             .span
@@ -456,6 +458,7 @@ impl<'r> Loader<'r> {
                 from_ns: time_ns,
                 to_ns: time_ns,
                 is_unread: false,
+                is_suspect: false,
                 reason,
             });
         }
@@ -470,6 +473,7 @@ impl<'r> Loader<'r> {
                 from_ns: section.span.map(|(from, _)| from),
                 to_ns: section.span.map(|(_, to)| to),
                 is_unread: false,
+                is_suspect: false,
                 reason,
             });
         }
@@ -490,5 +494,50 @@ impl<'r> Loader<'r> {
             ),
             ..Loss::default()
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mcap::records::MessageHeader;
+    use std::fs::File;
+    use std::io::BufWriter;
+
+    #[test]
+    fn large_chunks_are_in_memory_once() {
+        const SIZE: usize = 8 << 20;
+        let path = tempfile::NamedTempFile::new().unwrap().into_temp_path();
+        let file = BufWriter::new(File::create(&path).unwrap());
+        let options = mcap::WriteOptions::new().compression(None);
+        let mut writer = options.create(file).unwrap();
+        let id = writer
+            .add_channel(0, "/a", "json", &BTreeMap::new())
+            .unwrap();
+        for sequence in 0..3_u32 {
+            let header = MessageHeader {
+                channel_id: id,
+                sequence,
+                log_time: u64::from(sequence),
+                publish_time: 0,
+            };
+            writer
+                .write_to_known_channel(&header, &vec![b'1'; SIZE])
+                .unwrap();
+            writer.flush().unwrap();
+        }
+        writer.finish().unwrap();
+        let recording = Recording::open(&path).unwrap();
+        assert_eq!(recording.layout.sections.len(), 3);
+        let mut loader = Loader::new(&recording, Selection::default());
+        loader.sort_by_time(SIZE);
+        let mut read = 0;
+        while loader.next(None).is_some() {
+            read += 1;
+            let Buffers { raw, records } = &loader.buffers;
+            let memory = raw.capacity() + records.capacity() + loader.batch.records.capacity();
+            assert!(memory < SIZE + SIZE / 2, "{memory} bytes");
+        }
+        assert_eq!(read, 3);
     }
 }

@@ -2,6 +2,7 @@
 //! to the recording.
 
 use crate::archive::format::{EVENT_COUNT, Entries, NUTATION_COUNT, SAMPLE_COUNT};
+use crate::run::plural::grouped;
 use crate::telemetry::fields::{EVENTS, FREE_PEG, IMPACTS, NUTATION, free_peg, impacts};
 use crate::telemetry::{Message, Topic};
 use std::collections::BTreeMap;
@@ -29,8 +30,10 @@ impl fmt::Display for Missing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let what = self.topics.first().map_or("messages", |topic| noun(*topic));
         match (self.count, self.expected) {
-            (Some(count), Some(expected)) => write!(f, "{count} of {expected} {what}")?,
-            (Some(count), None) => write!(f, "{count} {what}")?,
+            (Some(count), Some(expected)) => {
+                write!(f, "{} of {} {what}", grouped(count), grouped(expected))?;
+            }
+            (Some(count), None) => write!(f, "{} {what}", grouped(count))?,
             (None, _) => write!(f, "some {what}")?,
         }
         match &self.topics[..] {
@@ -55,12 +58,9 @@ pub struct Excess {
 
 impl fmt::Display for Excess {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            topic,
-            found,
-            expected,
-        } = self;
-        let what = noun(*topic);
+        let topic = self.topic;
+        let (found, expected) = (grouped(self.found), grouped(self.expected));
+        let what = noun(topic);
         write!(
             f,
             "{found} {what} of {topic}, but {expected} in the end record"

@@ -3,7 +3,10 @@
 use super::file::Recording;
 use crate::archive::container::channels::FileChannel;
 use crate::archive::container::section::MessageRecord;
+use crate::run::plural::grouped;
 use crate::run::time::seconds;
+use crate::telemetry::Topic;
+use std::collections::BTreeMap;
 use std::fmt;
 
 /// Filters out messages that are repeated or go back in time, e.g. if a file contains a chunk twice.
@@ -11,6 +14,9 @@ use std::fmt;
 /// Sequence numbers are optional in MCAP, and many writers set all of them to 0. They alone never exclude a message.
 #[derive(Debug)]
 pub(super) struct Order {
+    /// For each channel of the file, its place among `channels`.
+    places: Vec<usize>,
+    /// The channels; those of a topic of toprise are one.
     channels: Vec<Channel>,
     misplaced: Option<Misplaced>,
 }
@@ -101,11 +107,12 @@ pub struct Misplaced {
 
 impl fmt::Display for Misplaced {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let count = self.messages;
-        match (self.repeated == count, self.repeated == 0) {
-            (true, _) if count == 1 => f.write_str("1 repeated message is skipped")?,
+        let messages = self.messages;
+        let count = grouped(messages);
+        match (self.repeated == messages, self.repeated == 0) {
+            (true, _) if messages == 1 => f.write_str("1 repeated message is skipped")?,
             (true, _) => write!(f, "{count} repeated messages are skipped")?,
-            (_, true) if count == 1 => {
+            (_, true) if messages == 1 => {
                 f.write_str("1 message that is not later than its predecessor is skipped")?;
             }
             (_, true) => write!(
@@ -126,8 +133,17 @@ impl Order {
     /// For the channels of a recording, in the order of the file.
     pub(super) fn new(recording: &Recording) -> Self {
         let is_ours = recording.is_ours();
-        let mut channels = Vec::new();
+        let (mut places, mut channels) = (Vec::new(), Vec::new());
+        let mut known: BTreeMap<Topic, usize> = BTreeMap::new();
         for channel in recording.channels() {
+            // Two publishers may share a topic; then a message may be repeated in the other channel.
+            let topic = channel.table.filter(|_| is_ours);
+            if let Some(place) = topic.and_then(|topic| known.get(&topic)) {
+                places.push(*place);
+                continue;
+            }
+            known.extend(topic.map(|topic| (topic, channels.len())));
+            places.push(channels.len());
             channels.push(Channel {
                 topic: channel.topic.clone(),
                 rule: match channel.info() {
@@ -142,6 +158,7 @@ impl Order {
             });
         }
         Self {
+            places,
             channels,
             misplaced: None,
         }
@@ -151,12 +168,12 @@ impl Order {
     /// What is derived from a sample must not depend on the order in which other software wrote its topics. Messages with
     /// equal keys keep the file order: those of other software, and those whose writer set no sequence numbers.
     pub(super) fn rank(&self, channel: usize, head: &MessageRecord<'_>) -> Option<(usize, u32)> {
-        Some((self.channels[channel].place?, head.sequence))
+        Some((self.channels[self.places[channel]].place?, head.sequence))
     }
 
     /// Whether a message follows the last accepted message of its channel.
     pub(super) fn accepts(&mut self, channel: usize, message: &MessageRecord<'_>) -> bool {
-        let channel = &mut self.channels[channel];
+        let channel = &mut self.channels[self.places[channel]];
         let Some(fault) = channel.fault(message) else {
             if channel.rule != Rule::Nothing {
                 channel.latest.add(message);
@@ -213,6 +230,7 @@ mod tests {
 
     fn accepted(rule: Rule, messages: &[Numbers]) -> (Vec<bool>, Option<String>) {
         let mut order = Order {
+            places: vec![0],
             channels: vec![Channel {
                 topic: "/top/state".to_owned(),
                 rule,

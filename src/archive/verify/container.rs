@@ -12,7 +12,7 @@ use crate::archive::writer::{Header, RegisteredChannel};
 use crate::run::plural::plural;
 use crate::telemetry::supplement::supplements;
 use sha2::{Digest as _, Sha256};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What a fact is about. In their order, the first difference is that of a whole item before those of its fields.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -78,7 +78,13 @@ pub(super) fn difference(
                 || simulated.contains_key(subject)
         });
     }
-    if is_part {
+    if !is_part {
+        // All messages are there, so a channel that is not has none: some writers leave those out.
+        simulated.retain(|subject, _| {
+            recorded.contains_key(subject)
+                || !header.channels.iter().any(|c| c.topic == subject.item)
+        });
+    } else {
         simulated.retain(|subject, _| recorded.keys().any(|known| known.item == subject.item));
     }
     let subject = simulated
@@ -102,6 +108,38 @@ fn is_comparable(subject: &Subject, has_same_fields: bool) -> bool {
     }
 }
 
+/// Names and descriptions of the attachments of a run.
+fn attachments(recording: &Recording) -> impl Iterator<Item = (&str, String)> {
+    recording
+        .layout
+        .attachments
+        .iter()
+        .filter(|attachment| !is_supplementary(attachment))
+        .map(|attachment| {
+            let description = attachment.describe(&recording.source);
+            let text = description.unwrap_or_else(|error| error.to_string());
+            (attachment.header.name.as_str(), text)
+        })
+}
+
+/// Names of metadata records and attachments that are in a recording more than once, in equal form.
+pub(super) fn repeated(recording: &Recording) -> Vec<String> {
+    let mut repeated = BTreeSet::new();
+    let mut records = BTreeSet::new();
+    for (name, entries) in recording.all_metadata() {
+        if !records.insert((name, entries)) {
+            repeated.insert(name.to_owned());
+        }
+    }
+    let mut descriptions = BTreeSet::new();
+    for (name, description) in attachments(recording) {
+        if !descriptions.insert((name, description)) {
+            repeated.insert(name.to_owned());
+        }
+    }
+    Vec::from_iter(repeated)
+}
+
 fn is_view(recording: &Recording, topic: &str) -> bool {
     recording
         .channels()
@@ -113,22 +151,22 @@ impl Facts {
     /// The facts that a file shows.
     fn from_recording(recording: &Recording, scope: Scope) -> Self {
         let mut facts = Self::new(recording.profile(), scope);
-        for (name, entries) in recording.all_metadata() {
+        // Some software repeats what it copies: equal records say nothing new.
+        for (name, entries) in BTreeSet::from_iter(recording.all_metadata()) {
             facts.add_metadata(name, entries);
         }
-        for attachment in &recording.layout.attachments {
-            if !is_supplementary(attachment) {
-                facts.add_attachment(&attachment.header.name, || {
-                    let description = attachment.describe(&recording.source);
-                    description.unwrap_or_else(|error| error.to_string())
-                });
-            }
+        for (name, description) in BTreeSet::from_iter(attachments(recording)) {
+            facts.add_attachment(name, || description);
         }
+        // Two publishers may share a topic.
+        let mut channels = BTreeSet::new();
         for channel in recording.channels() {
             let schema = channel.schema.as_deref();
             let (language, data) = schema.map_or(("", &[][..]), |s| (&s.encoding, &s.data));
             let names = [&channel.encoding, channel.schema_name(), language];
-            facts.add_channel(&channel.topic, names, data, &channel.metadata);
+            if channels.insert((&channel.topic, names, data, &channel.metadata)) {
+                facts.add_channel(&channel.topic, names, data, &channel.metadata);
+            }
         }
         for schema in recording.layout.channels.unused_schemas() {
             facts.add(&schema.name, None, "an unused schema");

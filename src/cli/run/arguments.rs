@@ -14,6 +14,7 @@ use crate::telemetry::encoding::Encoding;
 use crate::telemetry::{Topic, Topics};
 use anyhow::{Error, bail};
 use clap::Args;
+use clap::builder::NonEmptyStringValueParser;
 use std::path::PathBuf;
 
 /// Arguments of `toprise run`.
@@ -46,7 +47,7 @@ pub(crate) struct RunArguments {
     no_views: bool,
 
     /// Record only these topics (comma-separated)
-    #[arg(long, value_name = "TOPICS", value_delimiter = ',', help_heading = OUTPUT)]
+    #[arg(long, value_name = "TOPICS", value_delimiter = ',', value_parser = NonEmptyStringValueParser::new(), help_heading = OUTPUT)]
     topics: Vec<String>,
 
     /// Limit the speed to real time, or to SPEED × real time
