@@ -13,6 +13,7 @@ pub mod digest;
 pub mod encoding;
 mod event;
 pub mod fields;
+mod frame;
 mod handle;
 pub mod json;
 mod logging;

@@ -1,8 +1,8 @@
 //! Handles of fields and plots: they read values from messages and return names and units.
 
 use super::channel::Leaf;
+use super::frame;
 use super::message::{Message, Numbers};
-use super::table::frame;
 use super::topic::Topic;
 use nalgebra::{Quaternion, Vector3};
 use std::fmt;

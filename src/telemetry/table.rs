@@ -4,6 +4,7 @@ mod info;
 
 pub use info::channels;
 
+use super::frame;
 use super::handle::{NumberField, RotationField, TextField, VectorField};
 use super::quantity::Quantity::{
     self, Acceleration, Angle, Direction, Energy, Flag, Force, Impulse, Jellett, Length,
@@ -76,13 +77,6 @@ pub enum Source<S> {
     Rotation(fn(&S) -> UnitQuaternion<f64>),
     /// A text.
     Text(fn(&S) -> &str),
-}
-
-/// Frames of vectors.
-pub(super) mod frame {
-    pub const BODY: &str = "body";
-    pub const WORLD: &str = "world";
-    pub const NODE: &str = "node: x line of nodes, y perpendicular n × e_N, z symmetry axis";
 }
 
 impl<S> Channel<S> {
