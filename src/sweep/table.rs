@@ -1,9 +1,11 @@
 //! Input tables with the values of each run.
 
+mod column;
 mod csv;
 
+use self::column::Column;
 use super::axis::find_key;
-use super::cells::{Cells, cells as column_cells, values_of};
+use super::cells::{cells as column_cells, values_of};
 use super::error::{CellError, SweepError, TableError};
 use super::reader::{self, Opened};
 use crate::archive::input::read_file;
@@ -26,13 +28,6 @@ pub struct Table {
     file: Option<PathBuf>,
 }
 
-#[derive(Clone, Debug)]
-struct Column {
-    name: String,
-    key: &'static Key,
-    cells: Cells,
-}
-
 impl Table {
     /// Reads a `.parquet` or a `.csv` file.
     ///
@@ -44,7 +39,7 @@ impl Table {
             reader::read(path, from_parquet)?
         } else if extension == "csv" {
             let text = read_file(path).map_err(SweepError::io("read", path))?;
-            csv::read(&text).map_err(SweepError::table(path))?
+            from_csv(&text).map_err(SweepError::table(path))?
         } else {
             return Err(SweepError::table(path)(TableError::Extension));
         };
@@ -170,6 +165,16 @@ fn check_type(key: &Key, kind: &DataType) -> Result<(), CellError> {
         (false, true) => Err(CellError::Numbers(key.kind)),
         (true, true) | (false, false) => Ok(()),
     }
+}
+
+fn from_csv(text: &str) -> Result<Table, TableError> {
+    let (columns, rows) = csv::read(text)?;
+    check_rows(rows)?;
+    Ok(Table {
+        columns,
+        rows,
+        file: None,
+    })
 }
 
 fn from_parquet(opened: Opened) -> Result<Table, TableError> {

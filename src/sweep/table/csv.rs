@@ -1,6 +1,6 @@
 //! Comma-separated tables, as pandas and spreadsheets write them.
 
-use super::{Column, Table, check_rows};
+use super::column::Column;
 use crate::run::scenario::{Key, Value};
 use crate::sweep::axis::find_key;
 use crate::sweep::error::TableError;
@@ -28,8 +28,8 @@ fn lines(text: &str) -> Result<Vec<(&str, u64)>, TableError> {
     Ok(lines)
 }
 
-/// Reads a comma-separated table.
-pub(super) fn read(text: &str) -> Result<Table, TableError> {
+/// Reads the columns of a comma-separated table, and the number of their rows.
+pub(super) fn read(text: &str) -> Result<(Vec<Column>, u64), TableError> {
     // Spreadsheets write a byte order mark, which would belong to the name of the first column.
     let content = text.trim_start_matches('\u{feff}').replace("\r\n", "\n");
     let lines = lines(&content)?;
@@ -46,12 +46,7 @@ pub(super) fn read(text: &str) -> Result<Table, TableError> {
     for (record, (_, line)) in records.zip(lines.into_iter().skip(1)) {
         table.add(&record?, line)?;
     }
-    check_rows(table.rows)?;
-    Ok(Table {
-        columns: table.columns,
-        rows: table.rows,
-        file: None,
-    })
+    Ok((table.columns, table.rows))
 }
 
 /// A comma-separated table that is being read.
@@ -139,7 +134,7 @@ fn parse_cell(key: &'static Key, cell: &str, line: u64) -> Result<Option<Value>,
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::super::Table;
     use std::io::Write as _;
 
     fn read_file(text: impl AsRef<[u8]>) -> Result<Table, String> {
