@@ -15,6 +15,7 @@ mod messages;
 mod readings;
 mod releases;
 mod rerun;
+mod scope;
 mod supplements;
 
 use crate::archive::format::{FORMER_WORDS, TELEMETRY, VERSION};
@@ -28,6 +29,7 @@ use messages::Comparison;
 use releases::{RELEASES, Release};
 use rerun::Rerun;
 use schemars::JsonSchema;
+use scope::Scope;
 use serde::Serialize;
 pub use supplements::Supplementary;
 
@@ -53,15 +55,6 @@ pub enum Equality {
     PackedOtherwise,
     /// Another version made the recording: all its values are equal. Channels for viewers are not compared.
     SameValues,
-}
-
-/// What is compared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Scope {
-    /// All bytes of messages, schemas and attachments.
-    Bytes,
-    /// The values in messages, and whether the rest is there: words belong to the version that recorded them.
-    Values,
 }
 
 /// How the schemas of a recording of another version are checked.

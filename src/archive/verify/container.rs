@@ -1,7 +1,7 @@
 //! Content of a recording except its messages: header, metadata, attachments, channels.
 
-use super::Scope;
 use super::difference::Difference;
+use super::scope::Scope;
 use super::supplements::is_supplementary;
 use crate::archive::container::record::AttachmentHeader;
 use crate::archive::format::{

@@ -5,7 +5,9 @@
 //! readers skip is not checked.
 
 mod channels;
+mod equality;
 
+use self::equality::{check_equal, list};
 use super::difference::Difference;
 use super::error::IndexFault;
 use crate::archive::container::record::{HEAD, head, parse};
@@ -84,21 +86,6 @@ pub(super) fn check(recording: &Recording, summary: &Summary) -> Result<Chunks, 
     check_attachments(recording, summary)?;
     check_metadata(recording, summary)?;
     Ok(chunks)
-}
-
-/// Compares a part of the index with the data, and describes both where they differ.
-fn check_equal<T: PartialEq>(
-    place: &str,
-    found: &T,
-    expected: &T,
-    describe: impl Fn(&T) -> String,
-) -> Result<(), Difference> {
-    if found == expected {
-        Ok(())
-    } else {
-        let texts = [found, expected].map(|value| Some(describe(value)));
-        Err(Difference::new(place, "", texts))
-    }
 }
 
 fn chunk_text(index: &ChunkIndex) -> String {
@@ -251,16 +238,6 @@ fn read_message_index(record: &[u8], channel: u16) -> Option<Vec<MessageIndexEnt
             Some(entries)
         }
         _ => None,
-    }
-}
-
-/// Texts with commas between them.
-fn list(texts: impl Iterator<Item = String>) -> String {
-    let texts: Vec<String> = texts.collect();
-    if texts.is_empty() {
-        "none".to_owned()
-    } else {
-        texts.join(", ")
     }
 }
 

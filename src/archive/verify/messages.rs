@@ -1,8 +1,8 @@
 //! Compares the messages of a file, in order of time, with those of a new run.
 
-use super::Scope;
 use super::difference::Difference;
 use super::rerun::{Expected, Rerun};
+use super::scope::Scope;
 use crate::archive::format::Entries;
 use crate::archive::recording::{Losses, Recording, Selection, Undecoded};
 use crate::run::plural::plural;

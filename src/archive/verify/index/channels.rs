@@ -1,6 +1,6 @@
 //! Checks that the channels of a summary are those of the data.
 
-use super::{check_equal, list};
+use super::equality::{check_equal, list};
 use crate::archive::recording::{FileChannel, Recording};
 use crate::archive::verify::difference::Difference;
 use crate::run::plural::plural;
