@@ -3,6 +3,7 @@
 //! World frame: z up, the table at z = 0, metres.
 
 mod arrow;
+mod body;
 mod focus;
 mod measured;
 mod path;
@@ -10,16 +11,16 @@ mod shape;
 
 use nalgebra::{UnitQuaternion, Vector3};
 use rerun::ViewCoordinates;
-use rerun::archetypes::Transform3D;
 use rerun::datatypes::Rgba32;
 
 use self::arrow::Arrow;
+use self::body::{BodyPose, body_columns};
 use self::focus::Focus;
 use self::measured::MeasuredTop;
 use self::path::Path;
 use super::entity::{CONTACT_PATHS, STAGE, TRAIL_ABOVE, TRAIL_BELOW};
 use super::identity::{Geometry, Identity};
-use super::output::{Columns, Output};
+use super::output::Output;
 use super::palette::{GREEN, GREY, PURPLE, SKY, VERMILION};
 use super::role::Role;
 use super::track::Track;
@@ -28,12 +29,9 @@ use crate::telemetry::Message;
 use crate::telemetry::fields::{CONTACT, POSE, contact, pose};
 use crate::telemetry::proportions::Proportions;
 
-/// Translation and quaternion, from body to world.
-type Pose = ([f32; 3], [f32; 4]);
-
 /// The scene of one run, fed with the messages of several channels.
 pub(super) struct Scene {
-    top: Track<Pose>,
+    top: Track<BodyPose>,
     measured: Option<MeasuredTop>,
     /// The path of the symmetry axis on a sphere around the peg, of this radius, m.
     trail: Path,
@@ -91,7 +89,7 @@ impl Scene {
                 .measurement
                 .as_ref()
                 .and_then(|measurement| MeasuredTop::new(measurement, &geometry, output)),
-            top: Track::new(role.entity("scene/top"), columns, output),
+            top: Track::new(role.entity("scene/top"), body_columns, output),
             trail,
             // Just above the tip of the stem.
             trail_radius: 1.13 * proportions.tip,
@@ -150,14 +148,6 @@ impl Scene {
             focus.write(time_ns, self.peg, output);
         }
     }
-}
-
-fn columns(rows: &[Pose]) -> Columns {
-    let quaternions = rows.iter().map(|(_, quaternion)| *quaternion);
-    let transform = Transform3D::update_fields()
-        .with_many_translation(rows.iter().map(|(translation, _)| *translation))
-        .with_many_quaternion(quaternions.map(rerun::Quaternion::from_xyzw));
-    Ok(transform.columns_of_unit_batches()?.collect())
 }
 
 /// Sends the static parts: the table and, for a fixed peg, the vertical.

@@ -3,7 +3,8 @@
 use nalgebra::Vector3;
 use rerun::datatypes::Rgba32;
 
-use super::{Pose, columns, shape};
+use super::body::{BodyPose, body_columns};
+use super::shape;
 use crate::physics::kinematics::{Euler, world_from_body};
 use crate::rerun::entity::MEASURED_TOP;
 use crate::rerun::identity::Geometry;
@@ -21,7 +22,7 @@ const SIZE: f64 = 1.015;
 
 /// The measured top.
 pub(super) struct MeasuredTop {
-    track: Track<Pose>,
+    track: Track<BodyPose>,
     poses: Vec<MeasuredPose>,
     /// Number of poses that have been written.
     written: usize,
@@ -44,7 +45,7 @@ impl MeasuredTop {
             .with_albedo_factor(Rgba32::from_u32(ORANGE & !0xFF | GHOST));
         output.send_static(format!("{MEASURED_TOP}/body"), &body);
         Some(Self {
-            track: Track::new(MEASURED_TOP.to_owned(), columns, output),
+            track: Track::new(MEASURED_TOP.to_owned(), body_columns, output),
             poses,
             written: 0,
             last: None,
