@@ -175,17 +175,19 @@ pub(super) fn fit(arguments: &FitArguments, drafts: &Drafts) -> Result<Status, a
         Err(error) => return Err(error.into()),
     };
     let complete = plan.write(&fitted, drafts)?;
-    let mut report = FitReport {
-        fit: fitted.report.clone(),
-        written: Vec::new(),
-    };
-    let text = markdown(&page::page(&report, arguments.all));
+    let text = markdown(&page::page(&fitted.report, &[], arguments.all));
     let shown = plan.show.show(&fitted, text, drafts, plan.existing)?;
     // Until here an interruption leaves all files as they were. From here on the first one is too late.
     interrupt::watch(drafts)?;
-    report.written = publish(complete)?;
-    report.written.extend(shown.file);
-    report::print(&report, || page::page(&report, arguments.all))?;
+    let mut written = publish(complete)?;
+    written.extend(shown.file);
+    let report = FitReport {
+        fit: fitted.report,
+        written,
+    };
+    report::print(&report, || {
+        page::page(&report.fit, &report.written, arguments.all)
+    })?;
     if shown.is_viewer_lost {
         return Ok(Status::Partial);
     }

@@ -1,6 +1,5 @@
 //! The human-readable report of a fit.
 
-use super::FitReport;
 use super::numbers::{
     decimals, format_estimate, format_probability, format_probability_cell, format_rounded,
     format_time,
@@ -19,9 +18,8 @@ use crate::fit::report::{
 /// A profile whose interval differs from the curvature's by more than this is mentioned.
 const CURVATURE_LIES: f64 = 0.2;
 
-/// The report as sections.
-pub(super) fn page(report: &FitReport, all: bool) -> Vec<Section> {
-    let fit = &report.fit;
+/// The report of a fit and the files that were written, as sections.
+pub(super) fn page(fit: &Report, written: &[WrittenFile], all: bool) -> Vec<Section> {
     let mut sections = vec![headline(fit), parameters(fit, all), signals(&fit.signals)];
     sections.push(remarks(fit));
     if !fit.modes.is_empty() {
@@ -38,8 +36,8 @@ pub(super) fn page(report: &FitReport, all: bool) -> Vec<Section> {
             }
         }
     }
-    let written = report.written.iter().map(WrittenFile::line);
-    sections.push(Section::from_lines("Written", written));
+    let lines = written.iter().map(WrittenFile::line);
+    sections.push(Section::from_lines("Written", lines));
     sections.retain(|section| !section.parts.is_empty() || !section.note.is_empty());
     sections
 }
