@@ -9,10 +9,6 @@ pub(super) enum FileKind {
     /// An MCAP recording.
     Mcap,
     /// A Rerun recording.
-    #[cfg_attr(
-        not(any(feature = "rerun", test)),
-        expect(dead_code, reason = "written for Rerun")
-    )]
     Rrd,
     /// The table of a sweep.
     #[cfg_attr(

@@ -8,6 +8,7 @@ mod plan;
 mod report;
 
 pub(super) use self::arguments::RunArguments;
+use self::file_plan::RunFiles;
 use self::files::find_identical;
 use self::pace::Pace;
 use self::plan::RunPlan;
@@ -40,14 +41,17 @@ pub(super) fn run(arguments: &RunArguments, drafts: &Drafts) -> Result<Status, E
     let mut run = RunMessages::new(&plan.scenario, &plan.topics)?
         .continue_while(|| !interrupt::is_requested());
     let header = Header::new(&plan.scenario, run.telemetry(), plan.form);
-    let (mut archive, earlier) = plan.files.start(drafts, &header)?;
+    let RunFiles {
+        mut archive,
+        rrd,
+        earlier,
+    } = plan.files.start(drafts, &header)?;
     let viewer = RunViewer::open(
         &plan.show,
-        &plan.files,
+        rrd,
         &plan.scenario,
         run.telemetry(),
         archive.path(),
-        drafts,
     )?;
     // Until here nothing is lost with the file.
     archive.keep();
@@ -110,7 +114,10 @@ fn record_run(
     };
     let rrd = match viewer {
         Some(viewer) if is_kept => viewer.keep_partial(),
-        Some(viewer) => finish_viewer(viewer, &outcome, existing.as_ref()),
+        Some(viewer) => {
+            let substitute = existing.as_ref().filter(|_| !plan.files.names_rrd());
+            finish_viewer(viewer, &outcome, substitute)
+        }
         None => Ok(Completed::default()),
     };
     // The MCAP file is complete without it.
@@ -146,14 +153,15 @@ fn keep_partial(draft: Draft) -> Result<WrittenFile, Error> {
     Ok(WrittenFile::new(&partial, partial.metadata()?.len()))
 }
 
-/// Adds the outcome of a complete run to its Rerun recording, and finishes that.
+/// Adds the outcome of a complete run to its Rerun recording, and finishes that. `substitute` is an existing MCAP file
+/// whose Rerun recording stands for the new one.
 fn finish_viewer(
     mut viewer: RunViewer,
     outcome: &Outcome,
-    existing: Option<&WrittenFile>,
+    substitute: Option<&WrittenFile>,
 ) -> Result<Completed, Error> {
     if outcome.end.stop.is_complete() {
         viewer.set_outcome(outcome);
     }
-    viewer.finish(existing)
+    viewer.finish(substitute)
 }

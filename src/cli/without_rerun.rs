@@ -8,10 +8,10 @@
 
 /// The Rerun side of `toprise run`.
 pub(super) mod run {
-    use crate::archive::publish::Drafts;
+    use crate::archive::publish::Draft;
     use crate::archive::sink::Sink;
     use crate::cli::report::{Completed, WrittenFile};
-    use crate::cli::run::file_plan::FilePlan;
+    use crate::cli::run::file_plan::RrdFile;
     use crate::run::outcome::Outcome;
     use crate::run::scenario::Scenario;
     use crate::telemetry::Telemetry;
@@ -24,6 +24,10 @@ pub(super) mod run {
     pub(in crate::cli) struct ShowArguments {}
 
     impl ShowArguments {
+        pub(in crate::cli) fn rrd(&self, _has_output: bool) -> RrdFile {
+            RrdFile::None
+        }
+
         pub(in crate::cli) fn plan(&self, _has_output: bool, _is_paced: bool) -> ShowPlan {
             ShowPlan
         }
@@ -45,11 +49,10 @@ pub(super) mod run {
     impl RunViewer {
         pub(in crate::cli) fn open(
             _plan: &ShowPlan,
-            _files: &FilePlan,
+            _draft: Option<Draft>,
             _scenario: &Scenario,
             _telemetry: &Telemetry,
             _mcap: &Path,
-            _drafts: &Drafts,
         ) -> Result<Option<Self>, Error> {
             Ok(None)
         }
@@ -68,7 +71,7 @@ pub(super) mod run {
 
         pub(in crate::cli) fn finish(
             self,
-            _existing: Option<&WrittenFile>,
+            _substitute: Option<&WrittenFile>,
         ) -> Result<Completed, Error> {
             match self {}
         }

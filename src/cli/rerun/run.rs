@@ -1,12 +1,11 @@
 //! The Rerun side of a run: a file, a live viewer, or both.
 
 use super::viewer::{ViewerArguments, complete, warn_all};
-use crate::archive::publish::{Draft, Drafts, check_not_an_input};
+use crate::archive::publish::Draft;
 use crate::archive::sink::Sink;
 use crate::cli::arguments::OUTPUT;
-use crate::cli::file_kind::FileKind;
 use crate::cli::report::{Completed, WrittenFile};
-use crate::cli::run::file_plan::FilePlan;
+use crate::cli::run::file_plan::RrdFile;
 use crate::rerun::{Destinations, ExplainedSink, Identity, Live, Playback};
 use crate::run::outcome::Outcome;
 use crate::run::scenario::Scenario;
@@ -33,33 +32,26 @@ pub(in crate::cli) struct ShowArguments {
 /// What is shown of a run.
 #[derive(Clone, Debug)]
 pub(in crate::cli) struct ShowPlan {
-    rrd: RrdFile,
     /// Whether the arguments leave the Rerun recording out without saying so.
     is_left_out: bool,
     live: Option<Live>,
     playback: Playback,
 }
 
-/// The Rerun recording of a run.
-#[derive(Clone, Debug)]
-enum RrdFile {
-    None,
-    /// Next to the MCAP file.
-    Adjacent,
-    At(PathBuf),
-}
-
 impl ShowArguments {
-    /// Resolves the arguments. Without any, the Rerun recording is next to the MCAP file, unless that has been named.
-    pub(in crate::cli) fn plan(&self, has_output: bool, is_paced: bool) -> ShowPlan {
-        let rrd = match &self.rrd {
+    /// The Rerun recording. Without arguments it is next to the MCAP file, unless that has been named.
+    pub(in crate::cli) fn rrd(&self, has_output: bool) -> RrdFile {
+        match &self.rrd {
             Some(path) => RrdFile::At(path.clone()),
             None if self.no_rrd || has_output => RrdFile::None,
             None => RrdFile::Adjacent,
-        };
+        }
+    }
+
+    /// Resolves the arguments.
+    pub(in crate::cli) fn plan(&self, has_output: bool, is_paced: bool) -> ShowPlan {
         ShowPlan {
             is_left_out: has_output && self.rrd.is_none() && !self.no_rrd,
-            rrd,
             live: self.viewer.live(),
             playback: if is_paced {
                 Playback::Following
@@ -82,32 +74,20 @@ impl ShowPlan {
 pub(in crate::cli) struct RunViewer {
     sink: ExplainedSink,
     draft: Option<Draft>,
-    rrd: RrdFile,
     /// Whether the viewer went away while the run was prepared.
     is_viewer_lost: bool,
 }
 
 impl RunViewer {
-    /// Opens the requested outputs; `None` if there are none. An unreachable viewer is only a warning.
+    /// Opens the requested outputs, of which `draft` is the file; `None` if there are none. An unreachable viewer is only
+    /// a warning.
     pub(in crate::cli) fn open(
         plan: &ShowPlan,
-        files: &FilePlan,
+        mut draft: Option<Draft>,
         scenario: &Scenario,
         telemetry: &Telemetry,
         mcap: &Path,
-        drafts: &Drafts,
     ) -> Result<Option<Self>, Error> {
-        let path = match &plan.rrd {
-            RrdFile::None => None,
-            RrdFile::Adjacent => Some(mcap.with_extension("rrd")),
-            RrdFile::At(path) => Some(path.clone()),
-        };
-        let mut draft = None;
-        if let Some(path) = path {
-            FileKind::Rrd.check("--rrd", &path)?;
-            check_not_an_input(&path, [mcap])?;
-            draft = Some(files.create(drafts, &path)?.make_partial()?);
-        }
         let destinations = Destinations {
             file: draft.as_ref().map(Draft::file).transpose()?,
             live: plan.live.clone(),
@@ -124,7 +104,6 @@ impl RunViewer {
         Ok(Some(Self {
             sink,
             draft,
-            rrd: plan.rrd.clone(),
             is_viewer_lost,
         }))
     }
@@ -144,13 +123,13 @@ impl RunViewer {
         Ok(completed)
     }
 
-    /// Ends the stream and publishes the file. If the MCAP file existed already, the file is published only under a name
-    /// of its own. Returns the file, or the existing one next to the MCAP file.
-    pub(in crate::cli) fn finish(self, existing: Option<&WrittenFile>) -> Result<Completed, Error> {
-        let adjacent = match (&self.rrd, existing) {
-            (RrdFile::None | RrdFile::Adjacent, Some(mcap)) => adjacent_rrd(mcap),
-            (RrdFile::At(_), _) | (_, None) => None,
-        };
+    /// Ends the stream and publishes the file, unless there is one next to `substitute`, an existing MCAP file of the
+    /// same run. Returns the file, or that one.
+    pub(in crate::cli) fn finish(
+        self,
+        substitute: Option<&WrittenFile>,
+    ) -> Result<Completed, Error> {
+        let adjacent = substitute.and_then(adjacent_rrd);
         let mut completed = if adjacent.is_none() {
             complete(self.sink.finish(), self.draft)?
         } else {

@@ -84,6 +84,7 @@ impl RunArguments {
             files: FilePlan {
                 input: self.scenario.clone(),
                 mcap: self.output.clone(),
+                rrd: self.show.rrd(self.output.is_some()),
                 stem: scenario.file_stem(&name, &base),
                 existing: Existing::forced(self.force),
             },
