@@ -236,6 +236,7 @@ pub fn main() -> ExitCode {
     let arguments = match parse(&words) {
         Ok(arguments) => arguments,
         Err(usage) => {
+            // Also without parsed arguments, the error must have the requested form.
             output::set_up(
                 false,
                 option_or_default(&words, "--color"),

@@ -19,6 +19,7 @@ pub(super) fn script(shell: Shell, command: Command) -> String {
 
 /// An argument with the values that it can complete. They are suggestions: this command line parses nothing.
 fn with_values(argument: Arg, command: &str) -> Arg {
+    // Ids are the names of the fields; two commands have a `name`.
     match argument.get_id().as_str() {
         "name" if command == "laws" => {
             let laws = LAWS.iter().map(|law| law.name);

@@ -56,6 +56,7 @@ fn page(explanation: &Explanation, all: bool) -> Vec<Section> {
     let losses = explanation.losses.iter().cloned();
     sections.push(Section::from_lines("Incomplete input", losses));
     sections.retain(|section| !section.parts.is_empty());
+    // After that: a title has no parts.
     sections.insert(0, Section::new(&explanation.title));
     sections
 }

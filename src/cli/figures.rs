@@ -195,6 +195,7 @@ impl RunsPlan {
     /// The runs that are drawn, with their names in legends.
     fn inputs(&self) -> Result<Vec<(String, Input)>, anyhow::Error> {
         let counts = self.figures.iter().map(|figure| self.count(figure));
+        // Of the paper's runs, two are simulated only for the figure that compares them.
         let words = &self.runs[..counts.max().unwrap_or(0)];
         let stems: Vec<&OsStr> = words.iter().map(|word| stem(word)).collect();
         let mut inputs = Vec::new();
@@ -283,6 +284,7 @@ fn draw_runs(
             drawn.push((figure, able));
         }
     }
+    // First, because the warnings say why nothing is drawn.
     warn(&report);
     if drawn.is_empty() {
         match report.left_out.first() {

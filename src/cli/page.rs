@@ -190,6 +190,7 @@ fn wrapped(sentence: &str, width: usize, first: &str, next: &str) -> String {
     let options = textwrap::Options::new(width)
         .initial_indent(first)
         .subsequent_indent(next)
+        // By default, numbers such as 1e-9 and the names of files are broken at their hyphens.
         .word_splitter(textwrap::WordSplitter::NoHyphenation);
     textwrap::fill(&sanitized(sentence), options) + "\n"
 }

@@ -99,7 +99,9 @@ fn record_run(
     }
     let (draft, content_digest) = archive.complete(&end)?;
     let outcome = Outcome::new(&plan.scenario, end, counts);
+    // Repeating a run would otherwise fill the directory with copies.
     let existing = find_identical(&draft, earlier);
+    // With --force, a part of a run would otherwise replace a whole one.
     let is_kept = existing.is_none()
         && !outcome.end.stop.is_complete()
         && plan.files.replaces()

@@ -131,6 +131,7 @@ fn write_all(
     let mut written = Vec::new();
     for (name, text) in schemas {
         let path = directory.join(name);
+        // Generated files: nothing is lost.
         publish::write_in(drafts, &path, Existing::Replace, text.as_bytes())?;
         written.push(WrittenFile::new(&path, text.len() as u64));
     }

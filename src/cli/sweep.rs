@@ -247,6 +247,7 @@ fn compute(arguments: &SweepArguments, sweep: &Sweep, left: u64) -> Result<Finis
 impl SweepArguments {
     /// The spec from the file, or from the bases and axes given as arguments.
     fn spec(&self) -> Result<Spec, Error> {
+        // Scenarios and specs have the same extension: the content decides.
         if let [word] = &self.bases[..]
             && let path = Path::new(word)
             && path.is_file()
@@ -279,6 +280,7 @@ impl SweepArguments {
         if !self.over.is_empty() || self.sample.is_some() || self.table.is_some() {
             bail!("the spec file defines the axes: remove --over, --sample and --table");
         }
+        // A spec names files relative to its own folder, so that it can be moved together with them.
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut spec = Spec::from_toml(text, folder, &self.overrides)?;
         spec.max_steps = self.max_steps.or(spec.max_steps);

@@ -39,6 +39,7 @@ pub fn profile_name(parameter: &str) -> String {
 /// The names of the figures that a fit of these free parameters, with these profiles, will have. `initial` stands for
 /// several parameters, and each file after the first has another one.
 pub fn names(free: &[String], profiles: &[String], files: usize) -> Vec<String> {
+    // Known before the fit, so that a file in the way is found before minutes are spent.
     let mut names = vec![DATA.to_owned()];
     names.extend(profiles.iter().map(|parameter| profile_name(parameter)));
     if free.len() > 1 || files > 1 || free.iter().any(|key| key == "initial") {
@@ -201,6 +202,7 @@ fn draw_profile(fit: &Fit, profile: &Profile, width: f64) -> Drawing {
     if let (Some(estimate), Some((first, last))) = (estimate, points.first().zip(points.last()))
         && let Some(sd) = estimate.sd
     {
+        // Where both agree, the standard deviation describes the uncertainty; a skewed profile shows that it doesn't.
         let mut parabola = Vec::new();
         let step = (last.0 - first.0) / 200.0;
         for i in 0..=200 {
@@ -214,6 +216,7 @@ fn draw_profile(fit: &Fit, profile: &Profile, width: f64) -> Drawing {
         legend.push(Entry::line(stroke, "from the standard deviation"));
     }
     panel.curve("profile likelihood", points.clone(), line(BLACK, MEDIUM));
+    // The line between the computed values is no result.
     panel.dots("computed", points, line(BLACK, THIN));
     let unit = estimate.map_or(String::new(), |estimate| estimate.unit.clone());
     let page = Page {

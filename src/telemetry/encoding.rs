@@ -58,6 +58,7 @@ pub struct Encoder {
 impl Encoder {
     /// An encoder of this kind.
     pub fn new(encoding: Encoding) -> Self {
+        // Made once: encoding takes longer than writing, so that a message only fills in its numbers.
         let template = match encoding {
             Encoding::Json => json::template,
             Encoding::Protobuf => protobuf::template,

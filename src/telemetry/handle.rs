@@ -57,6 +57,7 @@ impl NumberField {
     /// The value in a message; NaN if it is missing.
     #[inline]
     pub fn of(self, rows: &impl Numbers) -> f64 {
+        // Files may lack channels, and those of other versions fields.
         let row = rows.numbers(self.topic);
         row.and_then(|row| row.get(self.index).copied())
             .unwrap_or(f64::NAN)

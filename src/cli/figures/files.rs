@@ -52,6 +52,7 @@ impl FilePlan {
             for kind in &self.kinds {
                 let path = self.path(figure, *kind);
                 publish::check_not_an_input(&path, inputs.iter().map(PathBuf::as_path))?;
+                // A link to nothing takes the name, too.
                 if self.existing == Existing::Keep && path.symlink_metadata().is_ok() {
                     let advice = "choose another directory, or replace it with --force".to_owned();
                     return Err(SinkError::Exists { path, advice });
@@ -74,6 +75,7 @@ impl FilePlan {
             let path = self.path(figure, *kind);
             let name = path.display().to_string();
             let bytes = kind.bytes(drawing).with_context(|| name.clone())?;
+            // Before the file replaces the link.
             output::warn_of_link(&path, self.existing == Existing::Replace);
             publish::write_in(drafts, &path, self.existing, &bytes)?;
             files.push(FigureFile {

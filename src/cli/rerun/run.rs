@@ -98,6 +98,7 @@ impl RunViewer {
         let identity = identity(scenario, telemetry, mcap, plan.playback);
         let mut sink = ExplainedSink::new(scenario, &identity, destinations);
         let is_viewer_lost = warn_all(&sink.take_warnings());
+        // As with the MCAP file: until here nothing is lost with it.
         if let Some(draft) = &mut draft {
             draft.keep();
         }
@@ -160,6 +161,7 @@ fn identity(
     mcap: &Path,
     playback: Playback,
 ) -> Identity {
+    // The viewer lists recordings by this name, and repeated runs of a scenario differ only in that of the file.
     let stem = mcap.file_stem().unwrap_or_default();
     let topics = Topic::all_with(scenario.model.support)
         .filter(|topic| telemetry.is_enabled(*topic))

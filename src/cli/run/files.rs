@@ -20,6 +20,7 @@ pub(super) fn find_identical(draft: &Draft, earlier: &[PathBuf]) -> Option<Writt
 /// Whether two files have the same bytes.
 fn are_equal(one: &Path, other: &Path) -> io::Result<bool> {
     let files = [File::open(one)?, File::open(other)?];
+    // Lengths first: recordings that differ mostly differ there.
     if files[0].metadata()?.len() != files[1].metadata()?.len() {
         return Ok(false);
     }

@@ -191,6 +191,7 @@ impl RunReport {
     fn event_lines(&self, top: &Top) -> Vec<String> {
         let mut lines = Vec::new();
         for event in &self.events {
+            // Events at the start describe the scenario.
             if event.first_time <= 0.0 || event.name.is_nutation_extreme() {
                 continue;
             }
