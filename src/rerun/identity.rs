@@ -114,13 +114,13 @@ impl Identity {
             application,
             recording,
         } = &self.names;
-        let recording = recording.as_ref().unwrap_or(&self.recording_id);
+        let recording_id = recording.as_ref().unwrap_or(&self.recording_id);
         match application {
             Some(application) => {
                 let application = ApplicationId::new_or_unknown(application.as_str());
-                StoreId::new(StoreKind::Recording, application, recording.as_str())
+                StoreId::new(StoreKind::Recording, application, recording_id.as_str())
             }
-            None => store(&self.name, recording),
+            None => store(&self.name, recording_id),
         }
     }
 

@@ -167,7 +167,7 @@ impl Curve {
 /// Sends the values of a signal and their residuals.
 fn send_values(signal: &MeasuredSignal, path: &str, output: &mut Output) {
     let count = signal.values.len();
-    for (values, residuals, is_held_out) in [
+    for (value_series, residual_series, is_held_out) in [
         (Series::Measured, Series::Residual, false),
         (Series::HeldOut, Series::HeldOutResidual, true),
     ] {
@@ -179,8 +179,8 @@ fn send_values(signal: &MeasuredSignal, path: &str, output: &mut Output) {
         if part.peek().is_none() {
             continue;
         }
-        let values = values.open(path, count, output);
-        let residuals = residuals.open(path, count, output);
+        let values = value_series.open(path, count, output);
+        let residuals = residual_series.open(path, count, output);
         for value in part {
             values.push(output, value.time_ns, [value.value]);
             residuals.push(output, value.time_ns, [value.residual]);

@@ -94,6 +94,7 @@ impl Measurement {
         };
         let psis = self.values_of(state::PSI).unwrap_or_default();
         let mut poses = Vec::new();
+        // Not interpolated: the angles of one row have equal times, and each file has a clock of its own.
         for theta in thetas {
             let time_ns = theta.time_ns;
             if let Some(phi) = value_at(phis, time_ns) {
@@ -117,8 +118,7 @@ impl Measurement {
     /// A key to the colours, and the report.
     pub(super) fn document(&self) -> TextDocument {
         let mut key = "Orange: measured values. Blue: best fit, with ±2σ.".to_owned();
-        let has_held_out = |signal: &MeasuredSignal| signal.values.iter().any(|v| v.is_held_out);
-        if self.signals.iter().any(has_held_out) {
+        if self.signals.iter().any(MeasuredSignal::has_held_out) {
             key += " Green: held-out values, which the fit predicts.";
         }
         let poses = self.poses();
@@ -169,6 +169,11 @@ impl MeasuredSignal {
             }
         }
         range
+    }
+
+    /// Whether a part of the values was predicted, not fitted.
+    fn has_held_out(&self) -> bool {
+        self.values.iter().any(|value| value.is_held_out)
     }
 
     /// Whether the last value is above the first.

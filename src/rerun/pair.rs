@@ -74,6 +74,7 @@ impl PairIdentity {
             .into_iter()
             .filter(|run| run.has(POSE))
             .map(|run| run.geometry)
+            // The table and the camera must have room for both.
             .max_by(|one, other| size(one).total_cmp(&size(other)))?;
         Some(Geometry {
             is_free: self.is_any_free(),
@@ -84,6 +85,7 @@ impl PairIdentity {
     /// A run whose arrows have the same scales as those of the other.
     pub(super) fn with_common_scales(&self, side: Side) -> Identity {
         let mut run = self.run(side).clone();
+        // Lengths of arrows are compared by eye.
         run.geometry.scales = self.a.geometry.scales.common(&self.b.geometry.scales);
         run
     }

@@ -78,6 +78,7 @@ impl<R> Pending for Rows<R> {
         if self.times.is_empty() {
             return;
         }
+        // A viewer keeps all that it is sent: it would have these rows twice.
         if self.shown == 0 {
             self.send(Destination::Both, 0, output);
         } else {

@@ -203,6 +203,7 @@ pub(super) const MORE_CONTRASTS: [Chart; 5] = [
 
 /// Whether the layout of two runs shows differences of a plot.
 pub(crate) fn compares(plot: Plot) -> bool {
+    // The rates of a free peg are among the contrasts of motion, and the effects of friction have no differences.
     let mut shown = MOTION_CONTRASTS
         .iter()
         .chain(&TRAVEL_CONTRASTS)

@@ -99,6 +99,7 @@ fn scenes(layout: &mut Layout, identity: &PairIdentity) -> Option<Child> {
             1.0,
         ));
     }
+    // No camera can follow two tops that travel apart.
     let mut views = Vec::new();
     for run in runs {
         let (role, own) = &run;

@@ -194,8 +194,9 @@ impl Arrow {
         self.arrows.push(output, time_ns, [row]);
         if time_ns >= self.next_label_ns {
             self.next_label_ns = time_ns.saturating_add(LABEL_NS);
-            let place = self.label_offset(arrow);
-            let place = place.map(|offset| (origin + offset).cast::<f32>().into());
+            let place = self
+                .label_offset(arrow)
+                .map(|offset| (origin + offset).cast::<f32>().into());
             let (label, cut_label) = if is_cut { (None, place) } else { (place, None) };
             self.labels.push(output, time_ns, [label]);
             self.cut_labels.push(output, time_ns, [cut_label]);
