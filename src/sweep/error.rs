@@ -326,31 +326,28 @@ impl SweepError {
         }
     }
 
-    /// A conversion of reasons why a table can't be read into errors.
-    pub(super) fn table<E: Into<TableError>>(path: &Path) -> impl Fn(E) -> Self {
-        move |reason| Self::Table {
+    /// The error for a table that can't be read.
+    pub(super) fn table<E: Into<TableError>>(path: &Path, reason: E) -> Self {
+        Self::Table {
             path: path.to_owned(),
             source: reason.into(),
         }
     }
 
-    /// A conversion of errors of the file system into errors with the operation and the path.
-    pub(super) fn io(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Self {
-        let path = path.to_owned();
-        move |reason| {
-            Self::Sink(SinkError::Io {
-                action,
-                path,
-                reason,
-            })
-        }
+    /// The error for a failed operation on a file.
+    pub(super) fn io(action: &'static str, path: &Path, reason: io::Error) -> Self {
+        Self::Sink(SinkError::Io {
+            action,
+            path: path.to_owned(),
+            reason,
+        })
     }
 }
 
 impl TableError {
-    /// A conversion of reasons why the cells of a column can't be read.
-    pub(super) fn column<E: Into<CellError>>(column: &str) -> impl Fn(E) -> Self {
-        move |reason| Self::Column {
+    /// The error for a column whose cells can't be read.
+    pub(super) fn column<E: Into<CellError>>(column: &str, reason: E) -> Self {
+        Self::Column {
             column: column.to_owned(),
             source: reason.into(),
         }

@@ -18,10 +18,10 @@ pub(super) fn read<T>(
     path: &Path,
     read: impl FnOnce(Opened) -> Result<T, TableError>,
 ) -> Result<T, SweepError> {
-    let file = open_file(path).map_err(SweepError::io("read", path))?;
+    let file = open_file(path).map_err(|reason| SweepError::io("read", path, reason))?;
     catch(|| read(Opened::try_new(file)?))
         .unwrap_or(Err(TableError::Damaged))
-        .map_err(SweepError::table(path))
+        .map_err(|reason| SweepError::table(path, reason))
 }
 
 /// The batches of some columns.

@@ -55,7 +55,7 @@ impl Columns {
     ) -> Result<Self, SweepError> {
         let path = PathBuf::from(name);
         for name in names {
-            find_column(&schema, name).map_err(SweepError::table(&path))?;
+            find_column(&schema, name).map_err(|reason| SweepError::table(&path, reason))?;
         }
         Ok(Self {
             path,
@@ -116,7 +116,7 @@ impl Columns {
     }
 
     fn invalid(&self, column: &str, error: CellError) -> SweepError {
-        SweepError::table(&self.path)(TableError::column(column)(error))
+        SweepError::table(&self.path, TableError::column(column, error))
     }
 }
 
@@ -187,7 +187,7 @@ fn read_row(row: u64, opened: Opened) -> Result<Values, TableError> {
 
 /// The first cell of a column.
 fn first_cell(name: &str, column: &dyn Array) -> Result<Option<Value>, TableError> {
-    let cells = cells(column).map_err(TableError::column(name))?;
+    let cells = cells(column).map_err(|reason| TableError::column(name, reason))?;
     Ok(cells.into_iter().next().flatten())
 }
 

@@ -98,11 +98,11 @@ impl<'a> Store<'a> {
             return Ok(None);
         }
         let not_a_table = || SweepError::unusable(table, FileProblem::NotATable);
-        let file = open_file(table).map_err(SweepError::io("read", table))?;
+        let file = open_file(table).map_err(|reason| SweepError::io("read", table, reason))?;
         let metadata = metadata(&file).map_err(|_| not_a_table())?;
         let spec = entry(&metadata, SPEC_ENTRY).ok_or_else(not_a_table)?;
         check_same_sweep(table, spec, &self.identity)?;
-        if !checksum::is_right(&file).map_err(SweepError::io("read", table))? {
+        if !checksum::is_right(&file).map_err(|reason| SweepError::io("read", table, reason))? {
             return Err(SweepError::unusable(table, FileProblem::Modified));
         }
         counts(&metadata).map(Some).ok_or_else(not_a_table)
@@ -133,7 +133,7 @@ impl<'a> Store<'a> {
         match read_file(&path) {
             Ok(text) => check_same_sweep(&self.parts, &text, &self.identity),
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-            Err(error) => Err(SweepError::io("read", &path)(error)),
+            Err(error) => Err(SweepError::io("read", &path, error)),
         }
     }
 
@@ -269,7 +269,7 @@ impl<'a> Store<'a> {
         }
         writer.append_key_value_metadata(counts_entry(&counts));
         writer.close()?;
-        checksum::add(draft.file()?).map_err(SweepError::io("write", self.table))
+        checksum::add(draft.file()?).map_err(|reason| SweepError::io("write", self.table, reason))
     }
 
     /// The rows of several parts as one row group: the bytes of the table don't depend on the size of its parts.
@@ -357,7 +357,7 @@ fn cannot_write(table: &Path, error: SweepError) -> SweepError {
         return error;
     };
     match cause.downcast() {
-        Ok(reason) => SweepError::io("write", table)(*reason),
+        Ok(reason) => SweepError::io("write", table, *reason),
         Err(cause) => ParquetError::External(cause).into(),
     }
 }

@@ -38,10 +38,10 @@ impl Table {
         let mut table = if extension == "parquet" {
             reader::read(path, from_parquet)?
         } else if extension == "csv" {
-            let text = read_file(path).map_err(SweepError::io("read", path))?;
-            from_csv(&text).map_err(SweepError::table(path))?
+            let text = read_file(path).map_err(|reason| SweepError::io("read", path, reason))?;
+            from_csv(&text).map_err(|reason| SweepError::table(path, reason))?
         } else {
-            return Err(SweepError::table(path)(TableError::Extension));
+            return Err(SweepError::table(path, TableError::Extension));
         };
         table.file = Some(path.to_owned());
         Ok(table)
@@ -73,7 +73,8 @@ impl Table {
                 Err(_) if indices.contains(name) || is_nameless_index(name) => continue,
                 Err(error) => return Err(error.into()),
             };
-            check_type(key, field.data_type()).map_err(TableError::column(name))?;
+            check_type(key, field.data_type())
+                .map_err(|reason| TableError::column(name, reason))?;
             columns.push(Column {
                 name: name.clone(),
                 key,
@@ -93,7 +94,9 @@ impl Table {
         check_rows(self.rows.max(1))?;
         for Column { name, cells, .. } in &mut self.columns {
             if let Some(column) = batch.column_by_name(name) {
-                cells.extend(column_cells(column).map_err(TableError::column(name))?);
+                cells.extend(
+                    column_cells(column).map_err(|reason| TableError::column(name, reason))?,
+                );
             }
         }
         Ok(())
