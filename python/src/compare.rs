@@ -26,10 +26,10 @@ pub enum RunArgument<'py> {
 impl<'py> FromPyObject<'_, 'py> for RunArgument<'py> {
     type Error = PyErr;
 
-    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
-        match given.cast::<Run>() {
+    fn extract(input: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        match input.cast::<Run>() {
             Ok(run) => Ok(Self::Run(run.to_owned())),
-            Err(_) => given.extract().map(Self::Base),
+            Err(_) => input.extract().map(Self::Base),
         }
     }
 }
@@ -73,7 +73,7 @@ impl Observer for Watching {
     fn carry_on(&self) -> Box<dyn Fn() -> bool + Send + Sync> {
         // The error is not shown: the caller gets the exception of the signal's handler.
         let interrupt = self.0.clone();
-        Box::new(move || !interrupt.is_asked())
+        Box::new(move || !interrupt.is_requested())
     }
 }
 
@@ -92,15 +92,14 @@ pub fn diff(
     topics: Vec<String>,
     ignore: Vec<String>,
 ) -> PyResult<(String, Vec<String>)> {
-    let refused = |error: toprise::analysis::diff::DiffError| DiffError::new_err(error.to_string());
     let mut bounds = Tolerances {
         general: Tolerance { abs, rel },
         ignored: ignore,
         ..Tolerances::default()
     };
-    bounds.check().map_err(refused)?;
+    bounds.check().map_err(diff_error)?;
     for tolerance in tolerances {
-        bounds.add(&tolerance).map_err(refused)?;
+        bounds.add(&tolerance).map_err(diff_error)?;
     }
     let options = Options {
         tolerances: bounds,
@@ -111,19 +110,23 @@ pub fn diff(
     let report = compute(py, move |interrupt| {
         let watching = &mut Watching(interrupt);
         compare_observed(a.subject(), b.subject(), &options, watching)
-    })?;
-    let report = report.map_err(refused)?;
+    })?
+    .map_err(diff_error)?;
     Ok((json(&report)?, report.summary()))
+}
+
+fn diff_error(error: toprise::analysis::diff::DiffError) -> PyErr {
+    DiffError::new_err(error.to_string())
 }
 
 /// Explains a run; see `toprise.explain`.
 #[pyfunction]
 pub fn explain(py: Python<'_>, run: RunArgument<'_>) -> PyResult<(String, Vec<String>)> {
-    let run = run.open(py)?;
+    let opened = run.open(py)?;
     let explanation = compute(py, move |interrupt| {
-        explain_while(run.subject(), &|| !interrupt.is_asked())
-    })?;
-    let explanation = explanation.map_err(|error| DiffError::new_err(error.to_string()))?;
+        explain_while(opened.subject(), &|| !interrupt.is_requested())
+    })?
+    .map_err(|error| DiffError::new_err(error.to_string()))?;
     let facts = explanation
         .chapters
         .iter()
@@ -142,9 +145,9 @@ pub fn verify(py: Python<'_>, path: PathBuf) -> PyResult<String> {
     let recording = open(py, path)?;
     let file = recording.path().display().to_string();
     let report = compute(py, move |interrupt| {
-        checks::verify(&recording, &|_| interrupt.end_if_asked())
-    })?;
-    let report = report.map_err(|error| RecordingError::new_err(format!("{file}: {error}")))?;
+        checks::verify(&recording, &|_| interrupt.unwind_if_requested())
+    })?
+    .map_err(|error| RecordingError::new_err(format!("{file}: {error}")))?;
     json(&Verified { file, report })
 }
 
@@ -159,12 +162,12 @@ struct Verified {
 /// Names and descriptions of the built-in scenarios.
 #[pyfunction]
 pub fn presets() -> Vec<(&'static str, &'static str)> {
-    let presets = PRESETS.iter();
-    presets
+    PRESETS
+        .iter()
         .map(|preset| (&*preset.name, &*preset.description))
         .collect()
 }
 
-pub fn json(answer: &impl Serialize) -> PyResult<String> {
-    serde_json::to_string(answer).map_err(|error| RecordingError::new_err(error.to_string()))
+pub fn json(report: &impl Serialize) -> PyResult<String> {
+    serde_json::to_string(report).map_err(|error| RecordingError::new_err(error.to_string()))
 }

@@ -59,7 +59,7 @@ pub fn input(error: InputError) -> PyErr {
     let text = error.to_string();
     match error {
         InputError::Io { reason, .. } => io(&reason, text),
-        InputError::Recording { reason, .. } => of_recording(&reason, text),
+        InputError::Recording { reason, .. } => recording_with_text(&reason, text),
         InputError::UnknownPreset(reason) | InputError::Scenario { reason, .. } => {
             scenario_with_text(&reason, text)
         }
@@ -68,10 +68,10 @@ pub fn input(error: InputError) -> PyErr {
 
 /// Error for a recording that can't be read.
 pub fn recording(path: &Path, error: &CannotRead) -> PyErr {
-    of_recording(error, format!("{}: {error}", path.display()))
+    recording_with_text(error, format!("{}: {error}", path.display()))
 }
 
-fn of_recording(error: &CannotRead, text: String) -> PyErr {
+fn recording_with_text(error: &CannotRead, text: String) -> PyErr {
     match error {
         CannotRead::Io(reason) => io(reason, text),
         CannotRead::AmbiguousTopic(_)

@@ -69,12 +69,12 @@ pub fn figures(
     let kinds = selected_figures(&only, runs.len())?;
     let mut read = Vec::new();
     for run in runs {
-        let run = run.open(py)?;
-        let kinds = kinds.clone();
-        let name = unique_name(&run.subject().name(), &read);
+        let opened = run.open(py)?;
+        let drawn_kinds = kinds.clone();
+        let name = unique_name(&opened.subject().name(), &read);
         read.push(compute(py, move |interrupt| {
-            RunData::read(run.subject(), &name, &kinds, &|_| {
-                interrupt.end_if_asked();
+            RunData::read(opened.subject(), &name, &drawn_kinds, &|_| {
+                interrupt.unwind_if_requested();
             })
         })?);
     }
@@ -160,15 +160,13 @@ fn obstacle(kind: &Kind, run: &RunData) -> Option<String> {
 
 /// A name for a legend that no other run has.
 fn unique_name(name: &str, others: &[RunData]) -> String {
-    let is_taken = |name: &str| others.iter().any(|other| other.name == name);
-    if !is_taken(name) {
-        return name.to_owned();
-    }
-    let mut number = 2;
-    while is_taken(&format!("{name} ({number})")) {
+    let mut unique = name.to_owned();
+    let mut number = 1;
+    while others.iter().any(|other| other.name == unique) {
         number += 1;
+        unique = format!("{name} ({number})");
     }
-    format!("{name} ({number})")
+    unique
 }
 
 fn check_width(width: f64) -> PyResult<()> {

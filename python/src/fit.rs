@@ -82,9 +82,9 @@ pub fn fit(
         rescale: options.rescale,
     };
     let fitted = compute(py, move |interrupt| {
-        toprise::fit::fit(&request, &|_| interrupt.end_if_asked())
-    })?;
-    let fitted = fitted.map_err(fit_error)?;
+        toprise::fit::fit(&request, &|_| interrupt.unwind_if_requested())
+    })?
+    .map_err(fit_error)?;
     let mut residuals = Vec::new();
     for value in &fitted.residuals {
         residuals.push((

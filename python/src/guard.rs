@@ -29,18 +29,18 @@ pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
     /// Whether cancellation was requested.
-    pub fn is_asked(&self) -> bool {
+    pub fn is_requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 
     /// Unwinds the computing thread if cancellation was requested.
-    pub fn end_if_asked(&self) {
-        if self.is_asked() {
+    pub fn unwind_if_requested(&self) {
+        if self.is_requested() {
             resume_unwind(Box::new("interrupted"));
         }
     }
 
-    fn ask(&self) {
+    fn request(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 }
@@ -73,13 +73,16 @@ fn wait_for<T: Send + 'static>(
     work: impl FnOnce(Interrupt) -> T + Send + 'static,
 ) -> PyResult<T> {
     let interrupt = Interrupt::default();
-    let given = interrupt.clone();
+    let flag = interrupt.clone();
     let (sender, mut receiver) = channel();
-    let worker = thread::Builder::new().stack_size(STACK).spawn(move || {
-        // The receiver is gone after an interrupt.
-        let _ = sender.send(work(given));
-    });
-    let worker = worker.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+    // Signal handlers of Python run only on the main thread, which therefore waits.
+    let worker = thread::Builder::new()
+        .stack_size(STACK)
+        .spawn(move || {
+            // The receiver is gone after an interrupt.
+            let _ = sender.send(work(flag));
+        })
+        .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     let mut raised: Option<(PyErr, Instant)> = None;
     loop {
         let waiting = &mut receiver;
@@ -92,7 +95,7 @@ fn wait_for<T: Send + 'static>(
             }
             (Err(RecvTimeoutError::Timeout), None) => {
                 if let Err(error) = py.check_signals().and_then(|()| look(py)) {
-                    interrupt.ask();
+                    interrupt.request();
                     raised = Some((error, Instant::now()));
                 }
             }
@@ -106,10 +109,14 @@ fn wait_for<T: Send + 'static>(
 
 /// Message of a panic.
 fn failure(panic: Option<&(dyn Any + Send)>) -> PyErr {
-    let text = panic.and_then(|panic| {
-        let text = panic.downcast_ref::<String>().map(String::as_str);
-        text.or_else(|| panic.downcast_ref::<&str>().copied())
-    });
-    let text = text.unwrap_or("it panicked");
+    let text = panic
+        .and_then(|payload| {
+            // `panic!` has a string with arguments, and a literal without.
+            payload
+                .downcast_ref::<String>()
+                .map(String::as_str)
+                .or_else(|| payload.downcast_ref::<&str>().copied())
+        })
+        .unwrap_or("it panicked");
     InternalError::new_err(format!("toprise has failed; please report it: {text}"))
 }

@@ -21,13 +21,13 @@ pub fn outcome<'py>(
     base: Base<'_>,
     overrides: Option<&Bound<'_, PyMapping>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    dictionary(py, &of_scenario(py, base.scenario(overrides)?)?)
+    dictionary(py, &simulate(py, base.scenario(overrides)?)?)
 }
 
 /// Simulates a scenario and returns its outcome.
-pub fn of_scenario(py: Python<'_>, scenario: Scenario) -> PyResult<Outcome> {
+pub fn simulate(py: Python<'_>, scenario: Scenario) -> PyResult<Outcome> {
     let outcome = compute(py, move |interrupt| {
-        toprise::run::outcome(&scenario, || !interrupt.is_asked())
+        toprise::run::outcome(&scenario, || !interrupt.is_requested())
     })?;
     outcome.map_err(|error| SimulationError::new_err(error.to_string()))
 }

@@ -83,12 +83,16 @@ pub fn run(
     };
     let (tables, outcome, losses) = simulated.map_err(SimulationError::new_err)?;
     let digest = tables.digest.finish();
-    let made = |columns: &Columns| {
-        Topic::all_with(support).any(|topic| topic == columns.topic())
-            && topics.include(&columns.topic())
-    };
-    let tables = tables.columns.into_iter().filter(made);
-    let tables = tables.map(|columns| (columns, Vec::new())).collect();
+    // A selected topic has a table even if no message came, but not if runs with this support never have any.
+    let made: Vec<Topic> = Topic::all_with(support)
+        .filter(|topic| topics.include(topic))
+        .collect();
+    let tables = tables
+        .columns
+        .into_iter()
+        .filter(|columns| made.contains(&columns.topic()))
+        .map(|columns| (columns, Vec::new()))
+        .collect();
     let origin = Origin::Scenario(Box::new(scenario), Box::new(outcome));
     Run::new(py, origin, tables, None, Some(digest), losses)
 }
@@ -117,26 +121,21 @@ pub fn read(py: Python<'_>, path: PathBuf, topics: Option<Vec<String>>) -> PyRes
     };
     let differences = recording.differences();
     let recorded = recording.topics();
-    let read =
-        |columns: &Columns| recorded.contains(&columns.topic()) && topics.include(&columns.topic());
-    let tables = tables.columns.into_iter().filter(read).map(|columns| {
-        let name = columns.topic().name();
-        let of_topic = differences.iter().find(|(topic, _)| topic == name);
-        let lacking = of_topic.map_or_else(Vec::new, |(_, fields)| fields.missing.clone());
-        (columns, lacking)
-    });
-    let tables = tables.collect();
+    let mut read = Vec::new();
+    for columns in tables.columns {
+        let topic = columns.topic();
+        if recorded.contains(&topic) && topics.include(&topic) {
+            let lacking = differences
+                .iter()
+                .find(|(name, _)| name == topic.name())
+                .map_or_else(Vec::new, |(_, fields)| fields.missing.clone());
+            read.push((columns, lacking));
+        }
+    }
     let digest = end
         .as_ref()
         .and_then(|end| end.get(CONTENT_DIGEST).cloned());
-    Run::new(
-        py,
-        Origin::Recording(recording),
-        tables,
-        end,
-        digest,
-        losses,
-    )
+    Run::new(py, Origin::Recording(recording), read, end, digest, losses)
 }
 
 /// Opens a recording, or any other MCAP file.
@@ -189,7 +188,7 @@ fn simulate(
 ) -> Result<(Tables, Outcome, Vec<String>), String> {
     let mut run = RunMessages::new(scenario, topics)
         .map_err(|error| error.to_string())?
-        .continue_while(move || !interrupt.is_asked());
+        .continue_while(move || !interrupt.is_requested());
     let mut tables = Tables::default();
     let mut tally = Tally::default();
     let recorded = record(&mut run, &mut [&mut tables], |record, _| {
@@ -214,7 +213,7 @@ fn save(
     let reported = |error: &dyn std::error::Error| format!("{}: {error}", path.display());
     let mut run = RunMessages::new(scenario, &Topics::All)
         .map_err(|error| reported(&error))?
-        .continue_while(move || !interrupt.is_asked());
+        .continue_while(move || !interrupt.is_requested());
     let form = Form::default();
     let mut sink = McapSink::create(path, existing, scenario, run.telemetry(), form)
         .map_err(|error| reported(&error))?;
@@ -238,7 +237,7 @@ fn replay(
     let mut tables = Tables::default();
     let ended = Subject::Recording(recording).read(topics, &mut |message, _| {
         tables.columns[message.channel].push(message);
-        !interrupt.is_asked()
+        !interrupt.is_requested()
     });
     (tables, ended.end, ended.losses)
 }
@@ -387,7 +386,7 @@ impl Run {
             return outcome::dictionary(py, outcome);
         }
         let Scenario(scenario) = self.scenario()?;
-        outcome::dictionary(py, &outcome::of_scenario(py, scenario)?)
+        outcome::dictionary(py, &outcome::simulate(py, scenario)?)
     }
 
     /// The topics, in the order in which `toprise schema` lists them.

@@ -29,12 +29,12 @@ pub enum Base<'py> {
 impl<'py> FromPyObject<'_, 'py> for Base<'py> {
     type Error = PyErr;
 
-    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
-        if let Ok(scenario) = given.cast::<Scenario>() {
+    fn extract(input: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(scenario) = input.cast::<Scenario>() {
             return Ok(Self::Scenario(scenario.to_owned()));
         }
-        given.extract().map(Self::Word).map_err(|_| {
-            let kind = given.get_type();
+        input.extract().map(Self::Word).map_err(|_| {
+            let kind = input.get_type();
             PyTypeError::new_err(format!(
                 "a scenario is a preset, a file or a Scenario, not {kind}"
             ))

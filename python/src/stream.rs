@@ -22,20 +22,20 @@ impl<'py> FromPyObject<'_, 'py> for ArrowTable {
     type Error = PyErr;
 
     /// Accepts objects with `__arrow_c_stream__` (tables) or `__arrow_c_array__` (single batches).
-    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
-        if given.hasattr("__arrow_c_stream__")? {
-            let capsule = given.call_method0("__arrow_c_stream__")?;
+    fn extract(input: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        if input.hasattr("__arrow_c_stream__")? {
+            let capsule = input.call_method0("__arrow_c_stream__")?;
             return read_stream(capsule.cast::<PyCapsule>()?);
         }
-        if given.hasattr("__arrow_c_array__")? {
-            let capsules = given.call_method0("__arrow_c_array__")?;
+        if input.hasattr("__arrow_c_array__")? {
+            let capsules = input.call_method0("__arrow_c_array__")?;
             let (schema, array): (Bound<'_, PyCapsule>, Bound<'_, PyCapsule>) =
                 capsules.extract()?;
             return read_batch(&schema, &array);
         }
         Err(PyTypeError::new_err(format!(
             "a table is one of pyarrow, Polars, pandas, DuckDB or another library with Arrow's PyCapsule interface, not {}",
-            given.get_type()
+            input.get_type()
         )))
     }
 }
@@ -56,7 +56,7 @@ fn read_stream(capsule: &Bound<'_, PyCapsule>) -> PyResult<ArrowTable> {
     // released yet, and a place for what they give.
     let code = unsafe { get_schema(&raw mut stream, &raw mut schema) };
     check(code, &mut stream)?;
-    let schema = nullable(&Schema::try_from(&schema).map_err(refused)?);
+    let schema = nullable(&Schema::try_from(&schema).map_err(unreadable)?);
     let mut batches = Vec::new();
     loop {
         let mut array = FFI_ArrowArray::empty();
@@ -92,17 +92,17 @@ fn check(code: c_int, stream: &mut FFI_ArrowArrayStream) -> PyResult<()> {
 
 #[allow(unsafe_code)]
 fn read_batch(schema: &Bound<'_, PyCapsule>, array: &Bound<'_, PyCapsule>) -> PyResult<ArrowTable> {
-    let schema = schema.pointer_checked(Some(c"arrow_schema"))?;
-    let array = array.pointer_checked(Some(c"arrow_array"))?;
+    let schema_pointer = schema.pointer_checked(Some(c"arrow_schema"))?;
+    let array_pointer = array.pointer_checked(Some(c"arrow_array"))?;
     // SAFETY: capsules of these names point to a schema and an array, by the PyCapsule interface; both are moved out, and what
     // is left behind is marked as released.
     let (schema, array) = unsafe {
         (
-            FFI_ArrowSchema::from_raw(schema.cast().as_ptr()),
-            FFI_ArrowArray::from_raw(array.cast().as_ptr()),
+            FFI_ArrowSchema::from_raw(schema_pointer.cast().as_ptr()),
+            FFI_ArrowArray::from_raw(array_pointer.cast().as_ptr()),
         )
     };
-    let schema = nullable(&Schema::try_from(&schema).map_err(refused)?);
+    let schema = nullable(&Schema::try_from(&schema).map_err(unreadable)?);
     let batches = vec![batch(array, &schema)?];
     Ok(ArrowTable { schema, batches })
 }
@@ -112,7 +112,7 @@ fn read_batch(schema: &Bound<'_, PyCapsule>, array: &Bound<'_, PyCapsule>) -> Py
 fn batch(array: FFI_ArrowArray, schema: &SchemaRef) -> PyResult<RecordBatch> {
     let kind = DataType::Struct(schema.fields().clone());
     // SAFETY: the array and the schema have the same origin.
-    let mut data = unsafe { from_ffi_and_data_type(array, kind) }.map_err(refused)?;
+    let mut data = unsafe { from_ffi_and_data_type(array, kind) }.map_err(unreadable)?;
     // What has been through pickle, as in Dask, need not be aligned.
     data.align_buffers();
     let rows = data.len();
@@ -122,13 +122,16 @@ fn batch(array: FFI_ArrowArray, schema: &SchemaRef) -> PyResult<RecordBatch> {
         None => columns,
     };
     let options = RecordBatchOptions::new().with_row_count(Some(rows));
-    RecordBatch::try_new_with_options(schema.clone(), columns, &options).map_err(refused)
+    RecordBatch::try_new_with_options(schema.clone(), columns, &options).map_err(unreadable)
 }
 
 /// The columns of a struct array, with nulls where the struct is null.
 fn without(columns: &[ArrayRef], is_null: &BooleanArray) -> PyResult<Vec<ArrayRef>> {
-    let columns = columns.iter().map(|column| nullif(column, is_null));
-    columns.collect::<Result<_, _>>().map_err(refused)
+    columns
+        .iter()
+        .map(|column| nullif(column, is_null))
+        .collect::<Result<_, _>>()
+        .map_err(unreadable)
 }
 
 /// A schema in which any cell may be empty: rows may be null where their fields can't.
@@ -140,6 +143,6 @@ fn nullable(schema: &Schema) -> SchemaRef {
     Arc::new(Schema::new_with_metadata(fields, schema.metadata().clone()))
 }
 
-fn refused(error: ArrowError) -> PyErr {
+fn unreadable(error: ArrowError) -> PyErr {
     PyValueError::new_err(format!("the table can't be read: {error}"))
 }

@@ -16,7 +16,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use toprise::run::scenario::{Value, Values};
-use toprise::run::simulation::StopReason;
 use toprise::sweep::{self as sweeps, Design, Options, Shard, Spec, Sweep, Watch};
 
 /// Name of the row number column; numbers in an input table are kept.
@@ -39,44 +38,52 @@ pub fn outcomes(
     max_steps: Option<u64>,
 ) -> PyResult<Table> {
     let values = base.values(None)?;
-    let given = concat_batches(&table.schema, &table.batches).map_err(refused)?;
-    refuse_two_bases(&given)?;
-    refuse_missing(&keep, &given)?;
-    let name = |column: &usize| given.schema_ref().field(*column).name();
-    // A kept key is in the result anyway, next to the outcomes.
-    let is_kept =
-        |name: &String| name == RUN || (keep.contains(name) && sweeps::find_key(name).is_err());
-    let (kept, keys): (Vec<usize>, Vec<usize>) = (0..given.num_columns())
-        .filter(|column| name(column) != SCENARIO)
-        .partition(|column| is_kept(name(column)));
-    let kept = given.project(&kept).map_err(refused)?;
-    let keys = given.project(&keys).map_err(refused)?;
+    let input = concat_batches(&table.schema, &table.batches).map_err(refused)?;
+    check_one_base(&input)?;
+    check_kept(&keep, &input)?;
+    let (mut kept_columns, mut key_columns) = (Vec::new(), Vec::new());
+    for (column, field) in input.schema_ref().fields().iter().enumerate() {
+        let name = field.name();
+        if name == SCENARIO {
+            continue;
+        }
+        // A kept key is in the result anyway, next to the outcomes.
+        if name == RUN || (keep.contains(name) && sweeps::find_key(name).is_err()) {
+            kept_columns.push(column);
+        } else {
+            key_columns.push(column);
+        }
+    }
+    let kept = input.project(&kept_columns).map_err(refused)?;
+    let keys = input.project(&key_columns).map_err(refused)?;
     let rows = keys.num_rows();
     let sweep = if rows == 0 {
         sweep_over(&one_empty_row(&keys)?, &values, max_steps)?
     } else {
         sweep_over(&keys, &values, max_steps)?
     };
-    refuse_twofold(&kept, &sweep)?;
+    check_names(&kept, &sweep)?;
     let computed = compute(py, move |interrupt| {
         let threads = sweeps::threads(threads, rows as u64);
-        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-        let pool = pool.map_err(|error| error.to_string())?;
-        let computed = pool.install(|| rows_of(&sweep, rows as u64, &interrupt));
-        computed.ok_or_else(|| "interrupted".to_owned())
-    })?;
-    let computed = computed.map_err(SweepError::new_err)?;
-    Ok(named(beside(&kept, &computed).map_err(refused)?))
+        ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .map_err(|error| error.to_string())?
+            .install(|| compute_rows(&sweep, rows as u64, &interrupt))
+            .ok_or_else(|| "interrupted".to_owned())
+    })?
+    .map_err(SweepError::new_err)?;
+    Ok(named(with_outcomes(&kept, &computed).map_err(refused)?))
 }
 
 /// Rejects tables with rows of several bases; `outcomes` has a single base.
-fn refuse_two_bases(given: &RecordBatch) -> PyResult<()> {
-    let Some(names) = given.column_by_name(SCENARIO) else {
+fn check_one_base(input: &RecordBatch) -> PyResult<()> {
+    let Some(column) = input.column_by_name(SCENARIO) else {
         return Ok(());
     };
-    let names = sweeps::cells(names.as_ref());
-    let names = names.map_err(|reason| PyValueError::new_err(format!("{SCENARIO}: {reason}")))?;
-    let mut names = names.into_iter().flatten().map(|name| match name {
+    let cells = sweeps::cells(column.as_ref())
+        .map_err(|reason| PyValueError::new_err(format!("{SCENARIO}: {reason}")))?;
+    let mut names = cells.into_iter().flatten().map(|cell| match cell {
         Value::Text(name) => name,
         number @ Value::Number(_) => number.to_string(),
     });
@@ -92,82 +99,92 @@ fn refuse_two_bases(given: &RecordBatch) -> PyResult<()> {
 }
 
 /// Rejects `keep` columns missing from the table.
-fn refuse_missing(keep: &[String], given: &RecordBatch) -> PyResult<()> {
-    let fields = given.schema_ref().fields().iter();
-    let names: Vec<&str> = fields.map(|field| field.name().as_str()).collect();
-    let is_there = |name: &String| {
-        let path = |name: &str| sweeps::find_key(name).ok().map(|key| key.path);
-        let is_it =
-            |own: &&str| *own == name || path(name).is_some_and(|key| path(own) == Some(key));
-        names.iter().any(is_it)
-    };
-    match keep.iter().find(|name| !is_there(name)) {
-        Some(missing) => Err(PyValueError::new_err(format!(
-            "keep: the table has no column {missing}; it has {}",
-            names.join(", ")
-        ))),
-        None => Ok(()),
+fn check_kept(keep: &[String], input: &RecordBatch) -> PyResult<()> {
+    let names: Vec<&str> = input
+        .schema_ref()
+        .fields()
+        .iter()
+        .map(|field| field.name().as_str())
+        .collect();
+    for wanted in keep {
+        if !names.iter().any(|name| is_same_column(name, wanted)) {
+            return Err(PyValueError::new_err(format!(
+                "keep: the table has no column {wanted}; it has {}",
+                names.join(", ")
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Whether two names are those of one column: equal, or `friction.k` and `friction_k`.
+fn is_same_column(name: &str, other: &str) -> bool {
+    match (sweeps::find_key(name), sweeps::find_key(other)) {
+        (Ok(key), Ok(other_key)) => key.path == other_key.path,
+        (Ok(_) | Err(_), Ok(_) | Err(_)) => name == other,
     }
 }
 
 /// Rejects `keep` columns whose names clash with outcome columns.
-fn refuse_twofold(kept: &RecordBatch, sweep: &Sweep) -> PyResult<()> {
-    let own = sweep.schema();
-    let is_twofold =
-        |field: &&FieldRef| field.name() != RUN && own.column_with_name(field.name()).is_some();
-    match kept.schema_ref().fields().iter().find(is_twofold) {
-        Some(field) => Err(PyValueError::new_err(format!(
-            "keep: outcomes have a column {0} too: rename or drop the table's own {0}",
-            field.name()
-        ))),
-        None => Ok(()),
+fn check_names(kept: &RecordBatch, sweep: &Sweep) -> PyResult<()> {
+    let outcomes = sweep.schema();
+    for field in kept.schema_ref().fields() {
+        let name = field.name();
+        if name != RUN && outcomes.column_with_name(name).is_some() {
+            return Err(PyValueError::new_err(format!(
+                "keep: outcomes have a column {name} too: rename or drop the table's own {name}"
+            )));
+        }
     }
+    Ok(())
 }
 
 /// The first rows of a sweep; none if it was interrupted.
-fn rows_of(sweep: &Sweep, rows: u64, interrupt: &Interrupt) -> Option<RecordBatch> {
+fn compute_rows(sweep: &Sweep, rows: u64, interrupt: &Interrupt) -> Option<RecordBatch> {
     let watch = Watch {
-        carry_on: &|| !interrupt.is_asked(),
+        carry_on: &|| !interrupt.is_requested(),
         row_done: &|_| {},
     };
     sweep.batch(0..rows, &watch).map(|(batch, _)| batch)
 }
 
-/// Columns that are kept of a table, and those of a sweep except the number of the row.
-fn beside(kept: &RecordBatch, computed: &RecordBatch) -> Result<RecordBatch, ArrowError> {
-    let is_wanted = |field: &FieldRef| field.name() != RUN;
-    let own = computed
+/// Columns that are kept of a table, followed by those of a sweep except the number of the row.
+fn with_outcomes(kept: &RecordBatch, computed: &RecordBatch) -> Result<RecordBatch, ArrowError> {
+    let mut fields: Vec<FieldRef> = kept.schema_ref().fields().to_vec();
+    let mut columns: Vec<ArrayRef> = kept.columns().to_vec();
+    for (field, column) in computed
         .schema_ref()
         .fields()
         .iter()
-        .zip(computed.columns());
-    let own = own.filter(|(field, _)| is_wanted(field));
-    let kept = kept.schema_ref().fields().iter().zip(kept.columns());
-    let (fields, columns): (Vec<FieldRef>, Vec<ArrayRef>) = kept
-        .chain(own)
-        .map(|(field, column)| (field.clone(), column.clone()))
-        .unzip();
+        .zip(computed.columns())
+    {
+        // A table that has numbers of its own keeps them.
+        if field.name() != RUN {
+            fields.push(field.clone());
+            columns.push(column.clone());
+        }
+    }
     RecordBatch::try_new(Arc::new(Schema::new(fields)), columns)
 }
 
 /// The columns of outcomes of runs in which these keys vary, as a table without rows; see `toprise.Outcomes.schema`.
 #[pyfunction]
 pub fn outcome_columns(keys: Vec<String>) -> PyResult<Table> {
-    let kind = |name: &String| {
-        let key = sweeps::find_key(name).map_err(errors::scenario)?;
+    let mut fields = Vec::new();
+    for name in keys {
+        let key = sweeps::find_key(&name).map_err(errors::scenario)?;
         let kind = if key.kind.is_text() {
             DataType::Utf8
         } else {
             DataType::Float64
         };
-        Ok(Field::new(name, kind, true))
-    };
-    let fields = keys.iter().map(kind).collect::<PyResult<Vec<_>>>()?;
+        fields.push(Field::new(name, kind, true));
+    }
     let none = RecordBatch::new_empty(Arc::new(Schema::new(fields)));
     let sweep = sweep_over(&one_empty_row(&none)?, &Values::default(), None)?;
     let columns = RecordBatch::new_empty(sweep.schema());
     let nothing = RecordBatch::new_empty(Arc::new(Schema::empty()));
-    Ok(named(beside(&nothing, &columns).map_err(refused)?))
+    Ok(named(with_outcomes(&nothing, &columns).map_err(refused)?))
 }
 
 /// Adds an empty row if the table has none, since a design needs at least one row.
@@ -190,10 +207,9 @@ fn sweep_over(keys: &RecordBatch, values: &Values, max_steps: Option<u64>) -> Py
         Some(Value::Text(name)) => name.clone(),
         _ => String::new(),
     };
-    let values = values.clone();
-    let table = sweeps::Table::from_batches(keys.schema_ref(), std::slice::from_ref(keys));
-    let table = table.map_err(errors::table)?;
-    let bases = vec![sweeps::Base::new(name, values)];
+    let table = sweeps::Table::from_batches(keys.schema_ref(), std::slice::from_ref(keys))
+        .map_err(errors::table)?;
+    let bases = vec![sweeps::Base::new(name, values.clone())];
     let spec = Spec::new(bases, Design::Table(table), max_steps).map_err(errors::sweep)?;
     Ok(Sweep::new(spec))
 }
@@ -262,25 +278,24 @@ pub fn sweep(
     let left = sweeps::remaining_rows(&sweep, &out, shard).map_err(errors::sweep)?;
     let done = Arc::new(AtomicU64::new(0));
     let counted = done.clone();
-    let tell = |_: Python<'_>| match &progress {
-        Some(progress) => progress
-            .call1((done.load(Ordering::Relaxed), left))
-            .map(|_| ()),
-        None => Ok(()),
-    };
-    let finished = compute_watched(py, tell, move |interrupt| {
-        let count = |_: Option<StopReason>| {
-            counted.fetch_add(1, Ordering::Relaxed);
-        };
-        let watch = Watch {
-            carry_on: &|| !interrupt.is_asked(),
-            row_done: &count,
-        };
-        sweeps::run(&sweep, &out, &options, &watch)
-    })?;
-    tell(py)?;
+    let callback = progress.as_ref();
+    let finished = compute_watched(
+        py,
+        |_| report_progress(callback, &done, left),
+        move |interrupt| {
+            let watch = Watch {
+                carry_on: &|| !interrupt.is_requested(),
+                row_done: &|_| {
+                    counted.fetch_add(1, Ordering::Relaxed);
+                },
+            };
+            sweeps::run(&sweep, &out, &options, &watch)
+        },
+    )?;
+    // The last runs may have finished after the last periodic call.
+    report_progress(callback, &done, left)?;
     let finished = finished.map_err(errors::sweep)?;
-    let answer = json!({
+    let report = json!({
         "runs": runs,
         "computed": finished.computed,
         // A shard does not count the runs of the other shards.
@@ -290,7 +305,19 @@ pub fn sweep(
         "errors": finished.counts.errors,
         "first_error": finished.counts.first_error,
     });
-    Ok(answer.to_string())
+    Ok(report.to_string())
+}
+
+/// Calls a callback with the number of finished runs and the total number.
+fn report_progress(
+    callback: Option<&Bound<'_, PyAny>>,
+    done: &AtomicU64,
+    total: u64,
+) -> PyResult<()> {
+    if let Some(callback) = callback {
+        callback.call1((done.load(Ordering::Relaxed), total))?;
+    }
+    Ok(())
 }
 
 fn refused(error: ArrowError) -> PyErr {

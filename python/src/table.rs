@@ -285,7 +285,7 @@ impl Table {
     /// The schema, for the Arrow PyCapsule interface.
     fn __arrow_c_schema__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyCapsule>> {
         let schema = FFI_ArrowSchema::try_from(self.rows.schema_ref().as_ref());
-        PyCapsule::new_with_value(py, schema.map_err(refused)?, c"arrow_schema")
+        PyCapsule::new_with_value(py, schema.map_err(arrow_error)?, c"arrow_schema")
     }
 
     /// All rows as one batch, for the Arrow PyCapsule interface. `requested_schema` is ignored.
@@ -366,7 +366,7 @@ pub fn table(columns: Vec<(String, Vec<Option<Cell>>)>) -> PyResult<Table> {
         fields.push(Field::new(name, kind, true));
         arrays.push(array);
     }
-    let rows = RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays).map_err(refused)?;
+    let rows = RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays).map_err(arrow_error)?;
     Ok(Table::new("table", "columns of a dictionary", rows))
 }
 
@@ -404,7 +404,7 @@ fn column_of(name: &str, cells: Vec<Option<Cell>>) -> PyResult<(DataType, ArrayR
     }
 }
 
-fn refused(error: ArrowError) -> PyErr {
+fn arrow_error(error: ArrowError) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
@@ -466,8 +466,7 @@ impl Columns {
             field(TIME_NS, DataType::Int64, "ns", "simulation time, exact"),
             field(SEQUENCE, DataType::Int64, "", "number of the message"),
         ];
-        let seconds = |ns: &i64| *ns as f64 / 1e9;
-        let time: Float64Array = self.time_ns.iter().map(seconds).collect::<Vec<_>>().into();
+        let time = Float64Array::from_iter_values(self.time_ns.iter().map(|ns| *ns as f64 / 1e9));
         let mut columns: Vec<ArrayRef> = vec![
             Arc::new(Int64Array::from(self.time_ns)),
             Arc::new(Int64Array::from(self.sequence)),
@@ -478,31 +477,31 @@ impl Columns {
         }
         for (leaf, texts) in info.texts.iter().zip(self.texts) {
             if !lacking.contains(&leaf.path) {
-                fields.push(of_leaf(leaf, DataType::Utf8));
+                fields.push(leaf_field(leaf, DataType::Utf8));
                 columns.push(Arc::new(StringArray::from(texts)));
             }
         }
         for (leaf, numbers) in info.numbers.iter().zip(self.numbers) {
             if !lacking.contains(&leaf.path) {
-                fields.push(of_leaf(leaf, DataType::Float64));
+                fields.push(leaf_field(leaf, DataType::Float64));
                 columns.push(Arc::new(Float64Array::from(numbers)));
             }
         }
-        let about = [("topic", info.topic), (MEANING, info.meaning)];
-        let about = about.map(|(key, value)| (key.to_owned(), value.to_owned()));
+        let about = [("topic", info.topic), (MEANING, info.meaning)]
+            .map(|(key, value)| (key.to_owned(), value.to_owned()));
         let schema: SchemaRef = Arc::new(Schema::new_with_metadata(fields, HashMap::from(about)));
-        let rows = RecordBatch::try_new(schema, columns).map_err(refused)?;
+        let rows = RecordBatch::try_new(schema, columns).map_err(arrow_error)?;
         Ok(Table::new(info.topic, info.meaning, rows))
     }
 }
 
 fn field(name: &str, kind: DataType, unit: &str, meaning: &str) -> Field {
-    let about = [(UNIT, unit), (MEANING, meaning)];
-    let about = about.map(|(key, value)| (key.to_owned(), value.to_owned()));
+    let about =
+        [(UNIT, unit), (MEANING, meaning)].map(|(key, value)| (key.to_owned(), value.to_owned()));
     Field::new(name, kind, false).with_metadata(HashMap::from(about))
 }
 
-fn of_leaf(leaf: &Leaf, kind: DataType) -> Field {
+fn leaf_field(leaf: &Leaf, kind: DataType) -> Field {
     let mut field = field(&leaf.path.replace('.', "_"), kind, leaf.unit, leaf.meaning);
     let mut about = field.metadata().clone();
     about.insert(PATH.to_owned(), leaf.path.clone());

@@ -68,7 +68,9 @@ fn with_nan(column: &ArrayRef) -> Vec<f64> {
     if let Some(column) = any.downcast_ref::<Float64Array>() {
         return column.iter().map(|n| n.unwrap_or(f64::NAN)).collect();
     }
-    let integers = any.downcast_ref::<Int64Array>();
-    let number = |integer: Option<i64>| integer.map_or(f64::NAN, |integer| integer as f64);
-    integers.into_iter().flatten().map(number).collect()
+    any.downcast_ref::<Int64Array>()
+        .into_iter()
+        .flatten()
+        .map(|cell| cell.map_or(f64::NAN, |integer| integer as f64))
+        .collect()
 }
