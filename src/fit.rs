@@ -22,6 +22,7 @@ mod offset;
 mod parameter;
 #[cfg(feature = "sweep")]
 mod parquet_table;
+mod plausibility;
 mod prepare;
 mod profile;
 mod record;

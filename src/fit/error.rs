@@ -393,6 +393,46 @@ pub enum FitError {
         /// Standard deviation of the value.
         sigma: f64,
     },
+    /// Inclinations that are too large for radians.
+    #[error(
+        "most values of {name} are above π (median {median:.4}), but an inclination in rad is not: check the unit; degrees need one in the header, e.g. \"{name} (deg)\""
+    )]
+    Inclination {
+        /// Median of the values, rad if the unit is right.
+        median: f64,
+        /// Name of the column without its unit, or topic and path.
+        name: String,
+    },
+    /// Values that agree with the motion at the start in another unit only.
+    #[error(
+        "{field}: the values are about {ratio:.0} times those of the motion at the start; in {unit} they would agree with it. If they are in {unit}, write that into the header: \"{name} ({unit})\"; if they are in {si}, start closer to the motion (--set)"
+    )]
+    LikelyUnit {
+        /// The field.
+        field: String,
+        /// Size of the values, relative to the motion.
+        ratio: f64,
+        /// The unit in which they agree.
+        unit: &'static str,
+        /// The SI unit, in which they were read.
+        si: &'static str,
+        /// Name of the column without its unit, or topic and path.
+        name: String,
+    },
+    /// All values of a signal are equal, and no standard deviation is given.
+    #[error(
+        "{field}: all values are {value} {unit}: they have no noise from which a standard deviation could be estimated; check the sensor, leave {source_name} out, or give σ (--signal)"
+    )]
+    NoNoise {
+        /// The field.
+        field: String,
+        /// Name of the column, or topic and path.
+        source_name: String,
+        /// The value, SI units.
+        value: f64,
+        /// Unit; may be empty.
+        unit: &'static str,
+    },
     /// No motion near the start of a parameter reaches the data.
     #[error(
         "{name}: no motion with a slightly larger or smaller value can be computed: change its start (--set) or its bounds"

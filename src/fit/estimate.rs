@@ -2,6 +2,7 @@
 
 use super::model::{Loss, Point, Problem};
 use super::parameter::principal;
+use super::plausibility::{FEWEST, is_constant};
 use super::report::{Correlation, Estimate, Limit, Oddity, Quality, SignalReport, Verdict};
 use super::solve::Solution;
 use super::statistics::{chi2_p_value, mean_p_value, median_size, rms, whiteness};
@@ -25,9 +26,6 @@ pub(super) const REJECTED: f64 = 1e-3;
 
 /// Residuals below this, in σ, are not noise: σ was given generously, and nothing follows from their correlations.
 const TINY: f64 = 0.1;
-
-/// The least number of values from which a standard deviation is judged.
-const FEWEST: usize = 10;
 
 /// A value whose squared residual is more than this part of their sum has made σ by itself. Normal noise of ten values
 /// or more does not do that.
@@ -218,9 +216,9 @@ fn oddity(loss: Loss, fitted: PointResiduals<'_>, signal: usize) -> Option<Oddit
     if own.len() < FEWEST {
         return None;
     }
-    let first = own[0].0.value;
-    if own.iter().all(|(point, _)| point.value == first) {
-        return Some(Oddity::Constant { value: first });
+    let values: Vec<f64> = own.iter().map(|(point, _)| point.value).collect();
+    if is_constant(&values) {
+        return Some(Oddity::Constant { value: values[0] });
     }
     let total: f64 = own.iter().map(|(_, residual)| residual * residual).sum();
     let (point, residual) = own.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;

@@ -4,6 +4,7 @@ use super::degeneracy::{Combination, Degeneracy, join_names, pronoun};
 use super::error::FitError;
 use super::model::{Effort, Point, Problem, Refusal};
 use super::parameter::{Parameter, SelectedParameter, Target};
+use super::plausibility::check_units;
 use super::statistics::{NULL_EIGENVALUE, ScaledGram};
 use crate::run::plural::plural;
 use nalgebra::DMatrix;
@@ -33,6 +34,7 @@ pub(super) fn identify(
     let start = problem.start();
     let points = reached(problem, &start)?;
     let predicted = problem.predict(&start, &points)?;
+    check_units(problem, &points, &predicted)?;
     let fixed = vec![false; start.len()];
     let jacobian = problem.jacobian(Effort::Final, &start, &points, &fixed);
     let noise = derivative_noise(&points, &predicted);

@@ -2,6 +2,7 @@
 
 use super::error::{Cut, FitError};
 use super::model::Problem;
+use super::plausibility::check_signals;
 use super::request::Request;
 use super::signal::Signal;
 use super::{identify, parameter};
@@ -43,6 +44,7 @@ pub(super) fn prepare(request: &Request) -> Result<Prepared, FitError> {
     let mut problem = Problem::new(scenario, parameters, signals, request.loss, origin)?;
     problem.keep_until(request.until);
     check_range(&problem, origin, request.until)?;
+    check_signals(&problem)?;
     if selected.is_empty() {
         return Err(FitError::NothingFree);
     }

@@ -58,6 +58,17 @@ impl Dimension {
         }
     }
 
+    /// Units in which values are often given without saying so: names, and sizes in SI units.
+    pub(super) fn mistakable(self) -> &'static [(&'static str, f64)] {
+        match self {
+            Self::Angle => &[("deg", PI / 180.0)],
+            Self::AngularRate => &[("deg/s", PI / 180.0), ("rpm", TAU / 60.0)],
+            Self::Time | Self::AngularAcceleration | Self::Length | Self::Speed | Self::Number => {
+                &[]
+            }
+        }
+    }
+
     fn meaning(self) -> &'static str {
         match self {
             Self::Time => "time",

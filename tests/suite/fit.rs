@@ -2,6 +2,7 @@
 
 use crate::support::{Folder, assert_contains};
 use serde_json::Value;
+use std::f64::consts::PI;
 use std::fs;
 use toprise::fit::{Data, Loss, Request, Signal, SignalSpec, Verdict, fit, read, sensitivities};
 use toprise::run::scenario::{Preset, Scenario};
@@ -386,13 +387,71 @@ fn estimated_deviations_without_meaning_describe_nothing() {
             value: 1e20
         })
     );
-    let constant = with_unknown_sigma(data, |_, _| 0.5);
-    let report = fit(&Request::new(truth, constant, &["friction.k"]), &|_| {})
-        .unwrap()
-        .report;
+    // The sensor stands still until shortly before the end, which is held out.
+    let late = with_unknown_sigma(data, |at, v| if at < 170 { 0.5 } else { v });
+    let mut request = Request::new(truth, late, &["friction.k"]);
+    request.holdout = 0.2;
+    let report = fit(&request, &|_| {}).unwrap().report;
     assert_eq!(report.verdict, Verdict::BadFit);
     let oddity = report.signals[0].oddity;
     assert_eq!(oddity, Some(Oddity::Constant { value: 0.5 }));
+}
+
+#[test]
+fn refuses_constant_signals_without_a_standard_deviation() {
+    let truth = preset("full-coulomb");
+    let data = measure(&truth, 100.0, 2.0, &THETA_PHI, Some(3));
+    let constant = with_unknown_sigma(data.clone(), |_, _| 0.5);
+    let mut request = Request::new(truth, constant, &["friction.k", "initial"]);
+    let error = fit(&request, &|_| {}).unwrap_err().to_string();
+    assert_contains(&error, "/top/state.theta: all values are 0.5 rad");
+    // With a standard deviation, they contradict the model or agree with it.
+    request.data = data;
+    request.data.signals[0].values.fill(0.5);
+    let report = fit(&request, &|_| {}).unwrap().report;
+    assert_eq!(report.verdict, Verdict::BadFit);
+}
+
+#[test]
+fn suggests_units_that_data_seem_to_have() {
+    let folder = Folder::new();
+    let fields = [
+        (state::THETA, 1e-3),
+        (state::PHI, 1e-3),
+        (pose::OMEGA_BODY.z(), 0.05),
+    ];
+    let data = measure(&preset("full-coulomb"), 100.0, 2.0, &fields, Some(2));
+    for (name, header, scales, expected) in [
+        (
+            "inclination in degrees",
+            "t,theta,phi",
+            [180.0 / PI, 1.0],
+            "most values of theta are above π (median 27.7",
+        ),
+        (
+            "azimuth in degrees",
+            "t,theta,phi",
+            [1.0, 180.0 / PI],
+            "write that into the header: \"phi (deg)\"",
+        ),
+        (
+            "rate in rpm",
+            "t,theta,gyro_z",
+            [1.0, 30.0 / PI],
+            "write that into the header: \"gyro_z (rpm)\"",
+        ),
+    ] {
+        let second = if header.contains("phi") { 1 } else { 2 };
+        let mut text = format!("{header}\n");
+        for (at, time) in data.signals[0].times.iter().enumerate() {
+            let [a, b] = [0, second].map(|signal| data.signals[signal].values[at]);
+            text += &format!("{time},{},{}\n", a * scales[0], b * scales[1]);
+        }
+        folder.write("data.csv", &text);
+        let line = "fit full-coulomb data.csv --free friction.k,initial";
+        let stderr = folder.toprise(line, 2).stderr;
+        assert!(stderr.contains(expected), "{name}: {stderr}");
+    }
 }
 
 #[test]
