@@ -22,6 +22,7 @@ mod offset;
 mod parameter;
 #[cfg(feature = "sweep")]
 mod parquet_table;
+mod place;
 mod plausibility;
 mod prepare;
 mod profile;
@@ -43,6 +44,7 @@ pub use error::{Contents, DataError, FitError, SignalError};
 pub use model::{Loss, Problem};
 pub use monitor::Progress;
 pub use parameter::{Parameter, Target};
+pub use place::{Place, ValuePlace};
 pub use record::{RecordError, record};
 pub use report::{Report, Verdict};
 pub use request::Request;

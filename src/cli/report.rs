@@ -8,6 +8,8 @@ use super::text::sanitized_json;
 use crate::archive::input::InputError;
 use crate::archive::publish::Draft;
 use crate::archive::sink::SinkError;
+#[cfg(feature = "fit")]
+use crate::fit::FitError;
 use crate::run::scenario::ScenarioError;
 #[cfg(feature = "sweep")]
 use crate::sweep::SweepError;
@@ -49,7 +51,11 @@ pub(super) fn wrong_key(error: &Error) -> Option<&str> {
     error.chain().find_map(|cause| {
         #[cfg(feature = "sweep")]
         if let Some(error) = cause.downcast_ref::<SweepError>() {
-            return error.scenario_error()?.key.as_deref();
+            return error.key();
+        }
+        #[cfg(feature = "fit")]
+        if let Some(error) = cause.downcast_ref::<FitError>() {
+            return error.key();
         }
         // These are transparent: the error of the scenario is no cause of its own in the chain.
         let scenario_error = match cause.downcast_ref::<InputError>() {

@@ -274,7 +274,9 @@ fn flaw(fit: &LawFit) -> String {
         let reduced = fit.quality.chi2 / fit.quality.freedom as f64;
         format!("{law}, which has the lowest BIC, has χ²/ν = {reduced:.2}")
     } else if fit.residual_p_value.is_some_and(|p| p < REJECTED) {
-        format!("the residuals of {law}, which has the lowest BIC, are not white")
+        format!(
+            "the residuals of {law}, which has the lowest BIC, are correlated or have a mean other than zero"
+        )
     } else {
         format!("the standard deviations estimated for {law} have no meaning")
     }

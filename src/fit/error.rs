@@ -1,6 +1,8 @@
 //! Errors of fits.
 
 use super::degeneracy::{Degeneracy, join_clauses, pronoun};
+use super::parameter::is_offset;
+use super::place::{Place, ValuePlace};
 use crate::archive::recording::RecordingError;
 use crate::run::scenario::ScenarioError;
 use crate::run::simulation::SimulationError;
@@ -361,9 +363,10 @@ pub enum FitError {
     },
     /// The data have a gap that is long compared with all of them.
     #[error(
-        "the data have no values from t = {from} to {to} s, and are only {rest} s long without this gap; is a time wrong ({stray} {} {})? Remove {}, or leave {} out with {remedy}",
+        "the data have no values from t = {from} to {to} s, and are only {rest} s long without this gap; is a time wrong ({stray} {} {}{})? Remove {}, or leave {} out with {remedy}",
         if *stray == 1 { "row" } else { "rows" },
         remedy.side(),
+        place.as_ref().map_or_else(String::new, |place| if *stray == 1 { format!(": {place}") } else { format!(", next to it {place}") }),
         pronoun(*stray),
         pronoun(*stray)
     )]
@@ -376,16 +379,18 @@ pub enum FitError {
         rest: f64,
         /// Number of times on the side with fewer of them.
         stray: usize,
+        /// The line of that side that is next to the gap.
+        place: Option<Place>,
         /// Option that leaves that side out.
         remedy: Cut,
     },
     /// A value is too large for a sum of squares.
     #[error(
-        "{field}: the value {value:e} at t = {time} s, with the standard deviation {sigma:e}, is too large to be fitted: remove it"
+        "{place}: the value {value:e} at t = {time} s, with the standard deviation {sigma:e}, is too large to be fitted: remove it"
     )]
     Size {
-        /// The field.
-        field: String,
+        /// The value.
+        place: ValuePlace,
         /// Time of the value, s.
         time: f64,
         /// The value, SI units.
@@ -491,6 +496,38 @@ pub enum FitError {
     /// The optimiser refused its input.
     #[error("the optimiser failed: {0}")]
     Optimiser(&'static str),
+}
+
+impl FitError {
+    /// The key of the scenario that is at fault, if it is a single one.
+    pub fn key(&self) -> Option<&str> {
+        match self {
+            Self::Scenario(error) => error.key.as_deref(),
+            // The offset of a clock is a parameter, but no key.
+            Self::Key { name, .. }
+            | Self::Bounds { name, .. }
+            | Self::NotFree { name }
+            | Self::NoDerivative { name } => Some(name.as_str()).filter(|name| !is_offset(name)),
+            Self::NotIdentifiable { degeneracies } => match &degeneracies[..] {
+                [Degeneracy::Unseen { names }] if names.len() == 1 => Some(&names[0]),
+                _ => None,
+            },
+            Self::Data(_)
+            | Self::UnknownLaw { .. }
+            | Self::NothingFree
+            | Self::OutOfRange { .. }
+            | Self::Gap { .. }
+            | Self::Size { .. }
+            | Self::Inclination { .. }
+            | Self::LikelyUnit { .. }
+            | Self::NoNoise { .. }
+            | Self::NoOverlap { .. }
+            | Self::TooFew { .. }
+            | Self::ModelEnds { .. }
+            | Self::Simulation(_)
+            | Self::Optimiser(_) => None,
+        }
+    }
 }
 
 /// An option that leaves out a part of the data.

@@ -175,6 +175,11 @@ impl Parameter {
     }
 }
 
+/// Whether a parameter is the offset of a clock, by its name.
+pub(super) fn is_offset(name: &str) -> bool {
+    name.starts_with(OFFSET)
+}
+
 /// The error of a key that can't be a parameter.
 fn unfit(key: &Key, reason: &'static str) -> FitError {
     FitError::Key {
@@ -217,7 +222,7 @@ pub(super) fn select(
                 name: name.clone(),
                 reason: "a time offset of all data together and a free start are the same motion; the offset of a second file is fitted without being named",
             });
-        } else if !name.starts_with(OFFSET) {
+        } else if !is_offset(name) {
             // Offsets of further files are always free.
             add(&mut all, name, false, scenario)?;
         }

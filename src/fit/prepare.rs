@@ -2,6 +2,7 @@
 
 use super::error::{Cut, FitError};
 use super::model::Problem;
+use super::place::Place;
 use super::plausibility::check_signals;
 use super::request::Request;
 use super::signal::Signal;
@@ -72,7 +73,7 @@ fn check_values(signals: &[Signal]) -> Result<(), FitError> {
             let size = value.abs().max((value / signal.sigmas[at]).abs());
             if size.is_nan() || size > MAX_SIZE {
                 return Err(FitError::Size {
-                    field: signal.field.to_string(),
+                    place: signal.value_place(at),
                     time: signal.times[at],
                     value: *value,
                     sigma: signal.sigmas[at],
@@ -126,6 +127,7 @@ fn check_gaps(signals: &[Signal], origin: f64, until: Option<f64>) -> Result<(),
         to,
         rest,
         stray: before.min(after),
+        place: find_time(signals, if is_stray_first { from } else { to }),
         remedy: if is_stray_first {
             Cut::Start(to)
         } else {
@@ -133,6 +135,18 @@ fn check_gaps(signals: &[Signal], origin: f64, until: Option<f64>) -> Result<(),
             Cut::Until(rounded(from - origin + usual / 2.0))
         },
     })
+}
+
+/// The line of a time of the first file.
+fn find_time(signals: &[Signal], time: f64) -> Option<Place> {
+    for signal in signals.iter().filter(|signal| signal.file == 0) {
+        // Times are ascending.
+        let at = signal.times.partition_point(|earlier| *earlier < time);
+        if signal.times.get(at) == Some(&time) {
+            return signal.place(at);
+        }
+    }
+    None
 }
 
 /// A time to the microsecond.

@@ -70,6 +70,7 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
                     time,
                     value,
                     sigma: None,
+                    line: 0,
                 }),
                 None => missing += 1,
             }
@@ -80,7 +81,7 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
                 column: spec.source.clone(),
             });
         }
-        signals.push(Signal::new(spec, file, found, missing)?);
+        signals.push(Signal::new(spec, file, found, missing, None)?);
     }
     Ok(Read {
         found: FileSignals {

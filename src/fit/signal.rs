@@ -1,6 +1,7 @@
 //! Measured signals, and their descriptions on the command line.
 
 use super::error::{DataError, SignalError};
+use super::place::{Place, ValuePlace};
 use super::unit::{Dimension, split_number};
 use crate::run::suggestion::suggestion;
 use crate::telemetry::Topic;
@@ -8,6 +9,7 @@ use crate::telemetry::fields::{
     ACCELERATION, CENTER_OF_MASS, FREE_PEG, NumberField, POSE, STATE, pose, state,
 };
 use std::f64::consts::{PI, TAU};
+use std::path::{Path, PathBuf};
 
 /// A measured quantity: values of a field at times.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +32,17 @@ pub struct Signal {
     pub missing: u64,
     /// Rows earlier than the row before them.
     pub out_of_order: u64,
+    /// The lines of the values; `None` for recordings and arrays.
+    pub lines: Option<Lines>,
+}
+
+/// Lines of a text file, or rows of a table.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Lines {
+    /// The file.
+    pub path: PathBuf,
+    /// The line of each value, from 1.
+    pub numbers: Vec<u64>,
 }
 
 /// Standard deviation of a signal, as given by the user.
@@ -155,6 +168,8 @@ pub(super) struct Row {
     pub time: f64,
     pub value: f64,
     pub sigma: Option<f64>,
+    /// The line in the file, from 1; 0 where there are no lines.
+    pub line: u64,
 }
 
 impl Signal {
@@ -192,20 +207,22 @@ impl Signal {
                     time: *time,
                     value: *value,
                     sigma: None,
+                    line: 0,
                 });
             } else {
                 missing += 1;
             }
         }
-        Self::new(&spec, 0, rows, missing)
+        Self::new(&spec, 0, rows, missing, None)
     }
 
-    /// Makes a signal from rows in SI units: sorts them by time and unwraps angles.
+    /// Makes a signal from rows in SI units: sorts them by time and unwraps angles. `path` is that of a file with lines.
     pub(super) fn new(
         spec: &SignalSpec,
         file: usize,
         mut rows: Vec<Row>,
         missing: u64,
+        path: Option<&Path>,
     ) -> Result<Self, DataError> {
         let out_of_order = rows
             .windows(2)
@@ -240,7 +257,29 @@ impl Signal {
             is_sigma_estimated,
             missing,
             out_of_order,
+            lines: path.map(|path| Lines {
+                path: path.to_owned(),
+                numbers: rows.iter().map(|row| row.line).collect(),
+            }),
         })
+    }
+
+    /// The line of a value.
+    pub(super) fn place(&self, at: usize) -> Option<Place> {
+        let lines = self.lines.as_ref()?;
+        Some(Place {
+            path: lines.path.clone(),
+            line: *lines.numbers.get(at)?,
+        })
+    }
+
+    /// A value as an error names it.
+    pub(super) fn value_place(&self, at: usize) -> ValuePlace {
+        ValuePlace {
+            place: self.place(at),
+            column: self.name.clone(),
+            field: self.field.to_string(),
+        }
     }
 
     /// Sets one standard deviation for all values.

@@ -204,7 +204,12 @@ impl Table<'_> {
                 None => None,
             };
             match (self.cell(&times, row)?, self.cell(&values, row)?) {
-                (Some(time), Some(value)) => rows.push(Row { time, value, sigma }),
+                (Some(time), Some(value)) => rows.push(Row {
+                    time,
+                    value,
+                    sigma,
+                    line: self.rows.line(row),
+                }),
                 (Some(_) | None, Some(_) | None) => missing += 1,
             }
         }
@@ -214,7 +219,8 @@ impl Table<'_> {
                 column: spec.source.clone(),
             });
         }
-        Signal::new(spec, file, rows, missing).map_err(|error| error.in_file(self.path))
+        Signal::new(spec, file, rows, missing, Some(self.path))
+            .map_err(|error| error.in_file(self.path))
     }
 
     /// A column in SI units.

@@ -318,6 +318,20 @@ impl SweepError {
         }
     }
 
+    /// The key that is at fault, if it is a single one.
+    pub fn key(&self) -> Option<&str> {
+        match self {
+            Self::Axis { key, .. }
+            | Self::Table {
+                source: TableError::NotANumber { key, .. },
+                ..
+            } => Some(key.path),
+            Self::Spec(SpecError::VariesTwice(key) | SpecError::SetAndVaried(key)) => Some(key),
+            Self::Spec(SpecError::UnquotedKey { key, .. }) => Some(key),
+            other => other.scenario_error()?.key.as_deref(),
+        }
+    }
+
     /// An error for an existing file or directory that can't be used.
     pub(super) fn unusable(path: &Path, problem: FileProblem) -> Self {
         Self::Unusable {

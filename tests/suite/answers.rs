@@ -401,6 +401,8 @@ fn accepts_file_names_that_are_not_utf8() {
 fn json_errors_have_text_and_key() {
     let folder = recorded();
     folder.write("mine.toml", "name = \"mine\"\ngravty = 1.0\n");
+    folder.write("a.csv", "t,theta\n0,0.5\n0.1,0.4\n0.2,0.5\n");
+    folder.write("runs.csv", "friction_k\n0.03\nmuch\n");
     for (line, part, key) in [
         ("info missing.mcap --format json", "missing.mcap", None),
         ("run papr --format json", "papr", None),
@@ -416,6 +418,57 @@ fn json_errors_have_text_and_key() {
             Some("friction.k"),
         ),
         ("explain mine.toml --format json", "gravty", Some("gravty")),
+        (
+            "fit paper a.csv --free friction.q --format json",
+            "friction.q",
+            Some("friction.q"),
+        ),
+        (
+            "fit paper a.csv --free stop.duration --format json",
+            "stop.duration can't be fitted",
+            Some("stop.duration"),
+        ),
+        (
+            "fit paper a.csv --free friction.k --bound friction.k=1..2 --format json",
+            "friction.k: the bounds",
+            Some("friction.k"),
+        ),
+        (
+            "fit paper a.csv --free friction.k --bound gravity=1..20 --format json",
+            "--bound gravity",
+            Some("gravity"),
+        ),
+        (
+            "fit paper a.csv --free friction.k,initial.psi --format json",
+            "no signal depends on initial.psi",
+            Some("initial.psi"),
+        ),
+        // A parameter of the fit, but no key of the scenario.
+        (
+            "fit paper a.csv --free friction.k,offset --format json",
+            "offset can't be fitted",
+            None,
+        ),
+        (
+            "sweep paper --over friction.k=0.01..0.1 -o map.parquet --format json",
+            "friction.k=0.01..0.1",
+            Some("friction.k"),
+        ),
+        (
+            "sweep paper --over friction.k=0,1 --over friction.k=2,3 -o map.parquet --format json",
+            "friction.k varies twice",
+            Some("friction.k"),
+        ),
+        (
+            "sweep paper --over gravity=1,x -o map.parquet --format json",
+            "gravity=1,x",
+            Some("gravity"),
+        ),
+        (
+            "sweep paper --table runs.csv -o map.parquet --format json",
+            "friction.k = \"much\"",
+            Some("friction.k"),
+        ),
     ] {
         let failed = folder.refuses(line, part);
         let answer: Value = serde_json::from_str(&failed.stdout).unwrap();

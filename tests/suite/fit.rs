@@ -742,6 +742,15 @@ fn exit_codes_tell_bad_fits_from_bad_input() {
     folder.write("twice.csv", "t,theta,theta\n0,0.5,0.5\n0.1,0.5,0.5\n");
     folder.write("both.csv", "t,theta,tilt\n0,0.5,0.5\n0.1,0.5,0.5\n");
     folder.write("huge.csv", "t,theta\n0,0.5\n0.1,1e290\n0.2,0.5\n");
+    // The stray row is not the last one of the file.
+    folder.write(
+        "stray.csv",
+        "# camera 2\nt,theta\n0,0.5\n0.1,0.9\n20000,0.1\n0.2,0.2\n0.3,0.7\n",
+    );
+    folder.write(
+        "early.csv",
+        "t,theta\n-9000,0.5\n-8999.9,0.9\n0,0.1\n0.1,0.2\n0.2,0.7\n",
+    );
     let fit = "fit full-coulomb a.csv --free friction.k --signal theta:1mrad";
     folder.toprise(fit, 1);
     for (line, message) in [
@@ -787,7 +796,15 @@ fn exit_codes_tell_bad_fits_from_bad_input() {
         ),
         (
             "fit full-coulomb huge.csv --free friction.k",
-            "/top/state.theta: the value 1e290 at t = 0.1 s",
+            "huge.csv:3: column theta: the value 1e290 at t = 0.1 s",
+        ),
+        (
+            "fit full-coulomb stray.csv --free friction.k",
+            "is a time wrong (1 row after it: stray.csv:5)? Remove it",
+        ),
+        (
+            "fit full-coulomb early.csv --free friction.k",
+            "is a time wrong (2 rows before it, next to it early.csv:3)?",
         ),
         (
             "fit full-coulomb a.csv --free friction.k --scenario a.csv --force",

@@ -104,6 +104,9 @@ fn goodness(quality: &Quality) -> String {
 fn parameters(fit: &Report, all: bool) -> Section {
     let mut section = Section::new("Parameters");
     section.table(estimates(&fit.parameters, all));
+    if let Some(sentence) = explain_limits(&fit.parameters) {
+        section.line(sentence);
+    }
     for correlation in &fit.correlations {
         let [a, b] = &correlation.parameters;
         let value = format_fixed(correlation.correlation, 3);
@@ -112,8 +115,25 @@ fn parameters(fit: &Report, all: bool) -> Section {
     section
 }
 
+/// A sentence on the parameters that have a limit and no estimate.
+fn explain_limits(parameters: &[Estimate]) -> Option<String> {
+    let mut one_sided = Vec::new();
+    for Estimate { name, limit, .. } in parameters {
+        match limit {
+            Some(Limit::Below(_) | Limit::Above(_)) => one_sided.push(name.as_str()),
+            Some(Limit::AtBound | Limit::None) | None => {}
+        }
+    }
+    (!one_sided.is_empty()).then(|| {
+        format!(
+            "{}: a limit and no estimate, because the best value is at a bound or less than two standard deviations above zero.",
+            one_sided.join(", ")
+        )
+    })
+}
+
 fn estimates(parameters: &[Estimate], all: bool) -> Table {
-    let mut header = ["", "estimate ± sd", "95 % interval", "start"].map(str::to_owned);
+    let mut header = ["", "estimate ± sd", "95 % interval", "start value"].map(str::to_owned);
     let mut rows = Vec::new();
     for estimate in parameters {
         let name = match estimate.unit.as_str() {
@@ -127,8 +147,8 @@ fn estimates(parameters: &[Estimate], all: bool) -> Table {
             (Some(_) | None, _) => "–".to_owned(),
         };
         let interval = match (estimate.interval, estimate.limit) {
-            (_, Some(Limit::Below(limit))) => format!("< {}", format_rounded(limit, 3)),
-            (_, Some(Limit::Above(limit))) => format!("> {}", format_rounded(limit, 3)),
+            (_, Some(Limit::Below(limit))) => format!("< {} (95 %)", format_rounded(limit, 3)),
+            (_, Some(Limit::Above(limit))) => format!("> {} (95 %)", format_rounded(limit, 3)),
             (_, Some(Limit::AtBound)) => {
                 format!("at its bound, {}", format_rounded(estimate.value, 3))
             }
@@ -162,9 +182,9 @@ fn signals(signals: &[SignalReport]) -> Section {
     let has_held_out = signals.iter().any(|signal| signal.held_out_samples > 0);
     let mut header = vec!["", "samples", "σ", "RMS/σ"];
     if has_held_out {
-        header.push("held out");
+        header.push("held-out RMS/σ");
     }
-    header.extend(["white", ""]);
+    header.extend(["uncorrelated", ""]);
     let mut rows = Vec::new();
     for signal in signals {
         let given = if signal.is_sigma_estimated {
@@ -278,7 +298,7 @@ fn laws(fit: &Report, comparison: &Comparison) -> Section {
     let has_estimated_sigma = fit.signals.iter().any(|signal| signal.is_sigma_estimated);
     // χ²/ν says nothing where each law has its own estimate of σ: σ does.
     let size = if has_estimated_sigma { "σ" } else { "χ²/ν" };
-    let mut header = vec!["", "parameters", size, "p", "white", "ΔAIC", "ΔBIC"];
+    let mut header = vec!["", "parameters", size, "p", "uncorrelated", "ΔAIC", "ΔBIC"];
     if has_held_out {
         header.push("held out RMS/σ");
     }

@@ -13,16 +13,22 @@ const REJECTED: f64 = 1e-3;
 pub(super) fn losses(signal: &SignalReport) -> String {
     let mut losses = Vec::new();
     if signal.missing > 0 {
-        losses.push(format!("{} missing", format_integer(signal.missing)));
+        losses.push(format!(
+            "{} without a value",
+            format_integer(signal.missing)
+        ));
     }
     if signal.out_of_order > 0 {
         losses.push(format!(
-            "{} out of order",
+            "{} earlier than the row before",
             format_integer(signal.out_of_order)
         ));
     }
     if signal.outside > 0 {
-        losses.push(format!("{} outside", format_integer(signal.outside as u64)));
+        losses.push(format!(
+            "{} outside the fitted time",
+            format_integer(signal.outside as u64)
+        ));
     }
     if signal.outliers > 0 {
         losses.push(format!(
