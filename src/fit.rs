@@ -6,6 +6,7 @@
 mod cell;
 mod compare;
 mod data;
+mod data_error;
 mod degeneracy;
 mod error;
 mod estimate;
@@ -39,8 +40,9 @@ mod text_table;
 mod unit;
 
 pub use data::{Data, read};
+pub use data_error::{Contents, DataError, SignalError};
 pub use degeneracy::{Combination, Degeneracy};
-pub use error::{Contents, DataError, FitError, SignalError};
+pub use error::FitError;
 pub use model::{Loss, Problem};
 pub use monitor::Progress;
 pub use parameter::{Parameter, Target};
@@ -48,7 +50,7 @@ pub use place::{Place, ValuePlace};
 pub use record::{RecordError, record};
 pub use report::{Report, Verdict};
 pub use request::Request;
-pub use signal::{Signal, SignalSpec};
+pub use signal::{Lines, Signal, SignalSpec};
 
 use crate::run::scenario::Scenario;
 use crate::telemetry::fields::NumberField;

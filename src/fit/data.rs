@@ -1,6 +1,8 @@
 //! Measured data from files.
 
-use super::error::{Contents, DataError};
+use super::data_error::{Contents, DataError};
+#[cfg(not(feature = "sweep"))]
+use super::signal::FileSignals;
 use super::signal::{Signal, SignalSpec};
 use super::{recorded, text_table};
 use crate::archive::publish::is_same_file;
@@ -41,13 +43,6 @@ impl Data {
         }
         last - self.origin()
     }
-}
-
-/// The signals that were found in a file.
-pub(super) struct FileSignals {
-    pub signals: Vec<Signal>,
-    /// Names of all columns, or topics.
-    pub known: Vec<String>,
 }
 
 /// Reads the signals of files. Each of `specs` must be in at least one of them. `time` is the name of the columns of times.

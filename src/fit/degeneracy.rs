@@ -20,6 +20,8 @@ pub enum Degeneracy {
         combination: Combination,
         /// Whether motions with the same combination are the same, and not only similar in these data.
         is_exact: bool,
+        /// Δχ² at which 1 % more of the first parameter is compensated by the second; `None` if not computed.
+        delta_chi2: Option<f64>,
     },
     /// These parameters can change together in one way.
     Together {
@@ -63,6 +65,7 @@ impl Display for Degeneracy {
                 symbols: [first, second],
                 combination,
                 is_exact,
+                delta_chi2,
             } => {
                 match combination {
                     Combination::Product | Combination::Quotient if !is_exact => {
@@ -73,8 +76,16 @@ impl Display for Degeneracy {
                         };
                         write!(
                             f,
-                            "these data determine {first}{sign}{second} so much better than {first} and {second} that they can't be told apart"
-                        )
+                            "these data determine {first}{sign}{second} so much better than {first} and {second} that the derivatives of a fit can't tell them apart"
+                        )?;
+                        // The data may well tell them apart: by how much, the user should know.
+                        match delta_chi2 {
+                            Some(delta) => write!(
+                                f,
+                                " (χ² differs by {delta:.1e} if {first} changes by 1 % and {first}{sign}{second} does not)"
+                            ),
+                            None => Ok(()),
+                        }
                     }
                     Combination::Product => write!(
                         f,

@@ -87,10 +87,13 @@ pub(super) fn identify(
                 names,
                 combination,
                 is_exact,
+                delta_chi2,
                 ..
             } = degeneracy
             {
-                *is_exact = is_same_motion(problem, &points, &predicted, names, *combination);
+                let compared = compare_motions(problem, &points, &predicted, names, *combination);
+                *is_exact = compared.is_some_and(Effects::are_of_one_motion);
+                *delta_chi2 = compared.map(|effects| effects.together * effects.together);
             }
         }
         return Err(FitError::NotIdentifiable { degeneracies });
@@ -257,23 +260,39 @@ fn degeneracies(parameters: &[Parameter], gram: &ScaledGram) -> Vec<Degeneracy> 
     }
 }
 
-/// Whether the motion stays the same if two parameters change and their combination doesn't.
-fn is_same_motion(
+/// Effects of a change of two parameters by 1 %, in standard deviations.
+#[derive(Clone, Copy, Debug)]
+struct Effects {
+    /// The first parameter alone.
+    alone: f64,
+    /// Both, so that their combination stays the same.
+    together: f64,
+}
+
+impl Effects {
+    /// Whether the motion stays the same if the combination does.
+    fn are_of_one_motion(self) -> bool {
+        /// Part of the effect of one parameter alone that is an error of the simulation: it is 1e-9 or less after a
+        /// minute, and the effect about 1e-2.
+        const SAME: f64 = 1e-6;
+        self.together < SAME * self.alone
+    }
+}
+
+/// Changes one parameter, then two whose combination stays the same. `None` if such motions can't be computed.
+fn compare_motions(
     problem: &Problem,
     points: &[Point],
     predicted: &[f64],
     names: &[String; 2],
     combination: Combination,
-) -> bool {
+) -> Option<Effects> {
     /// A change whose effect is more than linear.
     const FACTOR: f64 = 1.01;
-    /// Part of the effect of one parameter alone that is an error of the simulation: it is 1e-9 or less after a minute,
-    /// and the effect about 1e-2.
-    const SAME: f64 = 1e-6;
     let other = match combination {
         Combination::Product => 1.0 / FACTOR,
         Combination::Quotient => FACTOR,
-        Combination::Other => return false,
+        Combination::Other => return None,
     };
     let mut alone = problem.start();
     let mut together = problem.start();
@@ -285,11 +304,10 @@ fn is_same_motion(
             together[at] *= other;
         }
     }
-    match [alone, together].map(|values| effect(problem, points, predicted, &values)) {
-        [Some(alone), Some(together)] => together < SAME * alone,
-        // No such motion can be computed.
-        [Some(_) | None, Some(_) | None] => false,
-    }
+    Some(Effects {
+        alone: effect(problem, points, predicted, &alone)?,
+        together: effect(problem, points, predicted, &together)?,
+    })
 }
 
 /// The size of the difference between a motion and the predicted one, in standard deviations.
@@ -336,6 +354,7 @@ fn degeneracy(parameters: &[Parameter], changes: &[f64]) -> Degeneracy {
                 symbols: [a.symbol(), b.symbol()],
                 // The direction is that of small changes.
                 is_exact: false,
+                delta_chi2: None,
                 combination: if (power - 1.0).abs() < SAME_POWER {
                     Combination::Product
                 } else if (power + 1.0).abs() < SAME_POWER {

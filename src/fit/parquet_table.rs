@@ -1,8 +1,7 @@
 //! Tables of measured values in Parquet files.
 
-use super::data::FileSignals;
-use super::error::{DataError, ParquetError};
-use super::signal::SignalSpec;
+use super::data_error::{DataError, ParquetError};
+use super::signal::{FileSignals, SignalSpec};
 use super::table::{MAX_ROWS, Rows, Table, is_needed};
 use crate::archive::caught::catch;
 use crate::archive::input::open_file;

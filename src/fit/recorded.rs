@@ -1,8 +1,7 @@
 //! Measured values from MCAP files: recordings of toprise, and JSON messages of other software.
 
-use super::data::FileSignals;
-use super::error::{DataError, SignalError};
-use super::signal::{Row, SigmaSpec, Signal, SignalSpec};
+use super::data_error::{DataError, SignalError};
+use super::signal::{FileSignals, Row, SigmaSpec, Signal, SignalSpec};
 use super::table::MAX_ROWS;
 use crate::archive::recording::{Condition, FileChannel, Recording, Selection};
 use crate::run::time::seconds;

@@ -1,6 +1,6 @@
 //! Measured signals, and their descriptions on the command line.
 
-use super::error::{DataError, SignalError};
+use super::data_error::{DataError, SignalError};
 use super::place::{Place, ValuePlace};
 use super::unit::{Dimension, split_number};
 use crate::run::suggestion::suggestion;
@@ -43,6 +43,13 @@ pub struct Lines {
     pub path: PathBuf,
     /// The line of each value, from 1.
     pub numbers: Vec<u64>,
+}
+
+/// The signals that were found in a file.
+pub(super) struct FileSignals {
+    pub signals: Vec<Signal>,
+    /// Names of all columns, or topics.
+    pub known: Vec<String>,
 }
 
 /// Standard deviation of a signal, as given by the user.

@@ -1,9 +1,8 @@
 //! Tables of measured values: their columns as signals.
 
 use super::cell;
-use super::data::FileSignals;
-use super::error::DataError;
-use super::signal::{Row, SigmaSpec, Signal, SignalSpec};
+use super::data_error::DataError;
+use super::signal::{FileSignals, Row, SigmaSpec, Signal, SignalSpec};
 use super::unit::{Dimension, split_header};
 use std::path::Path;
 

@@ -1,9 +1,8 @@
 //! Text tables: CSV as video trackers, phones, loggers and spreadsheets write it.
 
 use super::cell::{is_missing, parse_number};
-use super::data::FileSignals;
-use super::error::DataError;
-use super::signal::SignalSpec;
+use super::data_error::DataError;
+use super::signal::{FileSignals, SignalSpec};
 use super::table::{Line, MAX_ROWS, MAX_SHOWN, Rows, Table};
 use super::unit::is_unit;
 use crate::archive::input::read_file;

@@ -1,6 +1,6 @@
 //! Units of measured columns.
 
-use super::error::DataError;
+use super::data_error::DataError;
 use std::f64::consts::{PI, TAU};
 
 /// What a column measures, as far as units are concerned.

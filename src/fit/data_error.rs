@@ -1,0 +1,307 @@
+//! Errors of measured data.
+
+use crate::archive::recording::RecordingError;
+use crate::telemetry::fields::state;
+use std::io;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Error of reading measured data.
+#[derive(Debug, Error)]
+pub enum DataError {
+    /// The file can't be read.
+    #[error("cannot read {}: {reason}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The system error.
+        #[source]
+        reason: io::Error,
+    },
+    /// The recording can't be read.
+    #[error("{}: {reason}", path.display())]
+    Recording {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        #[source]
+        reason: RecordingError,
+    },
+    /// The Parquet file can't be read.
+    #[cfg(feature = "sweep")]
+    #[error("{}: {reason}", path.display())]
+    Parquet {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        #[source]
+        reason: ParquetError,
+    },
+    /// This build can't read Parquet files.
+    #[error("{}: this build can't read Parquet files (its feature `sweep` is off): convert it to CSV", path.display())]
+    NoParquet {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file has no rows of numbers.
+    #[error("{}: no rows of numbers{}", path.display(), refused.as_ref().map_or_else(String::new, |(line, text)| format!("; line {line}: {text:?} is not a number")))]
+    Empty {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1, and text of a cell that should be a number, if there is one.
+        refused: Option<(u64, String)>,
+    },
+    /// A row has more cells than there are columns.
+    #[error("{}:{line}: {cells} cells, but {columns} columns{}", path.display(), if *has_commas { "; if numbers have decimal commas, separate the columns with semicolons or tabs" } else { "" })]
+    Width {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: u64,
+        /// Number of cells of the row.
+        cells: usize,
+        /// Number of columns.
+        columns: usize,
+        /// Whether commas separate the columns.
+        has_commas: bool,
+    },
+    /// An error in a file.
+    #[error("{}: {reason}", path.display())]
+    InFile {
+        /// The file.
+        path: PathBuf,
+        /// The error.
+        #[source]
+        reason: Box<DataError>,
+    },
+    /// The file is too large.
+    #[error("{}: more than {limit} rows: thin out the data", path.display())]
+    TooLong {
+        /// The file.
+        path: PathBuf,
+        /// Maximum number of rows.
+        limit: usize,
+    },
+    /// The file is too large to be held in memory.
+    #[error("{}: larger than {} MB: thin out the data", path.display(), limit >> 20)]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Maximum size, bytes.
+        limit: u64,
+    },
+    /// There is no such column or topic.
+    #[error("{}: no {what} {name}; there {}", path.display(), listed(known))]
+    Missing {
+        /// The file.
+        path: PathBuf,
+        /// What is missing: a column, topic or field.
+        what: &'static str,
+        /// Name of the missing column, topic or field.
+        name: String,
+        /// What the file has instead.
+        known: Vec<String>,
+    },
+    /// A signal is in none of the files.
+    #[error("{}", not_found(source_name, files))]
+    NotFound {
+        /// Column of the signal, or topic and path.
+        source_name: String,
+        /// The files.
+        files: Vec<Contents>,
+    },
+    /// A file has none of the signals.
+    #[error("{}: none of the signals is in this file: leave it out, or name its signals with --signal; there {}", .0.path.display(), listed(&.0.known))]
+    UnusedFile(Contents),
+    /// No column has the name of a field.
+    #[error("{}: no column is named like a field of the top; name the columns with --signal, e.g. --signal theta={}; columns: {}", path.display(), quoted(columns.last()), columns.join(", "))]
+    NoSignals {
+        /// The file.
+        path: PathBuf,
+        /// The columns of the file.
+        columns: Vec<String>,
+    },
+    /// A recording has all fields: some must be chosen.
+    #[error("{}: choose the fields to fit, e.g. --signal {}:1mrad", path.display(), state::THETA)]
+    ChooseSignals {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A cell is not a number.
+    #[error("{}:{line}: column {column}: {text:?} is not a number", path.display())]
+    NotANumber {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: u64,
+        /// Column.
+        column: String,
+        /// The text.
+        text: String,
+    },
+    /// A standard deviation is not positive.
+    #[error("{}:{line}: column {column}: the standard deviation {value} is not positive", path.display())]
+    Sigma {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: u64,
+        /// Column.
+        column: String,
+        /// The value.
+        value: f64,
+    },
+    /// A unit is unknown or does not suit the field.
+    #[error("column {column}: {unit:?} is not a unit of {quantity}; allowed: {}", allowed.join(", "))]
+    Unit {
+        /// Column.
+        column: String,
+        /// The unit.
+        unit: String,
+        /// What is measured.
+        quantity: &'static str,
+        /// Allowed units.
+        allowed: Vec<&'static str>,
+    },
+    /// A signal can't be parsed.
+    #[error("--signal {text}: {reason}; write FIELD=COLUMN:SIGMA, e.g. theta=\"tilt (deg)\":2mrad")]
+    Signal {
+        /// The argument.
+        text: String,
+        /// The reason.
+        reason: SignalError,
+    },
+    /// A name stands for several columns.
+    #[error("{}: several columns are called {name}: rename them", path.display())]
+    Ambiguous {
+        /// The file.
+        path: PathBuf,
+        /// The name.
+        name: String,
+    },
+    /// A column would count twice.
+    #[error("{}: {source_name} is read twice as a signal: each value may count only once", path.display())]
+    Duplicate {
+        /// The file.
+        path: PathBuf,
+        /// Column of the signal, or topic and path.
+        source_name: String,
+    },
+    /// Columns that were found by their names measure the same field.
+    #[error("{}: the columns {} and {} both measure {field}: choose with --signal", path.display(), columns[0], columns[1])]
+    SameField {
+        /// The file.
+        path: PathBuf,
+        /// The field.
+        field: String,
+        /// The columns.
+        columns: [String; 2],
+    },
+    /// A file is given twice.
+    #[error("{} is given twice: each value may count only once", path.display())]
+    SameFile {
+        /// The file.
+        path: PathBuf,
+    },
+    /// All values of a signal are missing.
+    #[error("{}: column {column} has no values", path.display())]
+    NoValues {
+        /// The file.
+        path: PathBuf,
+        /// Column.
+        column: String,
+    },
+}
+
+impl DataError {
+    /// Adds the file to an error that is found where only a column is known.
+    pub(super) fn in_file(self, path: &Path) -> Self {
+        Self::InFile {
+            path: path.to_owned(),
+            reason: Box::new(self),
+        }
+    }
+}
+
+/// What a file of data has.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Contents {
+    /// The file.
+    pub path: PathBuf,
+    /// Names of the columns that can be read, or of the topics.
+    pub known: Vec<String>,
+}
+
+/// Names with their verb: "are: t, theta".
+fn listed(names: &[String]) -> String {
+    let verb = if names.len() == 1 { "is" } else { "are" };
+    format!("{verb}: {}", names.join(", "))
+}
+
+/// A sentence about a signal that is in none of the files.
+fn not_found(name: &str, files: &[Contents]) -> String {
+    if let [file] = files {
+        let path = file.path.display();
+        return format!(
+            "{path}: no column or topic {name}; there {}",
+            listed(&file.known)
+        );
+    }
+    let mut sentence = format!("no column or topic {name} in any file");
+    for file in files {
+        let path = file.path.display();
+        sentence += &format!("; in {path} there {}", listed(&file.known));
+    }
+    sentence
+}
+
+/// Reason why a Parquet file can't be read.
+#[cfg(feature = "sweep")]
+#[derive(Debug, Error)]
+pub enum ParquetError {
+    /// The file is damaged, or no Parquet file.
+    #[error("the file is damaged")]
+    Damaged,
+    /// The file has too many rows to be held in memory.
+    #[error("more than {limit} rows: thin out the data")]
+    TooLong {
+        /// Maximum number of rows.
+        limit: usize,
+    },
+    /// The file can't be decoded.
+    #[error(transparent)]
+    Parquet(#[from] parquet::errors::ParquetError),
+    /// A column can't be converted.
+    #[error(transparent)]
+    Arrow(#[from] arrow_schema::ArrowError),
+}
+
+/// Reason why the description of a signal can't be used.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SignalError {
+    /// There is no such field.
+    #[error("unknown field {name}; fields: {known}")]
+    UnknownField {
+        /// The name that no field has.
+        name: String,
+        /// The fields that can be measured.
+        known: String,
+    },
+    /// The standard deviation is not positive.
+    #[error("the standard deviation {0} is not a positive number")]
+    Sigma(String),
+    /// A name is empty.
+    #[error("a name is empty")]
+    Empty,
+}
+
+/// A name in quotes for an example on the command line.
+fn quoted(name: Option<&String>) -> String {
+    match name {
+        Some(name) if name.contains(|c: char| !c.is_ascii_alphanumeric() && c != '_') => {
+            format!("\"{name}\"")
+        }
+        Some(name) => name.clone(),
+        None => "COLUMN".to_owned(),
+    }
+}
