@@ -25,6 +25,7 @@ mod output;
 mod pair;
 mod palette;
 mod plots;
+mod preview;
 mod properties;
 mod role;
 mod rrd;

@@ -69,7 +69,7 @@ impl Comparison {
             log_stage(&geometry, output);
         }
         let runs = Side::BOTH.map(|side| {
-            let run = identity.with_common_scales(side);
+            let run = identity.with_common_scale(side);
             Entities::new(&run, &identity.role(side), output)
         });
         let comparison = Self {

@@ -82,11 +82,12 @@ impl PairIdentity {
         })
     }
 
-    /// A run whose arrows have the same scales as those of the other.
-    pub(super) fn with_common_scales(&self, side: Side) -> Identity {
+    /// A run whose friction forces are drawn to the same scale as those of the other; a comparison has no other arrows.
+    pub(super) fn with_common_scale(&self, side: Side) -> Identity {
         let mut run = self.run(side).clone();
         // Lengths of arrows are compared by eye.
-        run.geometry.scales = self.a.geometry.scales.common(&self.b.geometry.scales);
+        let [a, b] = [&self.a, &self.b].map(|run| run.geometry.scales);
+        run.geometry.scales.force = a.common_force(&b);
         run
     }
 

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::preview::Preview;
 use crate::physics::kinematics::Tilt;
 use crate::physics::math;
 use crate::physics::top::Top;
@@ -10,17 +11,24 @@ use crate::telemetry::proportions::Proportions;
 
 /// Maximum length of an arrow, in heights of the top: from every side of the top, the tip and its label are in the view.
 const MAX_LENGTH: f64 = 1.25;
-/// Maximum length at the start of arrows of a fixed peg and of a free one, whose normal force can double as it nutates.
-const MAX_START_FIXED: f64 = 1.15;
-const MAX_START_FREE: f64 = 0.5 * MAX_START_FIXED;
+/// Lengths of the arrow for the usual magnitude of a quantity, in heights of the top. Their ratio is greater than that of
+/// neighbours in the series 1, 2, 5, so that each magnitude has a scale.
+const MAX_USUAL: f64 = 1.15;
+const MIN_USUAL: f64 = 0.25;
 /// Ratio between the longest and the nominal length of an arrow whose scale is rounded to the nearest of 1, 2 and 5.
 const ROUNDING: f64 = 1.582;
+/// Ratios of the usual magnitude to that at the start which a scale follows. Friction that fades further is to be seen as
+/// faded; a torque that grows further, because a law has only some of its components, is cut off.
+const FOLLOWED: [f64; 2] = [1e-3, 2.0];
+
+/// Magnitudes below this fraction of that which the digit of a scale follows from are rounding errors.
+const ROUNDING_ERROR: f64 = 1e-9;
 
 /// Quantity per metre of arrow, a round number: 1, 2 or 5 × 10^n; 0 if not drawn.
 ///
 /// The digit follows from the top alone: from the weight M g, the torques M g l and M g R, and the speed √(2g × height).
-/// Only the power of ten depends on the run. Friction that is 1.5 times as strong is therefore drawn 1.5 times as long,
-/// also in another run of the same top, unless a power of ten lies between them.
+/// Only the power of ten depends on the run, unless arrows of that scale would be too short to see. Friction that is 1.5
+/// times as strong is therefore mostly drawn 1.5 times as long, also in another run of the same top.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scales {
     /// Slip velocity, m/s.
@@ -33,6 +41,8 @@ pub struct Scales {
     pub friction_torque: f64,
     /// Angular momentum, N m s.
     pub momentum: f64,
+    /// Friction force per metre at which the usual force is drawn in the greatest length, N/m: not rounded; 0 if not drawn.
+    pub min_force: f64,
 }
 
 impl Scales {
@@ -40,40 +50,48 @@ impl Scales {
     pub(super) fn new(scenario: &Scenario) -> Self {
         let top = &scenario.model.top;
         let height = Proportions::new(top).size();
-        let nominal = MAX_LENGTH / ROUNDING * height;
         let tilt = Tilt::from_rates(scenario.angles.theta, scenario.rates);
-        // A top that starts without slip may slip as fast as its peg turns.
-        let slip = match scenario.slip_speed_at_start() {
-            0.0 => top.peg_radius * tilt.omega_lean.norm(),
-            speed => speed,
-        };
         let weight = top.weight();
-        let longest = if scenario.model.support.is_free() {
-            MAX_START_FREE * height
-        } else {
-            MAX_START_FIXED * height
-        };
-        let reference = MAX_START_FIXED * height;
+        let preview = Preview::new(scenario);
+        let slip = followed(preview.slip, scenario.slip_speed_at_start());
+        let force = followed(preview.force, scenario.force_scale());
+        let friction_torque = followed(preview.friction_torque, scenario.torque_scale());
+        let longest = MAX_USUAL * height;
         let speed = (2.0 * top.gravity * height).sqrt();
-        let torque = weight * top.peg_radius;
+        let nominal = MAX_LENGTH / ROUNDING * height;
+        let force_scale = scale(weight / longest, force, height);
         Self {
-            slip: decade(speed / reference, slip, longest),
-            force: decade(weight / reference, scenario.force_scale(), longest),
-            gravity_torque: round(top.gravity_moment().abs() / nominal),
-            friction_torque: decade(torque / reference, scenario.torque_scale(), longest),
+            slip: scale(speed / longest, slip, height),
+            force: force_scale,
+            gravity_torque: scale(
+                top.gravity_moment().abs() / nominal,
+                preview.gravity_torque,
+                height,
+            ),
+            friction_torque: scale(weight * top.peg_radius / longest, friction_torque, height),
             momentum: round(momentum(top, &tilt) / nominal),
+            min_force: if force_scale > 0.0 {
+                force / longest
+            } else {
+                0.0
+            },
         }
     }
 
-    /// The larger scale of two runs.
-    pub(super) fn common(&self, other: &Self) -> Self {
-        Self {
-            slip: self.slip.max(other.slip),
-            force: self.force.max(other.force),
-            gravity_torque: self.gravity_torque.max(other.gravity_torque),
-            friction_torque: self.friction_torque.max(other.friction_torque),
-            momentum: self.momentum.max(other.momentum),
-        }
+    /// The scale of friction forces for two runs in one picture: the smallest round number at which the usual forces of
+    /// both fit the view.
+    pub(super) fn common_force(&self, other: &Self) -> f64 {
+        round_up(self.min_force.max(other.min_force))
+    }
+}
+
+/// The usual magnitude of a quantity in a run, as far as a scale follows it, given the magnitude at the start.
+fn followed(usual: f64, start: f64) -> f64 {
+    if start > 0.0 {
+        let [least, greatest] = FOLLOWED.map(|ratio| ratio * start);
+        usual.clamp(least, greatest)
+    } else {
+        usual
     }
 }
 
@@ -90,11 +108,32 @@ pub(super) fn max_length(height: f64) -> f64 {
     MAX_LENGTH * height
 }
 
-/// A scale whose digit is that of a `reference` scale, and whose power of ten is the smallest that draws the quantity at
-/// the `start` of the run no longer than `longest`, m.
-fn decade(reference: f64, start: f64, longest: f64) -> f64 {
+/// The scale for a quantity with a `usual` magnitude. Its digit is that of a `reference` scale, and its power of ten the
+/// smallest that draws the quantity short enough; if that is too short, the next smaller round number that is not. 0 for
+/// rounding errors, such as the slip of a top that rolls all the time.
+fn scale(reference: f64, usual: f64, height: f64) -> f64 {
+    if usual <= ROUNDING_ERROR * reference * height {
+        return 0.0;
+    }
     let scale = round(reference);
-    round_by(scale, math::log10(start / (scale * longest)).ceil())
+    let decades = math::log10(usual / (scale * MAX_USUAL * height)).ceil();
+    let mut scale = round_by(scale, decades);
+    while usual < MIN_USUAL * height * scale {
+        // The one before it in the series: the nearest to a half.
+        scale = round(scale / 2.0);
+    }
+    scale
+}
+
+/// The smallest of 1, 2 and 5 times a power of ten that is not less than a value.
+fn round_up(value: f64) -> f64 {
+    let nearest = round(value);
+    if nearest < value {
+        // The next one in the series: 2, 4 and 10 are nearest to 2, 5 and 10.
+        round(2.0 * nearest)
+    } else {
+        nearest
+    }
 }
 
 /// The nearest of 1, 2 and 5 times a power of ten; 0 for what is neither positive nor finite.
@@ -160,14 +199,58 @@ mod tests {
     }
 
     #[test]
-    fn friction_scale_is_common_within_a_decade() {
+    fn friction_scale_is_common_to_runs_of_a_top() {
         let paper = scales("paper", "friction.k", "0.03");
-        assert_eq!(scales("paper", "friction.k", "0.06"), paper);
-        assert_eq!(scales("full-coulomb", "friction.k", "0.03"), paper);
+        for (preset, k) in [
+            ("paper", "0.06"),
+            ("paper", "0.07"),
+            ("full-coulomb", "0.03"),
+        ] {
+            let other = scales(preset, "friction.k", k);
+            assert_eq!(other.force, paper.force, "{preset}, k = {k}");
+            assert_eq!(
+                other.friction_torque, paper.friction_torque,
+                "{preset}, k = {k}"
+            );
+            assert_eq!(
+                other.gravity_torque, paper.gravity_torque,
+                "{preset}, k = {k}"
+            );
+        }
         let tenfold = scales("paper", "friction.k", "0.3");
         assert!((tenfold.force / paper.force - 10.0).abs() < 1e-12);
-        assert_eq!(tenfold.gravity_torque, paper.gravity_torque);
         assert_eq!(scales("frictionless", "stop.duration", "1").force, 0.0);
+    }
+
+    #[test]
+    fn common_scale_fits_the_stronger_friction() {
+        let [weak, strong] = ["0.03", "0.3"].map(|k| scales("paper", "friction.k", k));
+        let common = weak.common_force(&strong);
+        assert_eq!(common, strong.common_force(&weak));
+        assert!(common >= strong.min_force && common < 2.5 * strong.min_force);
+    }
+
+    #[test]
+    fn rounding_errors_have_no_scale() {
+        assert_eq!(scale(1.0, 1e-12, 0.05), 0.0);
+        assert_eq!(scale(0.0, 1e-12, 0.05), 0.0);
+        assert!(scale(1.0, 1e-6, 0.05) > 0.0);
+    }
+
+    #[test]
+    fn rounds_up_to_the_next_of_the_series() {
+        for (value, expected) in [
+            (1.0, 1.0),
+            (1.1, 2.0),
+            (1.9, 2.0),
+            (2.1, 5.0),
+            (4.9, 5.0),
+            (5.1, 10.0),
+            (0.011, 0.02),
+            (0.0, 0.0),
+        ] {
+            assert_eq!(round_up(value), expected, "{value}");
+        }
     }
 
     #[test]
@@ -181,6 +264,7 @@ mod tests {
                 gravity_torque,
                 friction_torque,
                 momentum,
+                min_force: _,
             } = scales;
             for scale in [slip, force, gravity_torque, friction_torque, momentum] {
                 let digits = format!("{scale:e}");

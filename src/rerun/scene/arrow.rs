@@ -258,34 +258,80 @@ fn label_columns(rows: &[Option<[f32; 3]>]) -> Columns {
 mod tests {
     use super::*;
     use crate::rerun::identity::Playback;
-    use crate::run::scenario::{PRESETS, Scenario};
+    use crate::run::scenario::{PRESETS, Preset, Scenario};
     use crate::run::simulation::Simulation;
     use crate::telemetry::{Telemetry, Topic, Topics};
 
-    /// The longest of each arrow in a run, in heights of the top and before it is cut, in the order of [`drawn`].
-    fn longest(identity: &Identity, scenario: &Scenario) -> Vec<(&'static str, f64)> {
-        let height = Proportions::new(&identity.geometry.top).size();
-        let mut lengths: Vec<_> = drawn(identity, &Role::Alone)
-            .into_iter()
-            .map(|drawn| (drawn, 0.0_f64))
-            .collect();
-        let mut telemetry = Telemetry::with_topics(&Topics::All);
-        for record in Simulation::new(scenario).unwrap() {
-            let all = telemetry.messages(&record.unwrap(), |message| {
-                for (DrawnKind { kind, scale, .. }, longest) in &mut lengths {
-                    if kind.vector.topic() == message.topic() {
-                        let length = kind.vector.of(message).norm() / *scale;
-                        *longest = longest.max(length / height);
+    /// An arrow of a run.
+    struct Drawn {
+        name: &'static str,
+        vector: VectorField,
+        /// Quantity per metre.
+        scale: f64,
+        /// The magnitudes of the samples.
+        magnitudes: Vec<f64>,
+    }
+
+    /// A run of a preset, and its arrows.
+    struct Run {
+        name: &'static str,
+        identity: Identity,
+        height: f64,
+        arrows: Vec<Drawn>,
+    }
+
+    impl Run {
+        fn new(name: &'static str, scenario: &Scenario) -> Self {
+            let topics = Topic::all_with(scenario.model.support).collect();
+            let identity = Identity::new("test", scenario, topics, Playback::FromStart);
+            let mut arrows: Vec<_> = drawn(&identity, &Role::Alone)
+                .into_iter()
+                .map(|DrawnKind { kind, scale, .. }| Drawn {
+                    name: kind.name,
+                    vector: kind.vector,
+                    scale,
+                    magnitudes: Vec::new(),
+                })
+                .collect();
+            let mut telemetry = Telemetry::with_topics(&Topics::All);
+            for record in Simulation::new(scenario).unwrap() {
+                let all = telemetry.messages(&record.unwrap(), |message| {
+                    for arrow in &mut arrows {
+                        if arrow.vector.topic() == message.topic() {
+                            arrow.magnitudes.push(arrow.vector.of(message).norm());
+                        }
                     }
-                }
-                Ok::<_, crate::telemetry::TelemetryError>(())
-            });
-            all.unwrap();
+                    Ok::<_, crate::telemetry::TelemetryError>(())
+                });
+                all.unwrap();
+            }
+            Self {
+                name,
+                height: Proportions::new(&identity.geometry.top).size(),
+                identity,
+                arrows,
+            }
         }
-        lengths
-            .iter()
-            .map(|(drawn, longest)| (drawn.kind.name, *longest))
-            .collect()
+
+        /// The greatest length of an arrow with this scale, in heights of the top, and the share of the samples in which
+        /// it is cut off.
+        fn lengths(&self, arrow: &Drawn, scale: f64) -> (f64, f64) {
+            let lengths = arrow.magnitudes.iter().map(|m| m / scale / self.height);
+            let cut = lengths.clone().filter(|l| *l > scale::max_length(1.0));
+            let share = cut.count() as f64 / arrow.magnitudes.len() as f64;
+            (lengths.fold(0.0, f64::max), share)
+        }
+    }
+
+    fn preset(name: &'static str) -> Run {
+        let mut values = Preset::find(name).unwrap().values().unwrap();
+        // Other times than those from which the scales follow.
+        values.set("sampling.period", "0.0037").unwrap();
+        Run::new(name, &Scenario::new(values).unwrap())
+    }
+
+    fn presets() -> Vec<Run> {
+        PRESETS.iter().map(|found| preset(&found.name)).collect()
     }
 
     /// Arrows that outgrow the view in a preset: friction without the precession's term drives the precession.
@@ -294,33 +340,57 @@ mod tests {
         ("paper-precession-term-only", "angular momentum"),
     ];
 
-    /// Arrows that are too short for a label all the time: the scale of the gravity torque is that of a top that may
-    /// invert, and this one stays almost upright.
-    const SHORT: [(&str, &str); 1] = [("tippe-top-hangs", "gravity torque")];
+    /// Length of an arrow that is easy to see, in heights of the top. One height is about 4 cm of a screen.
+    const READABLE: f64 = 0.25;
 
     #[test]
-    fn arrows_of_presets_fit_the_view() {
-        for preset in PRESETS.iter() {
-            let mut values = preset.values().unwrap();
-            values.set("sampling.period", "0.005").unwrap();
-            let scenario = Scenario::new(values).unwrap();
-            let topics = Topic::all_with(scenario.model.support).collect();
-            let identity = Identity::new("test", &scenario, topics, Playback::FromStart);
-            for (arrow, longest) in longest(&identity, &scenario) {
-                let name = preset.name.as_str();
-                let has_label = longest >= MIN_LABELED;
+    fn arrows_of_presets_are_readable_and_fit_the_view() {
+        for run in presets() {
+            for arrow in &run.arrows {
+                let (longest, cut) = run.lengths(arrow, arrow.scale);
+                let text = format!("{}: {}, {longest} at most, {cut} cut", run.name, arrow.name);
+                assert!(longest >= READABLE, "{text}");
+                let fits = cut <= 0.02;
+                assert_eq!(fits, !CUT.contains(&(run.name, arrow.name)), "{text}");
+            }
+        }
+    }
+
+    #[test]
+    fn arrows_of_pairs_are_readable_and_fit_the_view() {
+        let runs = presets();
+        for a in &runs {
+            for b in &runs {
+                let [own, other] = [a, b].map(|run| run.identity.geometry.scales);
+                let common = own.common_force(&other);
+                let mut longest: f64 = 0.0;
+                for run in [a, b] {
+                    for arrow in run.arrows.iter().filter(|arrow| arrow.vector == COMPARED) {
+                        let (length, cut) = run.lengths(arrow, common);
+                        assert!(cut <= 0.02, "{} and {}: {cut} cut", a.name, b.name);
+                        longest = longest.max(length);
+                    }
+                }
+                let is_any_drawn = common > 0.0;
+                let is_readable = longest >= READABLE;
                 assert_eq!(
-                    has_label,
-                    !SHORT.contains(&(name, arrow)),
-                    "{name}: {arrow} has {longest} at most"
-                );
-                let is_cut = longest > scale::max_length(1.0);
-                assert_eq!(
-                    is_cut,
-                    CUT.contains(&(name, arrow)),
-                    "{name}: {arrow} has {longest}"
+                    is_readable, is_any_drawn,
+                    "{} and {}: {longest}",
+                    a.name, b.name
                 );
             }
+        }
+    }
+
+    #[test]
+    fn pair_of_tippe_tops_is_readable_on_both_sides() {
+        let runs = ["tippe-top", "tippe-top-hangs"].map(preset);
+        let [own, other] = [&runs[0], &runs[1]].map(|run| run.identity.geometry.scales);
+        let common = own.common_force(&other);
+        for run in runs {
+            let force = run.arrows.iter().find(|arrow| arrow.vector == COMPARED);
+            let (longest, _) = run.lengths(force.unwrap(), common);
+            assert!(longest >= READABLE, "{}: {longest}", run.name);
         }
     }
 
