@@ -6,6 +6,7 @@ use crate::support::{Folder, assert_contains, printed};
 use rerun::external::re_log_encoding::DecoderApp;
 use rerun::external::re_log_types::LogMsg;
 use rerun::log::Chunk;
+use std::collections::BTreeMap;
 use std::fs;
 use std::net::TcpListener;
 use std::process::{Command, Output};
@@ -105,6 +106,53 @@ fn first_page_says_why_the_top_rises() {
     let (first, rest) = about.split_once("\n\n").unwrap();
     assert_contains(first, "d²θ/dt² is negative");
     assert_contains(rest, "# paper");
+}
+
+#[test]
+fn every_part_of_the_layout_has_one_container() {
+    let folder = Folder::new();
+    for preset in ["paper", "free-viscous", "tippe-top"] {
+        folder.toprise(
+            &format!("run {preset} --set stop.duration=0.3 -o a.mcap --rrd a.rrd --force"),
+            0,
+        );
+        // The content of each container in the end; `None` for other parts.
+        let mut parts: BTreeMap<String, Option<Vec<String>>> = BTreeMap::new();
+        for chunk in chunks(&folder.read("a.rrd")) {
+            let path = chunk.entity_path().to_string();
+            let is_part = path.starts_with("/view/") || path.starts_with("/container/");
+            if !is_part || path.matches('/').count() > 2 {
+                continue;
+            }
+            let contents: Vec<String> = chunk
+                .iter_slices::<String>("ContainerBlueprint:contents".into())
+                .flatten()
+                .map(|part| format!("/{part}"))
+                .collect();
+            let is_cleared = chunk
+                .components_identifiers()
+                .any(|name| name.as_str() == "Clear:is_recursive");
+            if is_cleared {
+                parts.remove(&path);
+            } else {
+                parts.insert(path, (!contents.is_empty()).then_some(contents));
+            }
+        }
+        let mut listed: Vec<&String> = parts.values().flatten().flatten().collect();
+        listed.sort();
+        // All but the one that fills the window.
+        assert_eq!(listed.len(), parts.len() - 1, "{preset}");
+        listed.dedup();
+        assert_eq!(
+            listed.len(),
+            parts.len() - 1,
+            "{preset}: one is listed twice"
+        );
+        assert!(
+            listed.iter().all(|part| parts.contains_key(*part)),
+            "{preset}"
+        );
+    }
 }
 
 /// What an `.rrd` file says about its run in the end.

@@ -7,7 +7,7 @@ use rerun::external::re_log_types::StoreKind;
 use rerun::external::re_log_types::{BlueprintActivationCommand, LogMsg};
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 use rerun::external::re_sdk_types::blueprint::components;
-use rerun::{AsComponents, StoreId, TimePoint, Timeline};
+use rerun::{AsComponents, Clear, StoreId, TimePoint, Timeline};
 
 use crate::rerun::error::RerunError;
 use crate::rerun::message::{Ids, opening, single_row};
@@ -29,6 +29,8 @@ pub(super) struct Layout {
     store: StoreId,
     ids: Ids,
     children: u64,
+    /// The paths of all parts.
+    paths: Vec<String>,
     messages: Messages,
 }
 
@@ -52,6 +54,7 @@ impl Layout {
             store: StoreId::new(StoreKind::Blueprint, application, id),
             ids: Ids::BLUEPRINT_AT_END,
             children: 0,
+            paths: Vec::new(),
             messages: Vec::new(),
         }
     }
@@ -77,9 +80,11 @@ impl Layout {
         let mut bytes = [0; 16];
         bytes[8..].copy_from_slice(&number.to_be_bytes());
         let (high, low) = (number >> 48, number & 0xFFFF_FFFF_FFFF);
+        let path = format!("{prefix}/00000000-0000-0000-{high:04x}-{low:012x}");
+        self.paths.push(path.clone());
         Child {
             id: datatypes::Uuid { bytes },
-            path: format!("{prefix}/00000000-0000-0000-{high:04x}-{low:012x}"),
+            path,
         }
     }
 
@@ -143,6 +148,16 @@ impl Layout {
             .with_auto_layout(false)
             .with_auto_views(false);
         self.log("viewport", &viewport);
+    }
+
+    /// Removes the parts of the layout that was sent before which this one has not. Otherwise they would still name parts
+    /// of this one as theirs, and a part has one container.
+    pub(super) fn remove_missing(&mut self, before: &Self) {
+        for path in &before.paths {
+            if !self.paths.contains(path) {
+                self.log(path, &Clear::recursive());
+            }
+        }
     }
 
     /// All messages of the layout.

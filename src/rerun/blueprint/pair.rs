@@ -58,7 +58,8 @@ pub(crate) fn messages(identity: &PairIdentity, extent: Option<&Extent<'_>>) -> 
     let right = charts.pages();
     let speed = extent.map_or(1.0, |extent| playback_speed(extent.duration));
     let panel = time_panel(Playback::FromStart, speed);
-    window(layout, left, right, [38.0, 62.0], &panel)
+    window(&mut layout, left, right, [38.0, 62.0], &panel);
+    layout.finish()
 }
 
 /// The scene, if there is one, and below it the summary and the events.

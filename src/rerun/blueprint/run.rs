@@ -23,8 +23,14 @@ use crate::telemetry::proportions::Proportions;
 
 /// The messages of the layout.
 pub(crate) fn messages(identity: &Identity, playback: Playback) -> Messages {
-    let layout = Layout::new(&identity.store());
-    complete(layout, identity, None, &time_panel(playback, 1.0))
+    first(identity, playback).finish()
+}
+
+/// The layout until the run has ended.
+fn first(identity: &Identity, playback: Playback) -> Layout {
+    let mut layout = Layout::new(&identity.store());
+    complete(&mut layout, identity, None, &time_panel(playback, 1.0));
+    layout
 }
 
 /// A run that has ended.
@@ -40,35 +46,33 @@ pub(crate) struct EndedRun<'a> {
 /// The messages that change the layout when the run has ended: it plays the run from the start, and its charts fit the
 /// values.
 pub(crate) fn messages_at_end(identity: &Identity, ended: &EndedRun<'_>) -> Messages {
-    let layout = Layout::changes(&identity.store());
+    let mut layout = Layout::changes(&identity.store());
     let panel = time_panel(Playback::FromStart, playback_speed(ended.duration));
-    complete(layout, identity, Some(ended), &panel)
+    complete(&mut layout, identity, Some(ended), &panel);
+    layout.remove_missing(&first(identity, identity.playback));
+    layout.finish()
 }
 
-/// The layout of a run, which fits its values if it has ended.
+/// Fills the window with the layout of a run, which fits its values if it has ended.
 fn complete(
-    mut layout: Layout,
+    layout: &mut Layout,
     identity: &Identity,
     ended: Option<&EndedRun<'_>>,
     panel: &parts::TimePanelBlueprint,
-) -> Messages {
-    let left = left_side(
-        &mut layout,
-        identity,
-        ended.is_some_and(|ended| ended.has_story),
-    );
+) {
+    let left = left_side(layout, identity, ended.is_some_and(|ended| ended.has_story));
     if ended.is_some() {
         // Only charts move. The viewer would place the camera of a new scene differently.
         layout.start_new_parts();
     }
-    let right = right_side(&mut layout, identity, ended.map(|ended| ended.plots));
+    let right = right_side(layout, identity, ended.map(|ended| ended.plots));
     // Without a scene the left side has only text.
     let shares = if identity.has(POSE) {
         [42.0, 58.0]
     } else {
         [25.0, 75.0]
     };
-    window(layout, left, right, shares, panel)
+    window(layout, left, right, shares, panel);
 }
 
 /// The scene, if there is one, and below it the events and the description, which comes first if it has the reason for

@@ -10,7 +10,7 @@ use rerun::components::Color;
 use rerun::datatypes::{self, TimeInt, TimeRange, TimeRangeBoundary};
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
-use super::builder::{Child, Layout, Messages, row};
+use super::builder::{Child, Layout, row};
 use crate::rerun::entity::{CAMERA_TARGET, EVENTS, STAGE, Shown, paths};
 use crate::rerun::identity::{Geometry, Playback};
 use crate::rerun::message::TIMELINE;
@@ -163,12 +163,12 @@ pub(super) fn set_value_range(layout: &mut Layout, view: &Child, range: [f64; 2]
 
 /// Fills the window with two sides, which have these shares of its width, and sets the panels around them.
 pub(super) fn window(
-    mut layout: Layout,
+    layout: &mut Layout,
     left: Child,
     right: Option<Child>,
     shares: [f32; 2],
     time_panel: &parts::TimePanelBlueprint,
-) -> Messages {
+) {
     let root = match right {
         Some(right) => layout.contain(row(&shares), &[left, right]),
         None => left,
@@ -184,7 +184,6 @@ pub(super) fn window(
         &parts::PanelBlueprint::new().with_state(PanelState::Hidden),
     );
     layout.log("time_panel", time_panel);
-    layout.finish()
 }
 
 /// The time panel, with the playback speed.
