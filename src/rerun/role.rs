@@ -39,11 +39,12 @@ impl Role {
         }
     }
 
-    /// The name that is shown for a quantity.
+    /// The name of a quantity in a legend. Letters stand for the runs, whose names would make the legend so wide that it
+    /// hides the curves; titles and the summary have the names.
     pub(super) fn name(&self, own: &str) -> String {
         match self {
             Self::Alone => own.to_owned(),
-            Self::Compared(_, run) => format!("{run} {own}"),
+            Self::Compared(side, _) => format!("{} {own}", side.name()),
             Self::Difference => format!("Δ {own}"),
             Self::Magnitude => format!("log₁₀ |Δ {own}|"),
         }

@@ -18,6 +18,17 @@ pub(super) struct Chart {
     pub(super) differences: &'static [Plot],
 }
 
+impl Chart {
+    /// The corner of the legend for a ball or another top.
+    pub(super) fn corner(&self, is_ball: bool) -> Option<Corner2D> {
+        // A tippe top turns from small angles to large ones, other tops rise to small ones.
+        if is_ball && self.plots.contains(&state::THETA.plot()) {
+            return self.legend.map(|_| LeftTop);
+        }
+        self.legend
+    }
+}
+
 /// A chart of one run.
 const fn chart(name: &'static str, plots: &'static [Plot], corner: Corner2D) -> Chart {
     Chart {

@@ -22,6 +22,7 @@ use crate::rerun::plots::Plots;
 use crate::rerun::role::Role;
 use crate::telemetry::Topic;
 use crate::telemetry::fields::{EVENTS, NUTATION, POSE, Plot};
+use crate::telemetry::proportions::Proportions;
 use crate::telemetry::side::Side;
 
 /// Shortest value axis of a difference, relative to the typical magnitude of the quantity: shorter ones would show the
@@ -222,7 +223,11 @@ impl Charts<'_> {
             )
         });
         let name = titled(contrast.name, contrast.plots[0].unit());
-        let legend = contrast.legend.or_else(|| legend_of_parts(contrast.plots));
+        let is_ball =
+            Side::BOTH.map(|side| Proportions::new(&identity.run(side).geometry.top).is_ball);
+        let legend = contrast
+            .corner(is_ball.contains(&true))
+            .or_else(|| legend_of_parts(contrast.plots));
         let view = self.curves(&name, &contents.concat(), legend)?;
         if let Some(extent) = self.extent {
             let magnitudes = &self.identity.a.magnitudes;

@@ -216,7 +216,8 @@ fn right_side(layout: &mut Layout, identity: &Identity, plots: Option<&Plots>) -
             let contents: Vec<_> = chart.plots.iter().map(Plot::to_string).collect();
             let name = titled(chart.name, unit);
             let link = LinkAxis::Independent;
-            let view = time_series(layout, &name, &contents, chart.legend, link);
+            let corner = chart.corner(Proportions::new(&identity.geometry.top).is_ball);
+            let view = time_series(layout, &name, &contents, corner, link);
             // The peaks of a tippe top would flatten the rest of the curve.
             let range = bounds_of_tippe_top(unit, &identity.geometry)
                 .or_else(|| axis_range(chart.plots, &[plots?], &identity.magnitudes, MIN_SPAN));
