@@ -659,7 +659,9 @@ fn finds_schemas_after_their_channels() {
 #[test]
 fn resumes_at_messages_outside_chunks() {
     let definition = record(op::CHANNEL, &channel(1, "/a"));
-    let messages = Vec::from_iter((0..100).map(|n| message(1, n, u64::from(n), b"{\"x\":1}")));
+    let messages: Vec<_> = (0..100)
+        .map(|n| message(1, n, u64::from(n), b"{\"x\":1}"))
+        .collect();
     let length = messages[0].len();
     let mut bytes = file(&[&other(), &definition, &messages.concat()]);
     let start = mcap::MAGIC.len() + other().len() + definition.len();

@@ -167,9 +167,10 @@ mod tests {
             ("{", "{", false),
             ("1", "1 2", false),
         ] {
-            let expected = match expected {
-                true => Spelling::SameValues,
-                false => Spelling::Different,
+            let expected = if expected {
+                Spelling::SameValues
+            } else {
+                Spelling::Different
             };
             let found = compare_json(a.as_bytes(), b.as_bytes());
             assert_eq!(found, expected, "{a} {b}");

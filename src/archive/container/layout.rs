@@ -209,8 +209,8 @@ impl Layout {
     /// where chunks don't follow each other in time.
     fn find_loss_times(&mut self) {
         // Both times of a chunk without messages are 0.
-        let chunks = self.sections.iter().filter(|s| s.span != Some((0, 0)));
-        let chunks = Vec::from_iter(chunks);
+        let has_messages = |section: &&Section| section.span != Some((0, 0));
+        let chunks: Vec<_> = self.sections.iter().filter(has_messages).collect();
         for loss in self.losses.iter_mut() {
             let next = chunks.partition_point(|s| s.offset <= loss.offset);
             let (earlier, later) = chunks.split_at(next);

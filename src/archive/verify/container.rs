@@ -78,14 +78,14 @@ pub(super) fn difference(
                 || simulated.contains_key(subject)
         });
     }
-    if !is_part {
+    if is_part {
+        simulated.retain(|subject, _| recorded.keys().any(|known| known.item == subject.item));
+    } else {
         // All messages are there, so a channel that is not has none: some writers leave those out.
         simulated.retain(|subject, _| {
             recorded.contains_key(subject)
                 || !header.channels.iter().any(|c| c.topic == subject.item)
         });
-    } else {
-        simulated.retain(|subject, _| recorded.keys().any(|known| known.item == subject.item));
     }
     let subject = simulated
         .keys()
@@ -152,10 +152,12 @@ impl Facts {
     fn from_recording(recording: &Recording, scope: Scope) -> Self {
         let mut facts = Self::new(recording.profile(), scope);
         // Some software repeats what it copies: equal records say nothing new.
-        for (name, entries) in BTreeSet::from_iter(recording.all_metadata()) {
+        let records: BTreeSet<_> = recording.all_metadata().collect();
+        for (name, entries) in records {
             facts.add_metadata(name, entries);
         }
-        for (name, description) in BTreeSet::from_iter(attachments(recording)) {
+        let attachments: BTreeSet<_> = attachments(recording).collect();
+        for (name, description) in attachments {
             facts.add_attachment(name, || description);
         }
         // Two publishers may share a topic.
