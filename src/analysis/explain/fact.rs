@@ -437,9 +437,11 @@ impl Fact {
             ),
             Self::HorizontalMomentum { first, last, until } => format!(
                 "{} horizontal part of the angular momentum decreases from {} to {}.",
-                match until {
-                    Some(time) => format!("Until {}, the", moment(*time)),
-                    None => "The".to_owned(),
+                if until.is_some() {
+                    // When the rise ends would be a third number.
+                    "During the rise, the"
+                } else {
+                    "The"
                 },
                 significant(*first, 4),
                 quantity(*last, 3, "kg m²/s")
@@ -453,9 +455,8 @@ impl Fact {
                 significant(*first, 3),
                 quantity(*last, 3, "rad")
             ),
-            Self::TurnsAway { from, first, last } => format!(
-                "From {} on, the angle between the axis and the line of the angular momentum increases from {} to {}.",
-                moment(*from),
+            Self::TurnsAway { first, last, .. } => format!(
+                "After the axis is least inclined, the angle between it and the line of the angular momentum increases from {} to {}.",
                 significant(*first, 3),
                 quantity(*last, 3, "rad")
             ),

@@ -795,7 +795,7 @@ fn strong_top_that_falls_after_its_rise_is_not_weak() {
             .flat_map(|chapter| chapter.facts.iter().map(Fact::sentence))
             .collect();
         let is_of_rise = |sentence: &String| {
-            sentence.starts_with("Until ") && sentence.contains("the horizontal part")
+            sentence.starts_with("During the rise, ") && sentence.contains("the horizontal part")
         };
         assert!(sentences.iter().any(is_of_rise), "{sentences:?}");
     }
