@@ -376,8 +376,8 @@ fn rejects_forged_channels_and_schemas() {
         }
         for (name, expected, like, topic) in [
             ("a channel of others", Caught, "/top/state", "/speed"),
-            ("a view twice", Caught, "/tf", "/tf"),
-            ("a channel twice", Unreadable, "/top/state", "/top/state"),
+            ("a view twice", Repacked, "/tf", "/tf"),
+            ("a channel twice", Repacked, "/top/state", "/top/state"),
         ] {
             a.judge(name, expected, |f| {
                 let another = f.another(like, topic);

@@ -96,7 +96,7 @@ fn names_messages_that_were_filtered_out() {
         (
             "cut",
             is_before_half_a_second,
-            "501 of 1001 samples of /top/state and 8 other topics",
+            "501 of 1,001 samples of /top/state and 8 other topics",
         ),
         ("events", is_no_late_event, " events of /events"),
         (
@@ -107,7 +107,7 @@ fn names_messages_that_were_filtered_out() {
         (
             "hole",
             is_no_state_in_the_middle,
-            "50 of 1001 samples of /top/state",
+            "50 of 1,001 samples of /top/state",
         ),
         ("impacts", is_no_late_impact, "some impacts of /top/impact"),
     ];
