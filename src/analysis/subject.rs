@@ -148,7 +148,7 @@ fn read(
     // The rest of a recording that is read in part isn't missing.
     let end = recording.end().filter(|_| !is_stopped);
     let faults = check.finish(&counted, end);
-    losses.extend(faults.sentences(!losses.is_empty()));
+    losses.extend(faults.sentences(!reader.all_losses().is_empty()));
     ReadEnd {
         end: recording.end().cloned(),
         losses,

@@ -13,3 +13,4 @@ pub(crate) mod record;
 pub(crate) mod scan;
 pub(crate) mod section;
 pub(crate) mod source;
+mod zstd;

@@ -3,6 +3,8 @@
 use crate::forgeries::forgery::{END, Forgery, RUN, Record, named};
 use crate::raw;
 use crate::support::{Folder, assert_contains, recorded, scenario, verified};
+use mcap::records::op;
+use std::rc::Rc;
 use toprise::analysis::diff::{Options, compare};
 use toprise::analysis::explain::explain;
 use toprise::archive::recording::{Condition, Overview, Recording};
@@ -317,4 +319,62 @@ fn refuses_empty_names_of_topics() {
         let printed = folder.toprise(line, 2);
         assert_contains(&printed.stderr, "--topics");
     }
+}
+
+#[test]
+fn one_fault_hides_no_other() {
+    type Change = fn(&mut Forgery);
+    let changes: [(&str, Change, &str); 2] = [
+        ("repeated messages", repeat_chunk, "messages are skipped"),
+        (
+            "an undecodable message",
+            |forgery| forgery.edit("/top/energy", 9, |_| "{".to_owned()),
+            "1 message can't be decoded",
+        ),
+    ];
+    let folder = Folder::new();
+    for (name, change, fault) in changes {
+        let mut forgery = original();
+        drop_message(&mut forgery, "/top/energy", 7);
+        change(&mut forgery);
+        let overview = Overview::read(&folder.write("a.mcap", forgery.bytes())).unwrap();
+        for part in [fault, "missing 1 of 301 samples of /top/energy"] {
+            assert!(
+                overview.faults.iter().any(|found| found.contains(part)),
+                "{name}: {:?}",
+                overview.faults
+            );
+        }
+    }
+}
+
+/// The definitions behind the first chunk are not read when a recording of toprise is opened, if its summary has the others.
+#[test]
+fn notices_channels_that_only_a_later_chunk_defines() {
+    let mut forgery = original();
+    let hidden = forgery.another("/top/state", "/hidden");
+    forgery.last_chunk().push(hidden);
+    forgery.summary =
+        Rc::new(|records| records.retain(|(opcode, body)| *opcode != op::CHANNEL || body[0] != 99));
+    let folder = Folder::new();
+    let path = folder.write("a.mcap", forgery.bytes());
+    let overview = Overview::read(&path).unwrap();
+    assert_eq!(overview.condition, Condition::Damaged);
+    assert_contains(&overview.losses[0].reason, "a further definition");
+    assert_ne!(verified(&path).verdict, Verdict::Verified);
+}
+
+#[test]
+fn recording_without_compression_cut_in_a_chunk_is_interrupted() {
+    let whole = recorded(
+        &scenario("paper", &[("stop.duration", "0.3")]),
+        &[],
+        Form::default(),
+    );
+    // Its chunks are not compressed.
+    let bytes = Forgery::of(&whole).bytes();
+    let folder = Folder::new();
+    let overview = Overview::read(&folder.write("a.mcap", &bytes[..bytes.len() / 2])).unwrap();
+    assert_eq!(overview.condition, Condition::Interrupted);
+    assert_eq!(overview.losses.len(), 1);
 }

@@ -85,6 +85,10 @@ pub(crate) enum Conflict {
     /// A schema has another definition before it.
     #[error("a second definition of schema {0} that differs from the first")]
     Schema(u16),
+    /// A definition that was not found when the file was opened: toprise defines all channels in its first chunk and in
+    /// the summary.
+    #[error("a further definition behind those of the first chunk")]
+    Further,
     /// All definitions together are too large.
     #[error("the definitions of channels and schemas exceed {} MiB", MAX_SIZE >> 20)]
     TooLarge,
@@ -149,7 +153,7 @@ impl Channels {
             Conflict::Schema(id) => (0..self.list.len())
                 .filter(|position| self.schema_ids[*position] == id)
                 .collect(),
-            Conflict::TooLarge => Vec::new(),
+            Conflict::Further | Conflict::TooLarge => Vec::new(),
         }
     }
 
@@ -164,7 +168,7 @@ impl Channels {
                         && schema.data == data.as_ref();
                     (!is_equal).then_some(Conflict::Schema(header.id))
                 }
-                None => self.is_full().then_some(Conflict::TooLarge),
+                None => Some(self.unknown()),
             },
             Record::Channel(record) => match self.position(record.id) {
                 Some(position) => {
@@ -175,9 +179,18 @@ impl Channels {
                         && self.schema_ids[position] == record.schema_id;
                     (!is_equal).then_some(Conflict::Channel(record.id))
                 }
-                None => self.is_full().then_some(Conflict::TooLarge),
+                None => Some(self.unknown()),
             },
             _ => None,
+        }
+    }
+
+    /// The reason why an id has no definition although its file has one.
+    fn unknown(&self) -> Conflict {
+        if self.is_full() {
+            Conflict::TooLarge
+        } else {
+            Conflict::Further
         }
     }
 

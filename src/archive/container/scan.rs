@@ -70,7 +70,8 @@ impl<'a> Scanner<'a> {
             return Ok(Some(Found::Record(place)));
         }
         let from = self.position;
-        let found = self.search(from + 1)?;
+        let is_cut_chunk = self.is_cut_chunk(from)?;
+        let found = self.search(from + 1, !is_cut_chunk)?;
         Ok(Some(if let Some(next) = found {
             self.position = next;
             Found::Damage(from..next)
@@ -140,8 +141,16 @@ impl<'a> Scanner<'a> {
         Ok(begins || room <= MAGIC.len() as u64)
     }
 
-    /// The first record or end magic at or after `from`.
-    fn search(&mut self, from: u64) -> io::Result<Option<u64>> {
+    /// Whether there is a chunk that the file ends within. Its messages are no messages outside of chunks.
+    fn is_cut_chunk(&mut self, position: u64) -> io::Result<bool> {
+        self.source.read(position, HEAD, &mut self.prefix)?;
+        let room = self.source.length() - position;
+        Ok(head(&self.prefix)
+            .is_some_and(|(opcode, length)| opcode == op::CHUNK && HEAD + length > room))
+    }
+
+    /// The first record or end magic at or after `from`. A message counts only if `accepts_messages`.
+    fn search(&mut self, from: u64, accepts_messages: bool) -> io::Result<Option<u64>> {
         let mut window = Vec::new();
         let mut start = from;
         // The next record is usually near.
@@ -154,9 +163,11 @@ impl<'a> Scanner<'a> {
                 let room = self.source.length() - position;
                 let plausible = head(&window[at..])
                     .is_some_and(|(opcode, length)| is_specified(opcode) && length + HEAD <= room);
-                if plausible && self.searched < SEARCH_LIMIT {
+                let is_message = window[at] == op::MESSAGE;
+                let is_wanted = plausible && (accepts_messages || !is_message);
+                if is_wanted && self.searched < SEARCH_LIMIT {
                     // A single message could be random data.
-                    let count = if window[at] == op::MESSAGE { 3 } else { 1 };
+                    let count = if is_message { 3 } else { 1 };
                     if self.are_records_at(position, count)? {
                         return Ok(Some(position));
                     }
@@ -177,12 +188,15 @@ impl<'a> Scanner<'a> {
             if self.at_end_magic(position)? {
                 return Ok(true);
             }
-            self.searched += PREFIX;
+            self.source.read(position, HEAD, &mut self.prefix)?;
+            let Some((opcode, length)) = head(&self.prefix) else {
+                return Ok(false);
+            };
+            self.searched += PREFIX + deciding(opcode, length.min(self.source.length()));
             // No record of the specification is empty, but zeros in a length are common.
             let Some(place) = self.record_at(position)?.filter(|p| p.length > HEAD) else {
                 return Ok(false);
             };
-            self.searched += deciding(place.opcode, place.length - HEAD);
             position = place.end();
         }
         Ok(true)
@@ -227,5 +241,23 @@ mod tests {
         };
         assert_eq!(found(0), [Found::Record(record), Found::Cut(47..47)]);
         assert_eq!(found(1), [Found::Cut(8..47)]);
+    }
+
+    /// Whatever is read of a candidate counts, also if it is no record: otherwise a search could take hours.
+    #[test]
+    fn search_counts_the_bytes_of_false_records() {
+        const LENGTH: u64 = 4096;
+        let mut bytes = MAGIC.to_vec();
+        // No record, and then the head of a header whose texts are too long.
+        bytes.push(0);
+        bytes.push(op::HEADER);
+        bytes.extend_from_slice(&LENGTH.to_le_bytes());
+        bytes.resize(bytes.len() + LENGTH as usize, 0xff);
+        let path = tempfile::NamedTempFile::new().unwrap().into_temp_path();
+        std::fs::write(&path, bytes).unwrap();
+        let source = Source::open(&path).unwrap();
+        let mut scanner = Scanner::new(&source);
+        while scanner.next().unwrap().is_some() {}
+        assert!(scanner.searched >= LENGTH, "{}", scanner.searched);
     }
 }

@@ -3,6 +3,7 @@
 use super::lz4::Lz4Frames;
 use super::record::{HEAD, RecordSpan, chunk_fields, head};
 use super::source::Source;
+use super::zstd::ZstdFrames;
 use mcap::records::{ChunkHeader, op};
 use std::io::{self, Read};
 use std::ops::Range;
@@ -124,12 +125,8 @@ fn decompress(header: &ChunkHeader, data: &[u8], records: &mut Vec<u8>) -> io::R
             records.clear();
             Ok(())
         }
-        "zstd" => {
-            let mut decoder = zstd::stream::read::Decoder::with_buffer(data)?;
-            // The default of 128 MiB would refuse large chunks that `zstd --long` compressed.
-            decoder.window_log_max(MAX_CHUNK_SIZE.ilog2())?;
-            read_pieces(decoder, size, records)
-        }
+        // The default of 128 MiB would refuse large chunks that `zstd --long` compressed.
+        "zstd" => read_pieces(ZstdFrames::new(data, MAX_CHUNK_SIZE.ilog2()), size, records),
         "lz4" => read_pieces(Lz4Frames::new(data), size, records),
         other => {
             let reason = format!(
@@ -144,7 +141,8 @@ fn decompress(header: &ChunkHeader, data: &[u8], records: &mut Vec<u8>) -> io::R
 fn check_content(header: &ChunkHeader, records: &[u8]) -> io::Result<()> {
     let (found, size) = (records.len() as u64, header.uncompressed_size);
     if found > size {
-        return Err(excess(size));
+        let reason = format!("more content than the {size} bytes in its header");
+        return Err(io::Error::other(reason));
     }
     if found < size {
         let reason = format!("{found} bytes of content, expected {size}");
@@ -160,10 +158,11 @@ fn check_content(header: &ChunkHeader, records: &[u8]) -> io::Result<()> {
     Ok(())
 }
 
-/// Decompresses `size` bytes in pieces (decompression bombs), and checks that no further ones follow.
+/// Decompresses in pieces up to the maximum chunk size (decompression bombs).
 fn read_pieces(decoder: impl Read, size: u64, records: &mut Vec<u8>) -> io::Result<()> {
     records.clear();
-    let mut content = decoder.take(size);
+    // One extra byte to detect excess data.
+    let mut content = decoder.take(size + 1);
     let mut next = 0;
     loop {
         let length = content
@@ -172,7 +171,7 @@ fn read_pieces(decoder: impl Read, size: u64, records: &mut Vec<u8>) -> io::Resu
             .read_to_end(records)
             .map_err(|error| io::Error::other(format!("decompression failed: {error}")))?;
         if (length as u64) < PIECE {
-            return check_end(content.into_inner(), size);
+            return Ok(());
         }
         while let Some((opcode, length)) = records.get(next..).and_then(head) {
             // Readers skip unknown records, but 0 is no opcode.
@@ -184,19 +183,6 @@ fn read_pieces(decoder: impl Read, size: u64, records: &mut Vec<u8>) -> io::Resu
             next = next.saturating_add(length);
         }
     }
-}
-
-/// Checks that a chunk has no content beyond its `size`.
-fn check_end(mut decoder: impl Read, size: u64) -> io::Result<()> {
-    // Some writers pad the last compressed frame, and decoders fail at such bytes.
-    if decoder.read(&mut [0]).is_ok_and(|length| length > 0) {
-        return Err(excess(size));
-    }
-    Ok(())
-}
-
-fn excess(size: u64) -> io::Error {
-    io::Error::other(format!("more content than the {size} bytes in its header"))
 }
 
 /// A record within a section.

@@ -46,11 +46,17 @@ pub(crate) struct ContentFaults {
 impl ContentCheck {
     /// Takes a message that was read, or the reason why it can't be decoded.
     pub(crate) fn take(&mut self, message: &Result<Message<'_>, MessageError>) {
-        match (message, &mut self.undecodable) {
-            (Ok(message), _) => self.counts.take(message),
+        let error = match message {
+            Ok(message) => return self.counts.take(message),
+            Err(error) => error,
+        };
+        if let Some(topic) = Topic::find(error.topic) {
+            self.counts.take_undecodable(topic);
+        }
+        match &mut self.undecodable {
             // A damaged file may have millions: the first is enough.
-            (Err(_), Some(undecodable)) => undecodable.count += 1,
-            (Err(error), none) => {
+            Some(undecodable) => undecodable.count += 1,
+            none => {
                 *none = Some(Undecodable {
                     first: error.clone(),
                     count: 1,
@@ -74,11 +80,11 @@ impl ContentCheck {
 }
 
 impl ContentFaults {
-    /// The faults in sentences. Wrong numbers of messages are left out where damage or another fault explains them.
-    pub(crate) fn sentences(&self, is_explained: bool) -> Vec<String> {
+    /// The faults in sentences. Wrong numbers of messages are left out where damage explains them.
+    pub(crate) fn sentences(&self, is_damaged: bool) -> Vec<String> {
         let mut sentences = Vec::new();
         sentences.extend(self.undecodable.as_ref().map(ToString::to_string));
-        if !is_explained && sentences.is_empty() {
+        if !is_damaged {
             sentences.extend(self.missing.iter().map(|part| format!("missing {part}")));
             sentences.extend(self.excess.as_ref().map(ToString::to_string));
         }

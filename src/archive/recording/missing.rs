@@ -112,6 +112,11 @@ pub(super) struct MessageCounts {
 }
 
 impl MessageCounts {
+    /// Takes a message that can't be decoded: it is not missing.
+    pub(super) fn take_undecodable(&mut self, topic: Topic) {
+        *self.counts.entry(topic.index()).or_default() += 1;
+    }
+
     pub(super) fn take(&mut self, message: &Message<'_>) {
         *self.counts.entry(message.channel).or_default() += 1;
         match message.topic() {

@@ -205,9 +205,8 @@ impl Overview {
 /// What is wrong with the messages of a recording, in sentences.
 fn content_faults(recording: &Recording, reader: &Reader<'_>, check: ContentCheck) -> Vec<String> {
     let mut sentences = Vec::from_iter(reader.left_out().map(ToString::to_string));
-    let is_explained = !sentences.is_empty() || !reader.all_losses().is_empty();
     let faults = check.finish(&promised_topics(recording), recording.end());
-    sentences.extend(faults.sentences(is_explained));
+    sentences.extend(faults.sentences(!reader.all_losses().is_empty()));
     sentences
 }
 
