@@ -2,6 +2,9 @@
 //!
 //! Each command with a report is a file with its arguments, its report and its function. `input` opens the runs named
 //! on the command line; `report` prints a report as JSON or as a `page`; all output goes through `output`.
+//!
+//! `fit`, `rerun` and `sweep` need the features of these names. Without the feature a file `without_…` stands in place of
+//! the module, with the same names, so that the other files need no conditions.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
@@ -11,8 +14,6 @@ mod diff;
 mod explain;
 mod figures;
 mod file_kind;
-#[cfg(feature = "fit")]
-mod fit;
 mod info;
 mod input;
 mod interrupt;
@@ -32,6 +33,11 @@ mod text;
 mod verify;
 mod version;
 
+#[cfg(feature = "fit")]
+mod fit;
+#[cfg(not(feature = "fit"))]
+#[path = "cli/without_fit.rs"]
+mod fit;
 #[cfg(feature = "rerun")]
 mod rerun;
 #[cfg(not(feature = "rerun"))]
@@ -50,7 +56,6 @@ use arguments::{Format, OUTPUT};
 use clap::{ColorChoice, CommandFactory as _, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use interrupt::SignalGuard;
-use schemars::{JsonSchema, schema_for};
 use status::Status;
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -153,14 +158,8 @@ enum Command {
         after_help = "Exit codes: 0 recorded, 2 invalid scenario or failed output, 3 recorded in part (interrupted, or the integration failed)."
     )]
     Run(run::RunArguments),
-    /// Show recordings in the Rerun viewer, with the layout of `toprise run`.
-    ///
-    /// Starts a viewer unless --connect or --rrd is given.
-    #[cfg(feature = "rerun")]
-    #[command(
-        after_help = "Exit codes: 0 shown, 2 unreadable or no viewer, 3 shown in part (interrupted, or the file is partly unreadable)."
-    )]
-    View(rerun::ViewArguments),
+    #[command(flatten)]
+    Rerun(rerun::Commands),
     /// Explain why the top rises or falls in a run.
     ///
     /// The report lists the events, the causes of the motion of the axis, and the energy balance.
@@ -176,14 +175,8 @@ enum Command {
         after_help = "Exit codes: 0 equal within the tolerances, 1 different, 2 unreadable or nothing to compare, 3 the common part is equal (a run is damaged, interrupted or sampled more finely)."
     )]
     Diff(diff::DiffArguments),
-    /// Estimate friction and start from a measured motion, and compare friction laws.
-    ///
-    /// Reports first which parameters the data can determine. Estimates have standard deviations and 95 % intervals.
-    #[cfg(feature = "fit")]
-    #[command(
-        after_help = "Exit codes: 0 fitted (and, comparing laws, decided), 1 the model does not describe the data, or undecided, 2 unreadable, or the data can't determine the parameters, 3 no minimum was found, or the model ends before the data."
-    )]
-    Fit(Box<fit::FitArguments>),
+    #[command(flatten)]
+    Fit(fit::Commands),
     /// Draw the paper's figures and others, as SVG and PNG.
     ///
     /// figure-2, figure-3 and figure-4 are those of the paper. The others: acceleration (terms of the equations),
@@ -194,16 +187,8 @@ enum Command {
         after_help = "Exit codes: 0 drawn, 2 unreadable or nothing to draw, 3 drawn in part (a run lacks data)."
     )]
     Figures(figures::FiguresArguments),
-    /// Run a scenario for many values of its keys and tabulate the outcomes.
-    ///
-    /// Each row of the Parquet table contains the varied keys and the outcome of one run. To resume an interrupted
-    /// sweep, or to merge shards, run the same command again. The bytes of the table don't depend on threads, shards or
-    /// interruptions.
-    #[cfg(feature = "sweep")]
-    #[command(
-        after_help = "Exit codes: 0 all runs have an outcome, 2 bad usage or failed output, 3 some runs failed (see the column `error`), or the sweep was interrupted."
-    )]
-    Sweep(sweep::SweepArguments),
+    #[command(flatten)]
+    Sweep(sweep::Commands),
     /// List the content of a recording, or of any MCAP file.
     #[command(
         after_help = "Exit codes: 0 everything was read, 2 unreadable, 3 the recording was interrupted or damaged."
@@ -310,15 +295,12 @@ fn print_usage(usage: &clap::Error) -> ExitCode {
 fn dispatch(command: Command, drafts: &Drafts) -> Result<Status, Error> {
     match command {
         Command::Run(arguments) => run::run(&arguments, drafts),
-        #[cfg(feature = "rerun")]
-        Command::View(arguments) => rerun::view(&arguments, drafts),
+        Command::Rerun(command) => command.run(drafts),
         Command::Explain(arguments) => explain::explain(&arguments),
         Command::Diff(arguments) => diff::diff(&arguments, drafts),
-        #[cfg(feature = "fit")]
-        Command::Fit(arguments) => fit::fit(&arguments, drafts),
+        Command::Fit(command) => command.run(drafts),
         Command::Figures(arguments) => figures::figures(&arguments, drafts),
-        #[cfg(feature = "sweep")]
-        Command::Sweep(arguments) => sweep::sweep(&arguments, drafts),
+        Command::Sweep(command) => command.run(drafts),
         Command::Info(arguments) => info::info(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),
         Command::Presets(arguments) => presets::presets(&arguments),
@@ -333,34 +315,27 @@ fn dispatch(command: Command, drafts: &Drafts) -> Result<Status, Error> {
 
 /// The JSON Schemas of all reports, as file names and contents for `schemas/`.
 pub fn schemas() -> Vec<(String, String)> {
-    vec![
-        schema::<run::RunReport>("RunReport"),
-        #[cfg(feature = "rerun")]
-        schema::<rerun::ViewReport>("ViewReport"),
-        schema::<analysis::explain::Explanation>("ExplainReport"),
-        schema::<analysis::diff::Report>("DiffReport"),
-        #[cfg(feature = "fit")]
-        schema::<fit::FitReport>("FitReport"),
-        schema::<crate::figures::FiguresReport>("FiguresReport"),
-        #[cfg(feature = "sweep")]
-        schema::<sweep::SweepReport>("SweepReport"),
-        schema::<info::InfoReport>("InfoReport"),
-        schema::<verify::VerifyReport>("VerifyReport"),
-        schema::<presets::PresetsReport>("PresetsReport"),
-        schema::<laws::LawsReport>("LawsReport"),
-        schema::<schema::SchemaReport>("SchemaReport"),
+    [
+        vec![report::schema::<run::RunReport>("RunReport")],
+        rerun::schemas(),
+        vec![
+            report::schema::<analysis::explain::Explanation>("ExplainReport"),
+            report::schema::<analysis::diff::Report>("DiffReport"),
+        ],
+        fit::schemas(),
+        vec![report::schema::<crate::figures::FiguresReport>(
+            "FiguresReport",
+        )],
+        sweep::schemas(),
+        vec![
+            report::schema::<info::InfoReport>("InfoReport"),
+            report::schema::<verify::VerifyReport>("VerifyReport"),
+            report::schema::<presets::PresetsReport>("PresetsReport"),
+            report::schema::<laws::LawsReport>("LawsReport"),
+            report::schema::<schema::SchemaReport>("SchemaReport"),
+        ],
     ]
-}
-
-fn schema<R: JsonSchema>(name: &str) -> (String, String) {
-    let mut schema = schema_for!(R);
-    let version = env!("CARGO_PKG_VERSION");
-    let id = format!("urn:toprise:{version}:{name}");
-    schema.insert("$id".to_owned(), id.into());
-    (
-        format!("toprise.{name}.json"),
-        format!("{:#}\n", schema.as_value()),
-    )
+    .concat()
 }
 
 #[cfg(test)]

@@ -21,12 +21,43 @@ use crate::figures;
 use crate::fit::{self, Data, Fit, FitError, Loss, Report, Request, SignalSpec, Verdict};
 use crate::run::scenario::Scenario;
 use anyhow::Context as _;
-use clap::{Args, ValueEnum};
+use clap::{Args, Subcommand, ValueEnum};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::io::{BufWriter, IntoInnerError, Write as _};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
+
+/// The command of the feature `fit`.
+#[derive(Debug, Subcommand)]
+pub(super) enum Commands {
+    /// Estimate friction and start from a measured motion, and compare friction laws.
+    ///
+    /// Reports first which parameters the data can determine. Estimates have standard deviations and 95 % intervals.
+    #[command(
+        after_help = "Exit codes: 0 fitted (and, comparing laws, decided), 1 the model does not describe the data, or undecided, 2 unreadable, or the data can't determine the parameters, 3 no minimum was found, or the model ends before the data."
+    )]
+    Fit(Box<FitArguments>),
+}
+
+impl Commands {
+    /// Runs the command.
+    pub(super) fn run(&self, drafts: &Drafts) -> Result<Status, anyhow::Error> {
+        match self {
+            Self::Fit(arguments) => fit(arguments, drafts),
+        }
+    }
+}
+
+/// The JSON Schema of the command's report, as a file name and its content.
+pub(super) fn schemas() -> Vec<(String, String)> {
+    vec![report::schema::<FitReport>("FitReport")]
+}
+
+/// The key of the scenario that is wrong, if `cause` is an error of a fit and names one.
+pub(super) fn wrong_key<'a>(cause: &'a (dyn std::error::Error + 'static)) -> Option<&'a str> {
+    cause.downcast_ref::<FitError>()?.key()
+}
 
 /// Arguments of `toprise fit`.
 #[derive(Args, Debug, Default, PartialEq)]
@@ -150,7 +181,7 @@ struct FitPlan {
 /// The report of the command.
 #[derive(Debug, Serialize, JsonSchema)]
 #[schemars(rename = "FitReport")]
-pub(super) struct FitReport {
+struct FitReport {
     /// The fit.
     #[serde(flatten)]
     fit: Report,
@@ -159,7 +190,7 @@ pub(super) struct FitReport {
 }
 
 /// Fits a scenario to data.
-pub(super) fn fit(arguments: &FitArguments, drafts: &Drafts) -> Result<Status, anyhow::Error> {
+fn fit(arguments: &FitArguments, drafts: &Drafts) -> Result<Status, anyhow::Error> {
     let plan = arguments.plan()?;
     let progress = Progress::for_state();
     let result = fit::fit(&plan.request, &|state| show(&progress, state));

@@ -5,16 +5,13 @@ use super::numbers::format_size;
 use super::output;
 use super::page::{self, Section};
 use super::text::sanitized_json;
+use super::{fit, sweep};
 use crate::archive::input::InputError;
 use crate::archive::publish::Draft;
 use crate::archive::sink::SinkError;
-#[cfg(feature = "fit")]
-use crate::fit::FitError;
 use crate::run::scenario::ScenarioError;
-#[cfg(feature = "sweep")]
-use crate::sweep::SweepError;
 use anyhow::Error;
-use schemars::JsonSchema;
+use schemars::{JsonSchema, schema_for};
 use serde::Serialize;
 use serde_json::json;
 use std::path::Path;
@@ -49,21 +46,31 @@ pub(super) fn print_error(error: &str, key: Option<&str>) {
 /// The key of the scenario that an error is about.
 pub(super) fn wrong_key(error: &Error) -> Option<&str> {
     error.chain().find_map(|cause| {
-        #[cfg(feature = "sweep")]
-        if let Some(error) = cause.downcast_ref::<SweepError>() {
-            return error.key();
-        }
-        #[cfg(feature = "fit")]
-        if let Some(error) = cause.downcast_ref::<FitError>() {
-            return error.key();
-        }
-        // These are transparent: the error of the scenario is no cause of its own in the chain.
-        let scenario_error = match cause.downcast_ref::<InputError>() {
-            Some(error) => error.scenario_error(),
-            None => cause.downcast_ref::<ScenarioError>(),
-        };
-        scenario_error?.key.as_deref()
+        sweep::wrong_key(cause)
+            .or_else(|| fit::wrong_key(cause))
+            .or_else(|| scenario_error(cause)?.key.as_deref())
     })
+}
+
+/// The error of a scenario that a cause is or contains.
+fn scenario_error<'a>(cause: &'a (dyn std::error::Error + 'static)) -> Option<&'a ScenarioError> {
+    // These are transparent: the error of the scenario is no cause of its own in the chain.
+    match cause.downcast_ref::<InputError>() {
+        Some(error) => error.scenario_error(),
+        None => cause.downcast_ref(),
+    }
+}
+
+/// The JSON Schema of a report, as a file name and its content.
+pub(super) fn schema<R: JsonSchema>(name: &str) -> (String, String) {
+    let mut schema = schema_for!(R);
+    let version = env!("CARGO_PKG_VERSION");
+    let id = format!("urn:toprise:{version}:{name}");
+    schema.insert("$id".to_owned(), id.into());
+    (
+        format!("toprise.{name}.json"),
+        format!("{:#}\n", schema.as_value()),
+    )
 }
 
 /// A file that a command wrote.

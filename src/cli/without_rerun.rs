@@ -1,10 +1,30 @@
-//! In place of `rerun.rs` in a program without the feature `rerun`: no arguments, and nothing is shown.
+//! In place of `rerun.rs` in a program without the feature `rerun`: no command, no arguments, nothing is shown.
 
 #![expect(
     clippy::unused_self,
     clippy::unnecessary_wraps,
     reason = "the signatures are those of the modules that show runs"
 )]
+
+use super::status::Status;
+use crate::archive::publish::Drafts;
+use anyhow::Error;
+use clap::Subcommand;
+
+/// No commands.
+#[derive(Debug, Subcommand)]
+pub(super) enum Commands {}
+
+impl Commands {
+    pub(super) fn run(&self, _drafts: &Drafts) -> Result<Status, Error> {
+        match *self {}
+    }
+}
+
+/// No reports.
+pub(super) fn schemas() -> Vec<(String, String)> {
+    Vec::new()
+}
 
 /// The Rerun side of `toprise run`.
 pub(super) mod run {
@@ -87,6 +107,9 @@ pub(super) mod diff {
     use anyhow::Error;
     use clap::Args;
     use std::path::PathBuf;
+
+    /// No viewer to mention.
+    pub(in crate::cli) const SPAWN_HINT: &str = "";
 
     /// No arguments.
     #[derive(Args, Clone, Debug, PartialEq)]

@@ -70,6 +70,29 @@ fn only_cli_uses_clap() {
     }
 }
 
+/// What depends on a feature is in its module or the stub. `cfg!` is left to `--version`, `cfg_attr` to lints.
+#[test]
+fn cli_chooses_only_modules_by_feature() {
+    let mut modules = 0;
+    for (file, text) in code() {
+        if !file.starts_with("cli") {
+            continue;
+        }
+        for rest in text.split("#[cfg(").skip(1) {
+            let (condition, rest) = rest.split_once(")]").unwrap();
+            if condition.contains("feature") {
+                let mut lines = rest.lines().map(str::trim);
+                let item = lines.find(|line| !line.is_empty() && !line.starts_with("#["));
+                let is_module = item.is_some_and(|item| item.contains("mod "));
+                assert!(is_module, "{file}: {condition}");
+                modules += 1;
+            }
+        }
+    }
+    // A module and its stub for each feature.
+    assert!(modules >= 6, "{modules}");
+}
+
 #[test]
 fn only_the_table_names_topics() {
     let tables = ["telemetry/table.rs", "telemetry/supplement.rs"];

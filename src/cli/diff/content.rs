@@ -8,6 +8,7 @@ use crate::analysis::diff::{
 use crate::analysis::phrase::significant;
 use crate::cli::numbers::{format_count, format_integer};
 use crate::cli::page::{Section, Tone};
+use crate::cli::rerun::diff::SPAWN_HINT;
 use crate::cli::table::{Column, Table};
 use crate::telemetry::Topic;
 
@@ -35,23 +36,7 @@ pub(in crate::cli) fn page(report: &Report, all: bool, is_cut: bool) -> Vec<Sect
     sections
 }
 
-/// The summary in the viewer: the findings first, since it shows the beginning; what was compared last.
-#[cfg(feature = "rerun")]
-pub(in crate::cli) fn summary(report: &Report) -> Vec<Section> {
-    let mut sections = vec![
-        verdict(report),
-        findings(report, false),
-        setup(report, false, false),
-        others(report, false),
-        notes(report, false),
-        topics(report),
-        subjects(report),
-    ];
-    sections.retain(|section| !section.parts.is_empty());
-    sections
-}
-
-fn subjects(report: &Report) -> Section {
+pub(in crate::cli) fn subjects(report: &Report) -> Section {
     let rows = [("A", &report.a), ("B", &report.b)];
     Section::from(Table::from_texts(rows.map(subject_row)))
 }
@@ -65,7 +50,7 @@ fn subject_row((letter, run): (&str, &ComparedRun)) -> Vec<String> {
     ]
 }
 
-fn verdict(report: &Report) -> Section {
+pub(in crate::cli) fn verdict(report: &Report) -> Section {
     let tone = match report.verdict {
         Verdict::Identical | Verdict::SameValues | Verdict::Equal => Tone::Good,
         Verdict::Agreeing => Tone::Weak,
@@ -75,7 +60,7 @@ fn verdict(report: &Report) -> Section {
 }
 
 /// Differing scenario keys and file metadata.
-fn setup(report: &Report, all: bool, is_cut: bool) -> Section {
+pub(in crate::cli) fn setup(report: &Report, all: bool, is_cut: bool) -> Section {
     let mut section = Section::default();
     let setup = &report.setup;
     let mut shown: Vec<_> = setup
@@ -158,7 +143,7 @@ fn excerpt(key: &KeyDifference, value: Option<&str>) -> String {
     format!("{before}{part}{after}")
 }
 
-fn findings(report: &Report, all: bool) -> Section {
+pub(in crate::cli) fn findings(report: &Report, all: bool) -> Section {
     let mut section = Section::default();
     let shown: Vec<_> = report
         .findings
@@ -205,7 +190,7 @@ fn no_difference(report: &Report) -> String {
 }
 
 /// The topics that differ, with the first difference of each.
-fn topics(report: &Report) -> Section {
+pub(in crate::cli) fn topics(report: &Report) -> Section {
     let differing = report.channels.iter().filter(|channel| {
         channel.identical < channel.pairs || channel.unmatched != [0; 2] || channel.beyond != [0; 2]
     });
@@ -229,7 +214,7 @@ fn topics(report: &Report) -> Section {
 
 /// Topics compared byte by byte. Without `--all`, equal ones are shown only if there is nothing else, and those of the
 /// telemetry table not at all: their values are identical.
-fn others(report: &Report, all: bool) -> Section {
+pub(in crate::cli) fn others(report: &Report, all: bool) -> Section {
     let shown = report.others.iter().filter(|topic| {
         let is_of_interest = report.findings.is_empty() || !topic.is_equal();
         all || (is_of_interest && Topic::find(&topic.topic).is_none())
@@ -332,7 +317,7 @@ fn integrators(errors: &IntegrationErrors) -> Section {
     )
 }
 
-fn notes(report: &Report, all: bool) -> Section {
+pub(in crate::cli) fn notes(report: &Report, all: bool) -> Section {
     let mut section = Section::default();
     for (run, letter) in [(&report.a, "A"), (&report.b, "B")] {
         for loss in &run.losses {
@@ -349,12 +334,7 @@ fn notes(report: &Report, all: bool) -> Section {
             1 => "one more finding and ".to_owned(),
             more => format!("{more} more findings and "),
         };
-        let viewer = if cfg!(feature = "rerun") {
-            ", --spawn shows both tops in Rerun"
-        } else {
-            ""
-        };
-        section.line(format!("More: --all shows {more}every field{viewer}."));
+        section.line(format!("More: --all shows {more}every field{SPAWN_HINT}."));
     }
     section
 }

@@ -6,12 +6,16 @@ use crate::archive::publish::{Draft, Drafts, Existing, check_not_an_input};
 use crate::cli::arguments::OUTPUT;
 use crate::cli::diff::content;
 use crate::cli::file_kind::FileKind;
-use crate::cli::{output, page};
+use crate::cli::output;
+use crate::cli::page::{self, Section};
 use crate::rerun::{Destinations, Identity, Live, PairIdentity, PairSink, Playback};
 use crate::telemetry::{Message, side::Side};
 use anyhow::{Context as _, Error, bail};
 use clap::Args;
 use std::path::PathBuf;
+
+/// End of a sentence of the report: how to see more in the viewer.
+pub(in crate::cli) const SPAWN_HINT: &str = ", --spawn shows both tops in Rerun";
 
 /// Viewer options of `diff`.
 #[derive(Args, Clone, Debug, PartialEq)]
@@ -102,7 +106,7 @@ impl PairViewer {
     /// Adds the report to the recording and completes the file. Returns whether the viewer went away before it had
     /// everything.
     pub(in crate::cli) fn finish(mut self, report: &Report) -> Result<bool, Error> {
-        let markdown = page::markdown(&content::summary(report));
+        let markdown = page::markdown(&summary(report));
         self.sink.summarize(&markdown);
         let completed = complete(self.sink.finish(), self.draft)?;
         if let Some(file) = completed.file {
@@ -110,6 +114,21 @@ impl PairViewer {
         }
         Ok(self.is_viewer_lost || completed.is_viewer_lost)
     }
+}
+
+/// The summary in the viewer: the findings first, since it shows the beginning; what was compared last.
+fn summary(report: &Report) -> Vec<Section> {
+    let mut sections = vec![
+        content::verdict(report),
+        content::findings(report, false),
+        content::setup(report, false, false),
+        content::others(report, false),
+        content::notes(report, false),
+        content::topics(report),
+        content::subjects(report),
+    ];
+    sections.retain(|section| !section.parts.is_empty());
+    sections
 }
 
 fn identity(subjects: [Subject<'_>; 2], names: [&str; 2]) -> Result<PairIdentity, Error> {

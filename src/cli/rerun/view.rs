@@ -55,7 +55,7 @@ pub(in crate::cli) struct ViewArguments {
 
 /// The recordings that were shown.
 #[derive(Debug, Serialize, JsonSchema)]
-pub(in crate::cli) struct ViewReport {
+pub(super) struct ViewReport {
     /// The recordings, in command-line order, up to the interruption.
     recordings: Vec<ShownRecording>,
     /// Whether the user interrupted the replay.
@@ -212,7 +212,7 @@ fn unused_name(file: &Path, others: &[PlannedRecording]) -> String {
 }
 
 /// Shows recordings.
-pub(in crate::cli) fn view(arguments: &ViewArguments, drafts: &Drafts) -> Result<Status, Error> {
+pub(super) fn view(arguments: &ViewArguments, drafts: &Drafts) -> Result<Status, Error> {
     if let Some(shown) = show_rrd(arguments)? {
         return Ok(shown);
     }
