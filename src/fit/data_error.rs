@@ -204,12 +204,14 @@ pub enum DataError {
         path: PathBuf,
     },
     /// All values of a signal are missing.
-    #[error("{}: column {column} has no values", path.display())]
+    #[error("{}: {what} {name} has no values", path.display())]
     NoValues {
         /// The file.
         path: PathBuf,
-        /// Column.
-        column: String,
+        /// What has no values: a column, field or member.
+        what: &'static str,
+        /// Name of the column, or topic and path.
+        name: String,
     },
 }
 

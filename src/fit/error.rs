@@ -108,7 +108,7 @@ pub enum FitError {
     },
     /// Inclinations that are too large for radians.
     #[error(
-        "most values of {name} are above π (median {median:.4}), but an inclination in rad is not: check the unit; degrees need one in the header, e.g. \"{name} (deg)\""
+        "most values of {name} are above π (median {median:.4}), but an inclination in rad is not: write the unit into the header, or --signal theta=\"{name} (deg)\""
     )]
     Inclination {
         /// Median of the values, rad if the unit is right.
@@ -118,11 +118,13 @@ pub enum FitError {
     },
     /// Values that agree with the motion at the start in another unit only.
     #[error(
-        "{field}: the values are about {ratio:.0} times those of the motion at the start; in {unit} they would agree with it. If they are in {unit}, write that into the header: \"{name} ({unit})\"; if they are in {si}, start closer to the motion (--set)"
+        "{field}: the values are about {ratio:.0} times those of the motion at the start; in {unit} they would agree with it: write the unit into the header, or --signal {path}=\"{name} ({unit})\"; if they are in {si}, \"{name} ({si})\""
     )]
     LikelyUnit {
         /// The field.
         field: String,
+        /// Name of the field without its topic.
+        path: &'static str,
         /// Size of the values, relative to the motion.
         ratio: f64,
         /// The unit in which they agree.
@@ -131,6 +133,16 @@ pub enum FitError {
         si: &'static str,
         /// Name of the column without its unit, or topic and path.
         name: String,
+    },
+    /// Times without a unit that are too long in seconds.
+    #[error(
+        "the times in column {name} span {duration} s if they are in seconds: write the unit into the header, or --time \"{name} (ms)\", \"{name} (us)\" or \"{name} (s)\""
+    )]
+    LikelyTimeUnit {
+        /// Name of the column of times.
+        name: String,
+        /// Time from the start to the first value that is too late, s.
+        duration: f64,
     },
     /// All values of a signal are equal, and no standard deviation is given.
     #[error(
@@ -228,6 +240,7 @@ impl FitError {
             | Self::Size { .. }
             | Self::Inclination { .. }
             | Self::LikelyUnit { .. }
+            | Self::LikelyTimeUnit { .. }
             | Self::NoNoise { .. }
             | Self::NoOverlap { .. }
             | Self::TooFew { .. }

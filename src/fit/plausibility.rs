@@ -2,7 +2,7 @@
 
 use super::error::FitError;
 use super::model::{Point, Problem};
-use super::signal::Signal;
+use super::signal::{Signal, is_turning, unwrap};
 use super::statistics::{median_size, rms};
 use super::unit::{Dimension, split_header};
 use crate::telemetry::fields::state;
@@ -37,10 +37,12 @@ pub(super) fn is_constant(values: &[f64]) -> bool {
     values.windows(2).all(|pair| pair[0] == pair[1])
 }
 
-/// Refuses an inclination most of whose values are above π. A few may be outliers.
+/// Refuses an inclination without a unit most of whose values are above π. A few may be outliers.
 fn check_inclination(signal: &Signal, values: &[f64]) -> Result<(), FitError> {
+    /// Noise and errors of calibration of a top that hangs (θ = π) stay well below this; degrees are 57 times larger.
+    const MAX_MEDIAN: f64 = 1.2 * PI;
     let median = median_size(values);
-    if signal.field == state::THETA && median > PI {
+    if signal.field == state::THETA && !signal.is_unit_known && median > MAX_MEDIAN {
         return Err(FitError::Inclination {
             median,
             name: split_header(&signal.name).0.to_owned(),
@@ -49,13 +51,35 @@ fn check_inclination(signal: &Signal, values: &[f64]) -> Result<(), FitError> {
     Ok(())
 }
 
-/// Refuses signals that differ by a factor from the motion at the start, but agree with it in another usual unit.
+/// Refuses times without a unit that are too long for a top: they are in milliseconds, or less.
+pub(super) fn check_times(problem: &Problem) -> Result<(), FitError> {
+    /// Tops spin for minutes, s. More than a second of milliseconds would be longer.
+    const MAX_DURATION: f64 = 1000.0;
+    for point in &problem.points {
+        let signal = &problem.signals[point.signal];
+        if let Some(clock) = &signal.unitless_clock
+            && signal.file == 0
+            && point.time > MAX_DURATION
+        {
+            return Err(FitError::LikelyTimeUnit {
+                name: clock.clone(),
+                duration: point.time,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Refuses signals without a unit that differ by a factor from the motion at the start, but agree with it in another usual unit.
 pub(super) fn check_units(
     problem: &Problem,
     points: &[Point],
     predicted: &[f64],
 ) -> Result<(), FitError> {
     for (index, signal) in problem.signals.iter().enumerate() {
+        if signal.is_unit_known {
+            continue;
+        }
         let mut values = Vec::new();
         let mut motion = Vec::new();
         for (point, value) in points.iter().zip(predicted) {
@@ -64,13 +88,13 @@ pub(super) fn check_units(
                 motion.push(*value);
             }
         }
-        let size = rms(&motion);
         let dimension = Dimension::from_si(signal.field.unit());
         for (unit, factor) in dimension.mistakable() {
-            if is_in_unit(&values, &motion, *factor) {
+            if is_in_unit(&values, &motion, *factor, is_turning(signal.field)) {
                 return Err(FitError::LikelyUnit {
                     field: signal.field.to_string(),
-                    ratio: rms(&values) / size,
+                    path: signal.field.path(),
+                    ratio: rms(&values) / rms(&motion),
                     unit,
                     si: signal.field.unit(),
                     name: split_header(&signal.name).0.to_owned(),
@@ -81,22 +105,39 @@ pub(super) fn check_units(
     Ok(())
 }
 
-/// Whether values are far from a motion, but near it when they are multiplied by a unit's size.
-fn is_in_unit(values: &[f64], motion: &[f64], factor: f64) -> bool {
+/// Whether values are far from a motion, but near it when they are multiplied by a unit's size. Angles that turn may be
+/// measured within one turn of that unit, and from any zero.
+fn is_in_unit(values: &[f64], motion: &[f64], factor: f64, is_turning: bool) -> bool {
     /// Difference from the motion, in parts of its size, above which values are far from it. Those in rpm are 9.5 times
     /// too large, those in degrees 57 times.
     const FAR: f64 = 5.0;
     /// Difference below which they are near. A start that is right to 30 % is closer to the motion than the wrong unit.
     const NEAR: f64 = 0.3;
-    let size = rms(motion);
-    distance(values, motion, 1.0) > FAR * size && distance(values, motion, factor) < NEAR * size
+    let mut as_read = values.to_vec();
+    let mut in_unit: Vec<f64> = values.iter().map(|value| factor * value).collect();
+    let mut motion = motion.to_vec();
+    if is_turning {
+        unwrap(&mut in_unit);
+        for angles in [&mut as_read, &mut in_unit, &mut motion] {
+            subtract_mean(angles);
+        }
+    }
+    let size = rms(&motion);
+    distance(&as_read, &motion) > FAR * size && distance(&in_unit, &motion) < NEAR * size
 }
 
-/// Root mean square of the difference between values, multiplied by a factor, and a motion.
-fn distance(values: &[f64], motion: &[f64], factor: f64) -> f64 {
+fn subtract_mean(values: &mut [f64]) {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    for value in values {
+        *value -= mean;
+    }
+}
+
+/// Root mean square of the difference between values and a motion.
+fn distance(values: &[f64], motion: &[f64]) -> f64 {
     let mut differences = Vec::new();
     for (value, expected) in values.iter().zip(motion) {
-        differences.push(factor * value - expected);
+        differences.push(value - expected);
     }
     rms(&differences)
 }
@@ -104,6 +145,7 @@ fn distance(values: &[f64], motion: &[f64], factor: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::TAU;
 
     #[test]
     fn recognises_units_by_the_motion() {
@@ -117,10 +159,28 @@ mod tests {
             ("another unit", 1000.0, false),
         ] {
             let values = motion.map(|value| value * scale);
-            assert_eq!(is_in_unit(&values, &motion, degrees), expected, "{name}");
+            assert_eq!(
+                is_in_unit(&values, &motion, degrees, false),
+                expected,
+                "{name}"
+            );
         }
         // No motion with which anything could be compared.
-        assert!(!is_in_unit(&[30.0; 4], &[0.0; 4], degrees));
-        assert!(!is_in_unit(&[], &[], degrees));
+        for is_turning in [false, true] {
+            assert!(!is_in_unit(&[30.0; 4], &[0.0; 4], degrees, is_turning));
+            assert!(!is_in_unit(&[], &[], degrees, is_turning));
+        }
+    }
+
+    #[test]
+    fn recognises_wrapped_angles_in_degrees() {
+        let motion: Vec<f64> = (0..200).map(|at| 0.05 * f64::from(at)).collect();
+        for (name, zero) in [("the same zero", 0.0), ("another zero", 2.0)] {
+            let wrapped: Vec<f64> = motion
+                .iter()
+                .map(|angle| ((angle + zero + PI).rem_euclid(TAU) - PI).to_degrees())
+                .collect();
+            assert!(is_in_unit(&wrapped, &motion, PI / 180.0, true), "{name}");
+        }
     }
 }

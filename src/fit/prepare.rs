@@ -3,7 +3,7 @@
 use super::error::{Cut, FitError};
 use super::model::Problem;
 use super::place::Place;
-use super::plausibility::check_signals;
+use super::plausibility::{check_signals, check_times};
 use super::request::Request;
 use super::signal::Signal;
 use super::{identify, parameter};
@@ -45,6 +45,7 @@ pub(super) fn prepare(request: &Request) -> Result<Prepared, FitError> {
     let mut problem = Problem::new(scenario, parameters, signals, request.loss, origin)?;
     problem.keep_until(request.until);
     check_range(&problem, origin, request.until)?;
+    check_times(&problem)?;
     check_signals(&problem)?;
     if selected.is_empty() {
         return Err(FitError::NothingFree);

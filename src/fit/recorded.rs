@@ -3,6 +3,7 @@
 use super::data_error::{DataError, SignalError};
 use super::signal::{FileSignals, Row, SigmaSpec, Signal, SignalSpec};
 use super::table::MAX_ROWS;
+use super::unit::{Dimension, split_header};
 use crate::archive::recording::{Condition, FileChannel, Recording, Selection};
 use crate::run::time::seconds;
 use crate::telemetry::fields::NumberField;
@@ -22,10 +23,43 @@ pub(super) struct Read {
 /// Where the values of a signal are.
 #[derive(PartialEq)]
 enum Place {
-    /// A field of toprise's channels.
+    /// A field of toprise's channels, in SI units.
     Field(NumberField),
-    /// A member of JSON messages: topic, and names from the outside in.
+    /// A member of JSON messages: topic, and names from the outside in. The last one may have a unit as in a header.
     Json(String, Vec<String>),
+}
+
+impl Place {
+    /// The unit that is given for the values; may be empty.
+    fn unit(&self) -> &str {
+        match self {
+            Self::Field(field) => field.unit(),
+            Self::Json(_, names) => names.last().map_or("", |name| split_header(name).1),
+        }
+    }
+
+    fn what(&self) -> &'static str {
+        match self {
+            Self::Field(_) => "field",
+            Self::Json(..) => "member",
+        }
+    }
+
+    /// Whether the values are those of another place, also if only one of them has a unit.
+    fn has_values_of(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Json(topic, names), Self::Json(other_topic, other_names)) => {
+                topic == other_topic && without_unit(names) == without_unit(other_names)
+            }
+            (place, other) => place == other,
+        }
+    }
+}
+
+/// The names of a member from the outside in, without unit.
+fn without_unit(names: &[String]) -> Option<(&str, &[String])> {
+    let (last, outer) = names.split_last()?;
+    Some((split_header(last).0, outer))
 }
 
 /// Reads signals whose sources are `TOPIC.PATH`.
@@ -49,7 +83,7 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
                     reason: SignalError::Sigma(sigma.clone()),
                 });
             }
-            if places.iter().any(|(_, known)| *known == place) {
+            if places.iter().any(|(_, known)| place.has_values_of(known)) {
                 return Err(DataError::Duplicate {
                     path: path.to_owned(),
                     source_name: spec.source.clone(),
@@ -62,12 +96,18 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
     let mut losses = Vec::new();
     for (spec, place) in places {
         let rows = rows(&recording, path, &place, &mut losses)?;
+        let factor = match &place {
+            Place::Field(_) => 1.0,
+            Place::Json(..) => Dimension::from_si(spec.field.unit())
+                .factor(place.unit(), &spec.source)
+                .map_err(|error| error.in_file(path))?,
+        };
         let (mut found, mut missing) = (Vec::new(), 0);
         for (time, value) in rows {
             match value {
                 Some(value) => found.push(Row {
                     time,
-                    value,
+                    value: value * factor,
                     sigma: None,
                     line: 0,
                 }),
@@ -77,10 +117,18 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
         if found.is_empty() {
             return Err(DataError::NoValues {
                 path: path.to_owned(),
-                column: spec.source.clone(),
+                what: place.what(),
+                name: spec.source.clone(),
             });
         }
-        signals.push(Signal::new(spec, file, found, missing, None)?);
+        let is_unit_known = match &place {
+            Place::Field(_) => true,
+            Place::Json(..) => !place.unit().is_empty(),
+        };
+        signals.push(Signal {
+            is_unit_known,
+            ..Signal::new(spec, file, found, missing, None)?
+        });
     }
     Ok(Read {
         found: FileSignals {
@@ -198,13 +246,23 @@ fn add_once(losses: &mut Vec<String>, loss: String) {
     }
 }
 
-/// The number at a path in a JSON message.
+/// The number at a path in a JSON message. A name that no member has may be that of one with a unit added.
 fn member(data: &[u8], names: &[String]) -> Option<f64> {
     let mut value: Json = serde_json::from_slice(data).ok()?;
     for name in names {
         value = match &mut value {
-            Json::Object(members) => members.get_mut(name)?.take(),
-            Json::Array(items) => items.get_mut(name.parse::<usize>().ok()?)?.take(),
+            Json::Object(members) => {
+                let key = if members.contains_key(name) {
+                    name
+                } else {
+                    split_header(name).0
+                };
+                members.get_mut(key)?.take()
+            }
+            Json::Array(items) => {
+                let index = split_header(name).0.parse::<usize>().ok()?;
+                items.get_mut(index)?.take()
+            }
             Json::Null | Json::Bool(_) | Json::Number(_) | Json::String(_) => return None,
         };
     }

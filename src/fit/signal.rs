@@ -28,6 +28,10 @@ pub struct Signal {
     pub sigmas: Vec<f64>,
     /// Whether the standard deviation was not given, but has to be estimated.
     pub is_sigma_estimated: bool,
+    /// Whether the unit of the values was given, and not only taken for the SI unit.
+    pub(super) is_unit_known: bool,
+    /// Name of the column of times if these were taken for seconds because it has no unit.
+    pub(super) unitless_clock: Option<String>,
     /// Rows without a value.
     pub missing: u64,
     /// Rows earlier than the row before them.
@@ -223,7 +227,7 @@ impl Signal {
         Self::new(&spec, 0, rows, missing, None)
     }
 
-    /// Makes a signal from rows in SI units: sorts them by time and unwraps angles. `path` is that of a file with lines.
+    /// Makes a signal from rows that are known to be in SI units: sorts them by time and unwraps angles. `path` is that of a file with lines.
     pub(super) fn new(
         spec: &SignalSpec,
         file: usize,
@@ -262,6 +266,8 @@ impl Signal {
             times: rows.iter().map(|row| row.time).collect(),
             values,
             is_sigma_estimated,
+            is_unit_known: true,
+            unitless_clock: None,
             missing,
             out_of_order,
             lines: path.map(|path| Lines {
@@ -337,7 +343,7 @@ pub(super) fn is_turning(field: NumberField) -> bool {
 
 /// Removes jumps of an angle that was measured within one turn. Values that span more than a turn are continuous
 /// already.
-fn unwrap(values: &mut [f64]) {
+pub(super) fn unwrap(values: &mut [f64]) {
     /// A turn, with room for noise.
     const TURN: f64 = 1.05 * TAU;
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);

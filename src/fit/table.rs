@@ -3,7 +3,7 @@
 use super::cell;
 use super::data_error::DataError;
 use super::signal::{FileSignals, Row, SigmaSpec, Signal, SignalSpec};
-use super::unit::{Dimension, split_header};
+use super::unit::{Dimension, is_unit, split_header};
 use std::path::Path;
 
 /// Maximum number of rows of a table (held in memory).
@@ -69,7 +69,7 @@ impl Table<'_> {
         specs: &[SignalSpec],
         time: Option<&str>,
     ) -> Result<FileSignals, DataError> {
-        let clock = self.time_column(time)?;
+        let clock = self.clock(time)?;
         let named: Vec<SignalSpec> = if specs.is_empty() {
             self.named_signals()
         } else {
@@ -89,7 +89,7 @@ impl Table<'_> {
         self.check_duplicates(&named, specs.is_empty())?;
         let mut signals = Vec::new();
         for spec in &named {
-            signals.push(self.signal(spec, clock, file)?);
+            signals.push(self.signal(spec, &clock, file)?);
         }
         Ok(FileSignals {
             signals,
@@ -97,16 +97,25 @@ impl Table<'_> {
         })
     }
 
-    /// The column with a name: with its unit, or else without.
+    /// The column with a name; the first one if there are several.
     fn position(&self, name: &str) -> Option<usize> {
-        self.columns
-            .iter()
-            .position(|column| column == name)
-            .or_else(|| {
-                self.columns
-                    .iter()
-                    .position(|column| split_header(column).0 == name)
-            })
+        self.positions(name).first().copied()
+    }
+
+    /// The columns with a name: with their unit, or else without, or else without the unit that the name adds.
+    fn positions(&self, name: &str) -> Vec<usize> {
+        for is_match in [is_column, is_column_with_unit, is_column_without_unit] {
+            let mut found = Vec::new();
+            for (at, column) in self.columns.iter().enumerate() {
+                if is_match(column, name) {
+                    found.push(at);
+                }
+            }
+            if !found.is_empty() {
+                return found;
+            }
+        }
+        Vec::new()
     }
 
     /// Refuses columns that would count twice, and names that stand for several columns.
@@ -116,7 +125,7 @@ impl Table<'_> {
         is_found_by_name: bool,
     ) -> Result<(), DataError> {
         for (at, spec) in specs.iter().enumerate() {
-            if self.is_ambiguous(&spec.source) {
+            if self.positions(&spec.source).len() > 1 {
                 return Err(DataError::Ambiguous {
                     path: self.path.to_owned(),
                     name: spec.source.clone(),
@@ -141,13 +150,6 @@ impl Table<'_> {
         Ok(())
     }
 
-    /// Whether several columns have this name, with their units or without.
-    fn is_ambiguous(&self, name: &str) -> bool {
-        let exact = self.columns.iter().filter(|column| *column == name).count();
-        let names = self.columns.iter().map(|column| split_header(column).0);
-        exact > 1 || exact == 0 && names.filter(|column| *column == name).count() > 1
-    }
-
     fn missing(&self, name: &str) -> DataError {
         DataError::Missing {
             path: self.path.to_owned(),
@@ -158,14 +160,29 @@ impl Table<'_> {
     }
 
     /// The column of times.
-    fn time_column(&self, name: Option<&str>) -> Result<usize, DataError> {
+    fn clock<'a>(&'a self, name: Option<&'a str>) -> Result<Cells<'a>, DataError> {
         if let Some(name) = name {
-            return self.position(name).ok_or_else(|| self.missing(name));
+            return self.cells(name, Dimension::Time);
         }
-        self.columns
+        let found = self
+            .columns
             .iter()
-            .position(|column| is_time(split_header(column).0))
-            .ok_or_else(|| self.missing("of times (name it with --time)"))
+            .find(|column| is_time(split_header(column).0));
+        match found {
+            Some(column) => self.cells(column, Dimension::Time),
+            None => Err(self.missing("of times (name it with --time)")),
+        }
+    }
+
+    /// The name of the column of times if nothing says their unit.
+    fn unitless_clock(&self, clock: &Cells<'_>) -> Option<String> {
+        let is_unitless = match &self.rows {
+            Rows::Text { .. } => clock.unit.is_empty() && !is_unit(clock.name),
+            // The times of Parquet files may have a type that says it.
+            #[cfg(feature = "sweep")]
+            Rows::Numbers { .. } => false,
+        };
+        is_unitless.then(|| clock.name.to_owned())
     }
 
     /// The columns that are named like fields.
@@ -176,19 +193,17 @@ impl Table<'_> {
             .collect()
     }
 
-    fn signal(&self, spec: &SignalSpec, clock: usize, file: usize) -> Result<Signal, DataError> {
+    fn signal(
+        &self,
+        spec: &SignalSpec,
+        times: &Cells<'_>,
+        file: usize,
+    ) -> Result<Signal, DataError> {
         let dimension = Dimension::from_si(spec.field.unit());
-        let times = self.cells(clock, Dimension::Time)?;
-        let at = self
-            .position(&spec.source)
-            .ok_or_else(|| self.missing(&spec.source))?;
-        let values = self.cells(at, dimension)?;
+        let values = self.cells(&spec.source, dimension)?;
         let deviations = match &spec.sigma {
             SigmaSpec::Estimate | SigmaSpec::Number(..) => None,
-            SigmaSpec::Column(name) => {
-                let at = self.position(name).ok_or_else(|| self.missing(name))?;
-                Some(self.cells(at, dimension)?)
-            }
+            SigmaSpec::Column(name) => Some(self.cells(name, dimension)?),
         };
         let (mut rows, mut missing) = (Vec::new(), 0);
         for row in 0..self.rows.count() {
@@ -202,7 +217,7 @@ impl Table<'_> {
                 }
                 None => None,
             };
-            match (self.cell(&times, row)?, self.cell(&values, row)?) {
+            match (self.cell(times, row)?, self.cell(&values, row)?) {
                 (Some(time), Some(value)) => rows.push(Row {
                     time,
                     value,
@@ -215,20 +230,36 @@ impl Table<'_> {
         if rows.is_empty() {
             return Err(DataError::NoValues {
                 path: self.path.to_owned(),
-                column: spec.source.clone(),
+                what: "column",
+                name: spec.source.clone(),
             });
         }
-        Signal::new(spec, file, rows, missing, Some(self.path))
-            .map_err(|error| error.in_file(self.path))
+        let signal = Signal::new(spec, file, rows, missing, Some(self.path))
+            .map_err(|error| error.in_file(self.path))?;
+        Ok(Signal {
+            is_unit_known: !values.unit.is_empty(),
+            unitless_clock: self.unitless_clock(times),
+            ..signal
+        })
     }
 
-    /// A column in SI units.
-    fn cells(&self, at: usize, dimension: Dimension) -> Result<Cells<'_>, DataError> {
-        let name = &self.columns[at];
+    /// The column with a name. Its unit is that of the header, or else that of the name.
+    fn cells<'a>(&'a self, name: &'a str, dimension: Dimension) -> Result<Cells<'a>, DataError> {
+        let at = self.position(name).ok_or_else(|| self.missing(name))?;
+        let column = &self.columns[at];
+        let unit = match split_header(column).1 {
+            "" => split_header(name).1,
+            unit => unit,
+        };
         let factor = dimension
-            .factor(split_header(name).1, name)
+            .factor(unit, column)
             .map_err(|error| error.in_file(self.path))?;
-        Ok(Cells { at, name, factor })
+        Ok(Cells {
+            at,
+            name: column,
+            unit,
+            factor,
+        })
     }
 
     /// The value of a cell in SI units; `None` if it is missing.
@@ -270,11 +301,35 @@ impl Table<'_> {
     }
 }
 
-/// A column: index, name, and size of its unit.
+/// A column: index, name, unit (may be empty), and size of the unit.
 struct Cells<'a> {
     at: usize,
     name: &'a str,
+    unit: &'a str,
     factor: f64,
+}
+
+/// Whether a name is that of a column.
+fn is_column(column: &str, name: &str) -> bool {
+    column == name
+}
+
+/// Whether a name is that of a column without its unit.
+fn is_column_with_unit(column: &str, name: &str) -> bool {
+    split_header(column).0 == name
+}
+
+/// Whether a name adds a unit to that of a column.
+fn is_column_without_unit(column: &str, name: &str) -> bool {
+    column == split_header(name).0
+}
+
+/// Whether a name can stand for a column.
+#[cfg(feature = "sweep")]
+fn can_mean(column: &str, name: &str) -> bool {
+    is_column(column, name)
+        || is_column_with_unit(column, name)
+        || is_column_without_unit(column, name)
 }
 
 /// Whether a column of this name, without unit, has the times.
@@ -287,14 +342,14 @@ fn is_time(name: &str) -> bool {
 pub(super) fn is_needed(column: &str, specs: &[SignalSpec], time: Option<&str>) -> bool {
     let (name, _) = split_header(column);
     let is_clock = match time {
-        Some(time) => [column, name].contains(&time),
+        Some(time) => can_mean(column, time),
         None => is_time(name),
     };
     let mut is_named = specs.is_empty() && SignalSpec::from_column(column, name).is_some();
     for spec in specs {
-        is_named |= [column, name].contains(&spec.source.as_str());
+        is_named |= can_mean(column, &spec.source);
         if let SigmaSpec::Column(sigma) = &spec.sigma {
-            is_named |= [column, name].contains(&sigma.as_str());
+            is_named |= can_mean(column, sigma);
         }
     }
     is_clock || is_named

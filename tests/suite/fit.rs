@@ -432,13 +432,13 @@ fn suggests_units_that_data_seem_to_have() {
             "azimuth in degrees",
             "t,theta,phi",
             [1.0, 180.0 / PI],
-            "write that into the header: \"phi (deg)\"",
+            "write the unit into the header, or --signal phi=\"phi (deg)\"",
         ),
         (
             "rate in rpm",
             "t,theta,gyro_z",
             [1.0, 30.0 / PI],
-            "write that into the header: \"gyro_z (rpm)\"",
+            "write the unit into the header, or --signal omega_body.z=\"gyro_z (rpm)\"",
         ),
     ] {
         let second = if header.contains("phi") { 1 } else { 2 };
@@ -452,6 +452,201 @@ fn suggests_units_that_data_seem_to_have() {
         let stderr = folder.toprise(line, 2).stderr;
         assert!(stderr.contains(expected), "{name}: {stderr}");
     }
+}
+
+/// A table of an inclination, an azimuth and the axial rate of `full-coulomb`.
+fn table(header: &str, rows: &Data, scales: [f64; 4]) -> String {
+    let mut text = format!("{header}\n");
+    for (at, time) in rows.signals[0].times.iter().enumerate() {
+        text += &(time * scales[0]).to_string();
+        for (signal, scale) in rows.signals.iter().zip(&scales[1..]) {
+            text += &format!(",{}", signal.values[at] * scale);
+        }
+        text += "\n";
+    }
+    text
+}
+
+#[test]
+fn units_that_are_stated_are_not_doubted() {
+    let folder = Folder::new();
+    folder.toprise("run full-coulomb --set stop.duration=2 -o run.mcap", 0);
+    let fields = [
+        (state::THETA, 1e-3),
+        (state::PHI, 1e-3),
+        (pose::OMEGA_BODY.z(), 0.1),
+    ];
+    let data = measure(&preset("full-coulomb"), 100.0, 2.0, &fields, Some(2));
+    let units = table("t,theta (rad),phi (rad),omega_n (rad/s)", &data, [1.0; 4]);
+    folder.write("units.csv", units);
+    folder.write("none.csv", table("t,theta,phi,omega_n", &data, [1.0; 4]));
+    // A spin that is 9.5 times too slow looks like one measured in rpm.
+    let start = preset("full-coulomb").with([
+        ("initial.psi_dot", 17.8.into()),
+        ("formulation", "body".into()),
+        ("stop.theta_fallen", PI.into()),
+    ]);
+    let start = start.unwrap();
+    for (name, file, signal, is_doubted) in [
+        ("recording", "run.mcap", "/top/pose.omega_body.z:0.1", false),
+        ("unit in the header", "units.csv", "omega_n:0.1", false),
+        (
+            "unit in --signal",
+            "none.csv",
+            "omega_n=\"omega_n (rad/s)\":0.1",
+            false,
+        ),
+        ("no unit", "none.csv", "omega_n:0.1", true),
+    ] {
+        let spec = SignalSpec::parse(signal).unwrap();
+        let data = read(&[folder.at(file)], &[spec], None).unwrap();
+        let free = ["friction.k", "initial.psi_dot"];
+        let fitted = fit(&Request::new(start.clone(), data, &free), &|_| {});
+        match fitted {
+            Ok(fitted) => {
+                assert!(!is_doubted, "{name}");
+                let spin = &fitted.report.parameters[1];
+                assert!((spin.value - 170.0).abs() < 0.5, "{name}: {}", spin.value);
+            }
+            Err(error) => assert!(is_doubted, "{name}: {error}"),
+        }
+    }
+}
+
+#[test]
+fn noise_around_a_hanging_top_is_no_wrong_unit() {
+    let scenario = preset("tippe-top").with([
+        ("initial.theta", 3.1405.into()),
+        ("initial.psi_dot", (-120.0).into()),
+    ]);
+    let scenario = scenario.unwrap();
+    let folder = Folder::new();
+    for seed in 1..=3 {
+        let data = measure(&scenario, 100.0, 0.3, &[(state::THETA, 0.02)], Some(seed));
+        folder.write("tilt.csv", table("t,theta", &data, [1.0; 4]));
+        let spec = SignalSpec::parse("theta:20mrad").unwrap();
+        let data = read(&[folder.at("tilt.csv")], &[spec], None).unwrap();
+        let result = fit(
+            &Request::new(scenario.clone(), data, &["initial.theta"]),
+            &|_| {},
+        );
+        let message = result.err().map(|error| error.to_string());
+        assert_eq!(message, None, "seed {seed}");
+    }
+}
+
+#[test]
+fn members_of_json_messages_can_have_units() {
+    let folder = Folder::new();
+    let data = measure(&preset("full-coulomb"), 100.0, 2.0, &THETA_PHI, Some(2));
+    let file = fs::File::create(folder.at("camera.mcap")).unwrap();
+    let mut writer = mcap::Writer::new(std::io::BufWriter::new(file)).unwrap();
+    let channel = writer
+        .add_channel(
+            0,
+            "/camera/pose",
+            "json",
+            &std::collections::BTreeMap::new(),
+        )
+        .unwrap();
+    for (at, time) in data.signals[0].times.iter().enumerate() {
+        let [tilt, az] = [0, 1].map(|signal| data.signals[signal].values[at].to_degrees());
+        let header = mcap::records::MessageHeader {
+            channel_id: channel,
+            sequence: 0,
+            log_time: (time * 1e9).round() as u64,
+            publish_time: 0,
+        };
+        let text = format!("{{\"tilt\": {tilt}, \"az_deg\": {az}}}");
+        writer
+            .write_to_known_channel(&header, text.as_bytes())
+            .unwrap();
+    }
+    writer.finish().unwrap();
+    let path = [folder.at("camera.mcap")];
+    let specs = [
+        "theta=\"/camera/pose.tilt (deg)\"",
+        "phi=/camera/pose.az_deg",
+    ]
+    .map(|text| SignalSpec::parse(text).unwrap());
+    let found = read(&path, &specs, None).unwrap();
+    for (signal, expected) in found.signals.iter().zip(&data.signals) {
+        for (value, expected) in signal.values.iter().zip(&expected.values) {
+            assert!((value - expected).abs() < 1e-12, "{}", signal.name);
+        }
+    }
+    for (signals, expected) in [
+        (
+            &["theta=/camera/pose.tilt", "phi=/camera/pose.tilt (deg)"][..],
+            "read twice as a signal",
+        ),
+        (
+            &["theta=/camera/pose.tilt (rpm)"],
+            "\"rpm\" is not a unit of angle",
+        ),
+        (
+            &["theta=/camera/pose.roll"],
+            "member /camera/pose.roll has no values",
+        ),
+    ] {
+        let mut specs = Vec::new();
+        for text in signals {
+            specs.push(SignalSpec::parse(text).unwrap());
+        }
+        let message = read(&path, &specs, None).unwrap_err().to_string();
+        assert_contains(&message, expected);
+    }
+    let bare = SignalSpec::parse("theta=/camera/pose.tilt:2mrad").unwrap();
+    let bare = read(&path, &[bare], None).unwrap();
+    let error = fit(
+        &Request::new(preset("full-coulomb"), bare, &["friction.k"]),
+        &|_| {},
+    );
+    let message = error.unwrap_err().to_string();
+    assert_contains(&message, "--signal theta=\"/camera/pose.tilt (deg)\"");
+}
+
+#[test]
+fn suggests_degrees_for_wrapped_azimuths() {
+    let folder = Folder::new();
+    let data = measure(
+        &preset("full-coulomb"),
+        100.0,
+        4.0,
+        &[(state::PHI, 1e-3)],
+        Some(2),
+    );
+    let mut text = "t,phi\n".to_owned();
+    for (time, value) in data.signals[0].times.iter().zip(&data.signals[0].values) {
+        let wrapped = (value + PI).rem_euclid(2.0 * PI) - PI;
+        text += &format!("{time},{}\n", wrapped.to_degrees());
+    }
+    folder.write("data.csv", text);
+    let line = "fit full-coulomb data.csv --free friction.k";
+    let stderr = folder.toprise(line, 2).stderr;
+    assert_contains(&stderr, "--signal phi=\"phi (deg)\"");
+}
+
+#[test]
+fn suggests_units_of_long_times() {
+    let folder = Folder::new();
+    let data = measure(
+        &preset("tippe-top"),
+        100.0,
+        2.0,
+        &[(state::THETA, 1e-3)],
+        Some(2),
+    );
+    for (name, scale) in [("milliseconds", 1e3), ("microseconds", 1e6)] {
+        let text = table("t,theta", &data, [scale, 1.0, 1.0, 1.0]);
+        folder.write("data.csv", text);
+        let line = "fit tippe-top data.csv --free friction.k";
+        let stderr = folder.toprise(line, 2).stderr;
+        assert!(stderr.contains("--time \"t (ms)\""), "{name}: {stderr}");
+    }
+    let spec = [SignalSpec::parse("theta:1mrad").unwrap()];
+    let found = read(&[folder.at("data.csv")], &spec, Some("t (us)")).unwrap();
+    assert_eq!(found.signals[0].times.last(), Some(&2.0));
 }
 
 #[test]
