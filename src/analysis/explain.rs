@@ -26,7 +26,7 @@ mod precession;
 mod story;
 mod tippe;
 
-pub use self::claim::{Claim, Hold, Inversion, Stopped};
+pub use self::claim::{Claim, Hold, Inversion, Stopped, SufficientSpin};
 use self::evidence::Evidence;
 pub use self::fact::{Fact, PrecessionRoot};
 use self::observations::Observations;

@@ -124,10 +124,15 @@ impl Top {
     ///
     /// `J = L·a` with `a = l n + R z′`, so the energy of the rotation, `L·𝕀⁻¹L/2`, is at least `J²/(2 a·𝕀a)`.
     pub fn least_energy(&self, jellett: f64, sin: f64, cos: f64) -> f64 {
+        0.5 * jellett * jellett / self.jellett_moment(sin, cos) + self.gravity_moment() * cos
+    }
+
+    /// The moment `a·𝕀a`, kg m⁴, of the vector `a = l n + R z′` whose product with the angular momentum is Jellett's
+    /// integral, for sine and cosine of θ.
+    pub fn jellett_moment(&self, sin: f64, cos: f64) -> f64 {
         let across = self.peg_radius * sin;
         let along = self.center_distance + self.peg_radius * cos;
-        let moments = self.central_moment() * across * across + self.axial_moment * along * along;
-        0.5 * jellett * jellett / moments + self.gravity_moment() * cos
+        self.central_moment() * across * across + self.axial_moment * along * along
     }
 
     /// The radicand of Routh's integral of a rolling top, kg² m⁴, for sine and cosine of θ; see

@@ -127,6 +127,8 @@ pub enum Claim {
         jellett: f64,
         /// The largest deviation of Jellett's integral, relative to its terms.
         jellett_deviation: f64,
+        /// The spin at the start, with the same inclination and other rates, with which it would have enough energy.
+        sufficient_spin: SufficientSpin,
     },
     /// A tippe top turns over: the vertical angular momentum keeps its sense, the axial one is reversed, and the centre
     /// of mass rises at the expense of the rotation.
@@ -148,7 +150,7 @@ pub enum Claim {
         /// Energy dissipated by sliding, J; positive.
         lost_sliding: f64,
     },
-    /// The contact point no longer slips, to the end: friction does no work, and the inclination stays in a range.
+    /// The contact point does not slip at the end: friction does no work then.
     SlipEnds {
         /// Start, s.
         from: f64,
@@ -162,6 +164,11 @@ pub enum Claim {
         stops: Stopped,
         /// Whether it slipped before.
         has_slipped: bool,
+        /// Whether it gripped even before that slip.
+        alternates: bool,
+        /// Whether it grips for a nutation at least, or at a constant inclination: only then is the range of the
+        /// inclination that of the motion.
+        lasts: bool,
         /// Whether the inclination is constant since then, within the integration error.
         is_inclination_constant: bool,
         /// Inversion of a tippe top; absent for other tops, if it is claimed, or if the axis passed the horizontal
@@ -204,6 +211,18 @@ pub enum Claim {
         /// What holds it.
         held_by: Hold,
     },
+}
+
+/// The spin with which a tippe top would have enough energy to turn over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SufficientSpin {
+    /// A faster one.
+    Faster,
+    /// None, because a faster spin raises the least energy by more than that of the top.
+    Absent,
+    /// It is not known.
+    Unknown,
 }
 
 /// What holds a top at rest.
@@ -334,26 +353,37 @@ impl Claim {
                 [*has_friction, *has_air_drag],
                 *falls,
             ),
-            Self::StaysUpright { .. } => {
-                "The top does not turn over. It spins too slowly: friction at the contact point does not change Jellett's integral, and with this value of the integral the axis could reach the horizontal only with more energy than the top has at the start.".to_owned()
-            }
+            Self::StaysUpright {
+                sufficient_spin, ..
+            } => stays_upright(*sufficient_spin),
             Self::Inverts { .. } => {
                 "The top turns over because its contact point slips. Friction at the contact point does not change Jellett's integral, and the angular momentum about the vertical keeps its sense while the axis turns over. So the spin about the axis is reversed in the end. The centre of mass rises, and the energy for this comes from the rotation.".to_owned()
             }
             Self::SlipEnds {
                 stops,
                 has_slipped,
+                alternates,
+                lasts,
                 is_inclination_constant,
                 inversion,
                 rolls,
                 ..
-            } => slip_ends(
-                *stops,
-                *has_slipped,
-                *is_inclination_constant,
-                *inversion,
-                *rolls,
-            ),
+            } => {
+                let before = inversion_words(*inversion);
+                let grip = if *alternates {
+                    alternating_grip(*rolls, *lasts)
+                } else if *lasts {
+                    lasting_grip(*stops, *rolls, *has_slipped)
+                } else {
+                    short_grip(*has_slipped)
+                };
+                let motion = if *lasts {
+                    held_motion(*rolls, *is_inclination_constant)
+                } else {
+                    ""
+                };
+                format!("{before}{grip}{motion}.")
+            }
             Self::Bounces {
                 hops,
                 impacts,
@@ -450,6 +480,7 @@ impl Claim {
             Self::SlipEnds {
                 theta_range: [least, greatest],
                 rolls,
+                lasts: true,
                 ..
             } => vec![Fact::HeldTheta {
                 least: *least,
@@ -458,6 +489,7 @@ impl Claim {
             }],
             Self::Conserves { .. }
             | Self::FrictionSpeedsPrecession { .. }
+            | Self::SlipEnds { lasts: false, .. }
             | Self::Bounces { .. }
             | Self::RestsFromStart { .. }
             | Self::ComesToRest { .. } => Vec::new(),
@@ -525,19 +557,53 @@ fn lowers(is_later: bool, [friction, air]: [bool; 2], falls: bool) -> String {
     )
 }
 
-fn slip_ends(
-    stops: Stopped,
-    has_slipped: bool,
-    is_constant: bool,
-    inversion: Option<Inversion>,
-    rolls: bool,
-) -> String {
-    let before = match inversion {
+fn stays_upright(sufficient_spin: SufficientSpin) -> String {
+    let integral = "friction at the contact point does not change Jellett's integral";
+    let barred = "with this value of the integral the axis could reach the horizontal only with more energy than the top has at the start";
+    match sufficient_spin {
+        SufficientSpin::Faster => {
+            format!("The top does not turn over. It spins too slowly: {integral}, and {barred}.")
+        }
+        SufficientSpin::Absent => format!(
+            "The top does not turn over, and would not with any other spin at the start: {integral}, and with the value that the integral has at any spin the axis could reach the horizontal only with more energy than the top then has."
+        ),
+        SufficientSpin::Unknown => {
+            format!("The top does not turn over: {integral}, and {barred}.")
+        }
+    }
+}
+
+fn inversion_words(inversion: Option<Inversion>) -> &'static str {
+    match inversion {
         Some(Inversion::Absent) => "The top does not turn over. ",
         Some(Inversion::Complete) => "The axis passes the horizontal, and stays beyond it. ",
         None => "",
-    };
-    let grip = match (stops, rolls, has_slipped) {
+    }
+}
+
+fn alternating_grip(rolls: bool, lasts: bool) -> &'static str {
+    match (rolls, lasts) {
+        (true, true) => {
+            "The peg slips and rolls by turns, and then rolls to the end: the contact point no longer slips, friction does no more work"
+        }
+        (true, false) => "The peg slips and rolls by turns, and rolls at the end",
+        (false, _) => {
+            "The contact point slips and sticks by turns, and then sticks to the end: friction does no more work"
+        }
+    }
+}
+
+/// A peg that rolls for less than a nutation: others stick at a constant inclination.
+fn short_grip(has_slipped: bool) -> &'static str {
+    if has_slipped {
+        "The peg slips at first, and rolls at the end"
+    } else {
+        "The peg does not slip, and rolls at the end"
+    }
+}
+
+fn lasting_grip(stops: Stopped, rolls: bool, has_slipped: bool) -> &'static str {
+    match (stops, rolls, has_slipped) {
         (Stopped::Rise, true, _) => {
             "The rise ends where the peg begins to roll: the contact point no longer slips, friction does no more work"
         }
@@ -556,13 +622,15 @@ fn slip_ends(
         (Stopped::Nothing, false, false) => {
             "The contact point does not slip to the end: friction does no work"
         }
-    };
-    let motion = match (rolls, is_constant) {
-        (true, false) => "the axis nutates between fixed inclinations",
-        (true, true) => "the inclination of the axis stays constant",
-        (false, _) => "the top turns as a whole, at a fixed inclination",
-    };
-    format!("{before}{grip}, and {motion}.")
+    }
+}
+
+fn held_motion(rolls: bool, is_constant: bool) -> &'static str {
+    match (rolls, is_constant) {
+        (true, false) => ", and the axis nutates between fixed inclinations",
+        (true, true) => ", and the inclination of the axis stays constant",
+        (false, _) => ", and the top turns as a whole, at a fixed inclination",
+    }
 }
 
 /// The end of a motion that begins in the air.

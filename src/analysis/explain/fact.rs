@@ -199,7 +199,7 @@ pub enum Fact {
         /// At the fall of a top, or in the last sample, kg m²/s.
         last: f64,
     },
-    /// The angular momentum about the axis below which the top is weak.
+    /// The size of the angular momentum about the axis below which the top is weak.
     WeakBelow {
         /// √(4 M g l I_x), kg m²/s.
         critical: f64,
@@ -471,7 +471,7 @@ impl Fact {
                 quantity(*last, 4, "kg m²/s")
             ),
             Self::WeakBelow { critical } => format!(
-                "The top is weak where this is less than {}.",
+                "The top is weak where its size is less than {}.",
                 quantity(*critical, 4, "kg m²/s")
             ),
             Self::CenterHeight { first, last } => format!(

@@ -318,6 +318,12 @@ fn slip_ends(evidence: &Evidence, rises: bool, is_inversion_claimed: bool) -> Op
         Some(time) if time <= from && theta_range[0] > FRAC_PI_2 => Some(Inversion::Complete),
         Some(_) => None,
     };
+    let history = &evidence.history;
+    let last_period = history.cycles.last().map_or(0.0, |cycle| cycle.period);
+    // A part of a nutation shows neither its range nor that the grip goes on.
+    let lasts = !rolls
+        || history.cycles.iter().any(|cycle| cycle.start >= from)
+        || (is_fixed_inclination && history.stop_time()? - from >= last_period);
     Some(Claim::SlipEnds {
         from,
         theta: theta_at_start,
@@ -326,10 +332,25 @@ fn slip_ends(evidence: &Evidence, rises: bool, is_inversion_claimed: bool) -> Op
         stops,
         // It slips no more since then.
         has_slipped: evidence.summary.slip_path? > 0.0,
+        alternates: slips_after_grip(evidence),
+        lasts,
         is_inclination_constant: is_fixed_inclination,
         inversion,
         rolls,
     })
+}
+
+/// Whether the contact point has slipped after it had gripped.
+fn slips_after_grip(evidence: &Evidence) -> bool {
+    if !evidence.scenario.model.support.is_free() {
+        return evidence.history.first(EventKind::SlipResumes).is_some();
+    }
+    // A peg may roll, hop, and slide.
+    evidence
+        .peg_intervals
+        .iter()
+        .skip_while(|interval| interval.phase != PegPhase::Rolling)
+        .any(|interval| interval.phase == PegPhase::Sliding)
 }
 
 fn starts_in_air(evidence: &Evidence) -> bool {

@@ -1,8 +1,9 @@
 //! Why a tippe top turns over, or does not.
 
-use super::claim::Claim;
+use super::claim::{Claim, SufficientSpin};
 use super::evidence::{Evidence, ROUNDED};
 use crate::physics::math::sin_cos;
+use crate::physics::top::Top;
 use std::f64::consts::FRAC_PI_2;
 
 /// Number of inclinations at which the least energy is computed.
@@ -66,9 +67,7 @@ pub(super) fn stays_upright(evidence: &Evidence) -> Option<Claim> {
     let certain = (jellett.abs() - ROUNDED * terms).max(0.0);
     let energy = history.energies?.first;
     let (mut needed, mut needed_at) = (f64::NEG_INFINITY, start);
-    for at in 0..=INCLINATIONS {
-        let part = f64::from(at) / f64::from(INCLINATIONS);
-        let theta = start + part * (FRAC_PI_2 - start);
+    for theta in inclinations(start) {
         let (sin, cos) = sin_cos(theta);
         let least = top.least_energy(certain, sin, cos);
         if least > needed {
@@ -82,5 +81,65 @@ pub(super) fn stays_upright(evidence: &Evidence) -> Option<Claim> {
         needed_at,
         jellett,
         jellett_deviation,
+        sufficient_spin: sufficient_spin(evidence, energy),
     })
+}
+
+/// Inclinations from that at the start to the horizontal, rad.
+fn inclinations(start: f64) -> impl Iterator<Item = f64> {
+    (0..=INCLINATIONS).map(move |at| {
+        let part = f64::from(at) / f64::from(INCLINATIONS);
+        start + part * (FRAC_PI_2 - start)
+    })
+}
+
+/// The spin with which the top would have enough energy, given its energy at the start, J.
+///
+/// The spin ψ̇ adds to Jellett's integral in proportion, and to the energy by its square. So what the energy lacks at an
+/// inclination is a quadratic function of ψ̇. If it opens downwards at all of them, a faster spin is enough; if it is
+/// positive everywhere at one of them, none is.
+fn sufficient_spin(evidence: &Evidence, energy: f64) -> SufficientSpin {
+    let top = &evidence.scenario.model.top;
+    let (rates, start) = (evidence.scenario.rates, evidence.scenario.angles.theta);
+    let (start_sin, start_cos) = sin_cos(start);
+    let axial = top.axial_moment;
+    // Jellett's integral is `per_spin ψ̇ + unspun`.
+    let per_spin = axial * (top.center_distance + top.peg_radius * start_cos);
+    let carried = rates.phi * start_cos;
+    let across = top.central_moment() * rates.phi * start_sin * start_sin;
+    let unspun = per_spin * carried + top.peg_radius * across;
+    if 0.5 * per_spin * per_spin / least_jellett_moment(top, start) < 0.5 * axial * (1.0 - ROUNDED)
+    {
+        return SufficientSpin::Faster;
+    }
+    let unspun_energy = energy - axial * rates.psi * (0.5 * rates.psi + carried);
+    // Rounding of the energies, which may be much larger than the least that is lacking.
+    let rounded = 64.0 * f64::EPSILON * energy.abs() + ROUNDED * unspun_energy.abs();
+    for theta in inclinations(start) {
+        let (sin, cos) = sin_cos(theta);
+        let moment = top.jellett_moment(sin, cos);
+        let square = 0.5 * (per_spin * per_spin / moment - axial);
+        let linear = per_spin * unspun / moment - axial * carried;
+        let constant = top.least_energy(unspun, sin, cos) - unspun_energy;
+        let is_open_upwards = square > ROUNDED * axial;
+        if is_open_upwards && constant - 0.25 * linear * linear / square > rounded {
+            return SufficientSpin::Absent;
+        }
+    }
+    SufficientSpin::Unknown
+}
+
+/// The least [`Top::jellett_moment`] between this inclination, rad, and the horizontal, without that at this inclination:
+/// there the top has enough energy.
+fn least_jellett_moment(top: &Top, start: f64) -> f64 {
+    let (_, start_cos) = sin_cos(start);
+    let at_horizontal = top.jellett_moment(1.0, 0.0);
+    // A quadratic function of cos θ.
+    let excess = top.axial_moment - top.central_moment();
+    let cos = -top.axial_moment * top.center_distance / (top.peg_radius * excess);
+    if cos > 0.0 && cos < start_cos {
+        at_horizontal.min(top.jellett_moment((1.0 - cos * cos).sqrt(), cos))
+    } else {
+        at_horizontal
+    }
 }

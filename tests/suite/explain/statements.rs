@@ -285,6 +285,20 @@ fn constant_energy_has_no_zero() {
     );
 }
 
+/// The angular momentum of a top that spins the other way is negative, and so less than any limit.
+#[test]
+fn weak_top_is_one_of_little_angular_momentum() {
+    for [spin, precession] in [["170", "1.75"], ["-170", "-1.75"]] {
+        let keys = [("initial.psi_dot", spin), ("initial.phi_dot", precession)];
+        let sentences = sentences(&explanation("lifecycle", &keys));
+        let limit = sentences
+            .iter()
+            .find(|s| s.starts_with("The top is weak where"));
+        let limit = limit.unwrap_or_else(|| panic!("{sentences:#?}"));
+        assert!(limit.contains("its size is less than"), "{limit}");
+    }
+}
+
 #[test]
 fn story_puts_rise_and_fall_in_order() {
     for (preset, start, later) in [

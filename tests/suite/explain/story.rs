@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use std::error::Error;
 use std::f64::consts::FRAC_PI_2;
 use toprise::analysis::explain::{
-    Claim, Explainer, Explanation, Fact, Hold, Inversion, Stopped, explain,
+    Claim, Explainer, Explanation, Fact, Hold, Inversion, Stopped, SufficientSpin, explain,
 };
 use toprise::analysis::subject::ReadEnd;
 use toprise::archive::format::end_entries;
@@ -224,18 +224,33 @@ fn check(explained: &ExplainedRun, claim: &Claim) {
             needed,
             needed_at,
             jellett,
+            sufficient_spin,
             ..
-        } => check_barrier(explained, *first, *needed, *needed_at, *jellett),
+        } => {
+            check_barrier(explained, *first, *needed, *needed_at, *jellett);
+            check_sufficient_spin(explained, *first, *sufficient_spin);
+        }
         Claim::Inverts { vertical, .. } => check_inversion(explained, *vertical),
         Claim::SlipEnds {
             from,
             theta_range,
             stops,
             has_slipped,
+            alternates,
+            lasts,
+            is_inclination_constant,
             inversion,
+            rolls,
             ..
         } => {
             check_grip(explained, *from, *theta_range, *stops);
+            if *rolls && *lasts && !is_inclination_constant {
+                let starts = explained.numbers(nutation::START);
+                assert!(starts.iter().any(|start| start >= from), "{claim:?}");
+            }
+            if *rolls && *has_slipped && !alternates {
+                check_slips_at_first(explained);
+            }
             let paths = explained.numbers(contact::SLIP_PATH);
             assert_eq!(*has_slipped, paths.iter().any(|path| *path > 0.0));
             let inversions = explained.times_of(EventKind::Inverts);
@@ -459,6 +474,45 @@ fn check_barrier(explained: &ExplainedRun, energy: f64, needed: f64, needed_at: 
     let kinetic = 0.5 * jellett * jellett / moments;
     assert!(needed <= least && least - needed <= 1e-4 * kinetic + 1e-15);
     assert!(needed > energy);
+}
+
+/// What the energy lacks with another spin, at inclinations up to the horizontal.
+fn check_sufficient_spin(explained: &ExplainedRun, energy: f64, sufficient: SufficientSpin) {
+    let Scenario { rates, angles, .. } = &explained.scenario;
+    let (rates, start) = (*rates, angles.theta);
+    let lacking = |spin: f64| {
+        let top = &explained.scenario.model.top;
+        let (sin, cos) = sin_cos(start);
+        let (axis, vertical) = (Vector3::new(sin, 0.0, cos), Vector3::z());
+        let axial_rates = [rates.psi, spin].map(|psi| psi + rates.phi * cos);
+        let across = top.central_moment() * rates.phi * (vertical - cos * axis);
+        let momentum = across + top.axial_moment * axial_rates[1] * axis;
+        let jellett = momentum.dot(&(top.center_distance * axis + top.peg_radius * vertical));
+        let [before, after] = axial_rates.map(|rate| 0.5 * top.axial_moment * rate * rate);
+        let mut most = f64::NEG_INFINITY;
+        for at in 0..100 {
+            let theta = start + (f64::from(at) + 0.5) / 100.0 * (FRAC_PI_2 - start);
+            let (sin, cos) = sin_cos(theta);
+            most = most.max(top.least_energy(jellett, sin, cos) - (energy - before + after));
+        }
+        most
+    };
+    match sufficient {
+        SufficientSpin::Faster => assert!(lacking(1e7_f64.copysign(rates.psi)) < 0.0),
+        SufficientSpin::Absent => {
+            for size in [0.0, 1.0, 10.0, 100.0, 1000.0] {
+                assert!(lacking(size) > 0.0 && lacking(-size) > 0.0, "{size}");
+            }
+        }
+        SufficientSpin::Unknown => {}
+    }
+}
+
+/// A peg that slips before it rolls does not roll from the start.
+fn check_slips_at_first(explained: &ExplainedRun) {
+    let regimes = explained.numbers(contact::REGIME);
+    let rolls = explained.times_of(EventKind::RollBegins);
+    assert!(regimes[0] != 0.0 || rolls[0] > 0.0, "{rolls:?}");
 }
 
 fn check_inversion(explained: &ExplainedRun, vertical: [f64; 2]) {
@@ -815,6 +869,91 @@ fn slow_tippe_tops_lack_the_energy_to_turn_over() {
         let is_slow = cause == "stays upright";
         assert_eq!(text.contains("It spins too slowly"), is_slow, "{text}");
     }
+}
+
+/// Below (1 − |l|/R) times the axial moment, the transverse one lets no tippe top turn over (Rauch-Wojciechowski and
+/// Rutstam, SIGMA 10 (2014) 017).
+#[test]
+fn val_too_slow_is_only_a_tippe_top_that_a_faster_spin_turns_over() {
+    // (I_x − M l²)/I_z, from either side of 0.7.
+    for (ratio, expected) in [
+        (0.516, SufficientSpin::Absent),
+        (0.69, SufficientSpin::Absent),
+        (0.71, SufficientSpin::Faster),
+        (0.936, SufficientSpin::Faster),
+    ] {
+        let moment = (ratio * 3.2e-6 + 0.020 * 0.006 * 0.006).to_string();
+        for spin in ["20", "-30"] {
+            let keys = [
+                ("top.transverse_moment", moment.as_str()),
+                ("initial.psi_dot", spin),
+                ("initial.theta", "0.001"),
+                ("stop.duration", "1"),
+            ];
+            let (explained, text) = checked("tippe-top", &keys);
+            let [
+                Claim::StaysUpright {
+                    sufficient_spin, ..
+                },
+            ] = explained.explanation.story.claims[..]
+            else {
+                panic!("{text}")
+            };
+            assert_eq!(sufficient_spin, expected, "{ratio} {spin}");
+            let is_slow = expected == SufficientSpin::Faster;
+            assert_eq!(text.contains("too slowly"), is_slow, "{text}");
+            assert_eq!(text.contains("any other spin"), !is_slow, "{text}");
+        }
+    }
+    for spin in ["80", "300", "1000"] {
+        let keys = [
+            ("top.transverse_moment", "2.37e-6"),
+            ("initial.psi_dot", spin),
+            ("stop.duration", "0.5"),
+        ];
+        let (_, text) = checked("tippe-top", &keys);
+        assert!(text.contains("with any other spin"), "{spin}: {text}");
+    }
+}
+
+/// A roll that is a part of a nutation, after many others.
+#[test]
+fn slip_and_roll_by_turns_are_not_an_end_of_slip() {
+    let keys = [
+        ("top.mass", "181.8181818181818"),
+        ("top.axial_moment", "0.029090909090909087"),
+        ("top.transverse_moment", "0.052375217586550504"),
+        ("top.center_distance", "-0.011364405867994596"),
+        ("initial.theta", "0.46201908129004726"),
+        ("initial.psi_dot", "35.75113322097055"),
+        ("initial.phi_dot", "0"),
+        ("friction.k", "0.1"),
+        ("stop.duration", "12"),
+    ];
+    let (explained, text) = checked("tippe-top-hangs", &keys);
+    let ends = explained.times_of(EventKind::RollEnds);
+    let begins = explained.times_of(EventKind::RollBegins);
+    assert!(ends.len() > 10 && begins.last() > ends.last());
+    assert!(
+        text.contains("slips and rolls by turns, and rolls at the end"),
+        "{text}"
+    );
+    assert!(!text.contains("to the end"), "{text}");
+    let is_range = |fact: &Fact| matches!(fact, Fact::HeldTheta { .. });
+    let facts = explained.explanation.chapters.iter().flat_map(|c| &c.facts);
+    assert!(!facts.into_iter().any(is_range));
+}
+
+/// The first slip ends in a roll of a few milliseconds.
+#[test]
+fn short_roll_has_no_fixed_inclinations() {
+    let keys = [("stop.duration", "0.024")];
+    let (explained, text) = checked("tippe-top-hangs", &keys);
+    assert_eq!(explained.times_of(EventKind::RollBegins).len(), 1);
+    assert!(
+        text.contains("slips at first, and rolls at the end."),
+        "{text}"
+    );
 }
 
 /// That rolling prevents an inversion is not shown: these tops would not turn over if they slipped.
