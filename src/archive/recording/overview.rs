@@ -40,7 +40,7 @@ pub struct Overview {
     pub events: Vec<EventOverview>,
     /// What is wrong with the messages of the run, in sentences: some are missing, repeated or can't be decoded; absent if
     /// nothing is.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub faults: Vec<String>,
     /// A number in the file's statistics that contradicts its content; absent if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
