@@ -673,6 +673,25 @@ fn resumes_at_messages_outside_chunks() {
     assert_eq!(overview.losses[0].length, length as u64);
 }
 
+#[test]
+fn contradictory_summary_behind_a_footer_is_damage() {
+    let [first, second] = ["/a", "/b"].map(|topic| record(op::CHANNEL, &channel(1, topic)));
+    let footer = record(op::FOOTER, &[0; 20]);
+    let end = record(op::DATA_END, &[0; 4]);
+    let parts = [
+        mcap::MAGIC,
+        &other(),
+        &first,
+        &footer,
+        &end,
+        &second,
+        mcap::MAGIC,
+    ];
+    let folder = Folder::new();
+    let overview = Overview::read(&folder.write("a.mcap", parts.concat())).unwrap();
+    assert_eq!(overview.condition, Condition::Damaged);
+}
+
 /// The times between which damage lies, with the times of the chunks before and behind it.
 #[test]
 fn times_of_losses_never_run_backwards() {

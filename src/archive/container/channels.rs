@@ -290,6 +290,8 @@ impl Channels {
     /// Whether a record has an id that is already defined.
     fn is_defined(&self, record: &Record<'_>) -> bool {
         match record {
+            // Ignored, so it takes no memory.
+            Record::Schema { header, .. } if header.id == NO_SCHEMA => true,
             Record::Schema { header, .. } => self.schemas.contains_key(&header.id),
             Record::Channel(record) => self.positions.contains_key(&record.id),
             _ => true,

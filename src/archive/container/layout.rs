@@ -337,7 +337,8 @@ impl Layout {
         {
             self.losses.push(Loss {
                 offset: data_end.end(),
-                length: footer.offset - data_end.end(),
+                // In a damaged file the footer may come first.
+                length: footer.offset.saturating_sub(data_end.end()),
                 is_suspect: true,
                 reason: format!("in the summary, {conflict}"),
                 ..Loss::default()
