@@ -91,8 +91,8 @@ pub enum Claim {
         /// Whether there is air drag.
         has_air_drag: bool,
     },
-    /// The angular momentum is nearly vertical, as in fast precession, and friction shortens its part about the axis:
-    /// the axis turns away from the angular momentum.
+    /// Friction shortens the part of the angular momentum about the axis, as in fast precession: the axis turns away from
+    /// the angular momentum, which is less inclined in the end.
     ///
     /// Gravity and the normal force have no torque about the axis. The whole angular momentum does not grow, so the angle
     /// between it and the axis increases only because of its part about the axis.
@@ -549,11 +549,14 @@ fn lowers(is_later: bool, [friction, air]: [bool; 2], falls: bool) -> String {
     } else {
         "shortens"
     };
-    let start = if is_later { "Later, the" } else { "The" };
+    let start = if is_later {
+        format!("Later, {cause}")
+    } else {
+        capitalized(cause)
+    };
     let falls = if falls { "falls" } else { "sinks" };
     format!(
-        "{start} precession is so fast that the angular momentum is nearly vertical. {} {shorten} the part of the angular momentum about the axis. So the axis turns away from the line of the angular momentum, and the top {falls}.",
-        capitalized(cause)
+        "{start} {shorten} the part of the angular momentum about the axis. So the axis turns away from the line of the angular momentum, which leans less in the end, and the top {falls}."
     )
 }
 
