@@ -94,6 +94,15 @@ pub(crate) enum Conflict {
     TooLarge,
 }
 
+/// The definition of a channel, to be compared with another of the same id.
+#[derive(PartialEq)]
+struct Definition<'a> {
+    topic: &'a str,
+    encoding: &'a str,
+    metadata: &'a BTreeMap<String, String>,
+    schema_id: u16,
+}
+
 /// All channels of a file, in the order of their first definitions.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Channels {
@@ -172,12 +181,13 @@ impl Channels {
             },
             Record::Channel(record) => match self.position(record.id) {
                 Some(position) => {
-                    let channel = &self.list[position];
-                    let is_equal = channel.topic == record.topic
-                        && channel.encoding == record.message_encoding
-                        && channel.metadata == record.metadata
-                        && self.schema_ids[position] == record.schema_id;
-                    (!is_equal).then_some(Conflict::Channel(record.id))
+                    let other = Definition {
+                        topic: &record.topic,
+                        encoding: &record.message_encoding,
+                        metadata: &record.metadata,
+                        schema_id: record.schema_id,
+                    };
+                    (self.definition(position) != other).then_some(Conflict::Channel(record.id))
                 }
                 None => Some(self.unknown()),
             },
@@ -241,22 +251,22 @@ impl Channels {
     /// the data with its first message only, so the summary alone has those without messages.
     ///
     /// Returns the first definition of the summary that contradicts the data.
-    pub(crate) fn merge(&mut self, summary: Self) -> Option<Conflict> {
+    pub(crate) fn merge(&mut self, summary: &Self) -> Option<Conflict> {
         let mut conflict = None;
-        for (id, schema) in summary.schemas {
-            match self.schemas.entry(id) {
+        for (id, schema) in &summary.schemas {
+            match self.schemas.entry(*id) {
                 Entry::Vacant(free) => {
-                    free.insert(schema);
+                    free.insert(Arc::clone(schema));
                 }
-                Entry::Occupied(defined) if *defined.get() == schema => {}
-                Entry::Occupied(_) => conflict = conflict.or(Some(Conflict::Schema(id))),
+                Entry::Occupied(defined) if defined.get() == schema => {}
+                Entry::Occupied(_) => conflict = conflict.or(Some(Conflict::Schema(*id))),
             }
         }
-        for (channel, schema_id) in summary.list.into_iter().zip(summary.schema_ids) {
+        for (at, channel) in summary.list.iter().enumerate() {
             match self.position(channel.id) {
-                Some(position) if self.is_defined_as(position, &channel, schema_id) => {}
+                Some(position) if self.definition(position) == summary.definition(at) => {}
                 Some(_) => conflict = conflict.or(Some(Conflict::Channel(channel.id))),
-                None => self.push(channel, schema_id),
+                None => self.push(channel.clone(), summary.schema_ids[at]),
             }
         }
         self.find_late_schemas();
@@ -272,13 +282,15 @@ impl Channels {
         }
     }
 
-    /// Whether the channel at a position has this definition.
-    fn is_defined_as(&self, position: usize, channel: &FileChannel, schema_id: u16) -> bool {
-        let defined = &self.list[position];
-        defined.topic == channel.topic
-            && defined.encoding == channel.encoding
-            && defined.metadata == channel.metadata
-            && self.schema_ids[position] == schema_id
+    /// The definition of the channel at a position.
+    fn definition(&self, position: usize) -> Definition<'_> {
+        let channel = &self.list[position];
+        Definition {
+            topic: &channel.topic,
+            encoding: &channel.encoding,
+            metadata: &channel.metadata,
+            schema_id: self.schema_ids[position],
+        }
     }
 
     fn push(&mut self, channel: FileChannel, schema_id: u16) {

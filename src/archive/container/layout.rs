@@ -332,7 +332,7 @@ impl Layout {
             // toprise defines all channels in the data. `verify` compares its summary with them.
             return;
         }
-        if let Some(conflict) = self.channels.merge(in_summary)
+        if let Some(conflict) = self.channels.merge(&in_summary)
             && let (Some(data_end), Some(footer)) = (&self.data_end, &self.footer)
         {
             self.losses.push(Loss {
