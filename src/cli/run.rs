@@ -8,7 +8,7 @@ mod plan;
 mod report;
 
 pub(super) use self::arguments::RunArguments;
-use self::file_plan::RunFiles;
+use self::file_plan::{FilePlan, RunFiles};
 use self::files::find_identical;
 use self::pace::Pace;
 use self::plan::RunPlan;
@@ -26,7 +26,7 @@ use crate::archive::sink::{RecordedRun, Sink, record};
 use crate::archive::writer::Header;
 use crate::run::outcome::Outcome;
 use crate::run::scenario::Preset;
-use crate::run::simulation::{Record, Tally};
+use crate::run::simulation::{Record, RunEnd, Tally};
 use crate::telemetry::RunMessages;
 use anyhow::Error;
 use std::path::{Path, PathBuf};
@@ -34,36 +34,54 @@ use std::time::Instant;
 
 /// Runs a scenario and records it.
 pub(super) fn run(arguments: &RunArguments, drafts: &Drafts) -> Result<Status, Error> {
-    let plan = arguments.plan()?;
+    let RunPlan {
+        scenario,
+        base,
+        form,
+        topics,
+        speed,
+        files,
+        show,
+    } = arguments.plan()?;
     // From here on Ctrl-C ends the run with an end record; before, it ends the program.
     interrupt::watch(drafts)?;
     let began = Instant::now();
-    let mut run = RunMessages::new(&plan.scenario, &plan.topics)?
-        .continue_while(|| !interrupt::is_requested());
-    let header = Header::new(&plan.scenario, run.telemetry(), plan.form);
+    let mut run =
+        RunMessages::new(&scenario, &topics)?.continue_while(|| !interrupt::is_requested());
+    let header = Header::new(&scenario, run.telemetry(), form);
     let RunFiles {
         mut archive,
         rrd,
         earlier,
-    } = plan.files.start(drafts, &header)?;
-    let viewer = RunViewer::open(
-        &plan.show,
-        rrd,
-        &plan.scenario,
-        run.telemetry(),
-        archive.path(),
-    )?;
+    } = files.start(drafts, &header)?;
+    let mut viewer = RunViewer::open(&show, rrd, &scenario, run.telemetry(), archive.path())?;
     // Until here nothing is lost with the file.
     archive.keep();
-    let (outcome, recorded) = record_run(&plan, &mut run, archive, viewer, &earlier)?;
-    // Changes are told against the preset, also if the file lists them.
-    let base = Preset::find(plan.scenario.name())
+    let (end, tally) = simulate(&mut run, &mut archive, viewer.as_mut(), Pace::start(speed))?;
+    let (draft, content_digest) = archive.complete(&end)?;
+    let outcome = Outcome::new(&scenario, end, tally);
+    let mcap = finish_mcap(draft, &files, &earlier, &outcome)?;
+    let rrd = finish_viewer(viewer, &files, &mcap, &outcome);
+    // The MCAP file is complete without it.
+    if let Err(error) = &rrd {
+        output::error(&output::with_causes(error));
+    }
+    let recorded = Recorded {
+        is_new: !matches!(mcap, McapFile::Identical(_)),
+        mcap: mcap.into_file(),
+        is_rrd_lost: rrd.is_err(),
+        is_viewer_lost: rrd.as_ref().is_ok_and(|shown| shown.is_viewer_lost),
+        rrd: rrd.ok().and_then(|shown| shown.file),
+        content_digest,
+    };
+    // The report shows changes from the preset, also if the file lists them.
+    let base = Preset::find(scenario.name())
         .and_then(Preset::values)
-        .unwrap_or(plan.base);
-    let report = RunReport::new(&plan.scenario, &base, outcome, recorded, began.elapsed());
+        .unwrap_or(base);
+    let report = RunReport::new(&scenario, &base, outcome, recorded, began.elapsed());
     print(&report, || {
-        let title = plan.scenario.title_from(&base);
-        report.page(&title, &plan.scenario.model, plan.show.note())
+        let title = scenario.title_from(&base);
+        report.page(&title, &scenario.model, show.note())
     })?;
     let is_complete = report.outcome.end.stop.is_complete();
     Ok(Status::from_whole(
@@ -71,70 +89,70 @@ pub(super) fn run(arguments: &RunArguments, drafts: &Drafts) -> Result<Status, E
     ))
 }
 
-/// Simulates, records and finishes the files, even if the simulation fails.
-fn record_run(
-    plan: &RunPlan,
+/// Simulates a run, and writes its messages to the MCAP file and the viewer. A simulation that fails on the way is an
+/// incomplete run with a warning.
+fn simulate(
     run: &mut RunMessages,
-    mut archive: McapSink,
-    mut viewer: Option<RunViewer>,
-    earlier: &[PathBuf],
-) -> Result<(Outcome, Recorded), Error> {
-    let mut pace = Pace::start(plan.speed);
-    let mut counts = Tally::default();
-    let mut sinks: Vec<&mut dyn Sink> = vec![&mut archive];
-    if let Some(viewer) = &mut viewer {
+    archive: &mut McapSink,
+    viewer: Option<&mut RunViewer>,
+    mut pace: Pace,
+) -> Result<(RunEnd, Tally), Error> {
+    let mut tally = Tally::default();
+    let mut sinks: Vec<&mut dyn Sink> = vec![archive];
+    if let Some(viewer) = viewer {
         sinks.push(viewer.sink());
     }
     let recorded = record(run, &mut sinks, |record, sinks| {
         if let Record::Event(event) = record {
-            counts.record(event.kind, event.time);
+            tally.record(event.kind, event.time);
         }
         pace.after(record, sinks)
     });
+    // Before any error or warning is printed.
     pace.finish();
     let RecordedRun { end, error } = recorded?;
     // The records so far are valid; the end record marks the run as incomplete.
     if let Some(error) = error {
         output::warn(&error.to_string());
     }
-    let (draft, content_digest) = archive.complete(&end)?;
-    let outcome = Outcome::new(&plan.scenario, end, counts);
-    // Repeating a run would otherwise fill the directory with copies.
-    let existing = find_identical(&draft, earlier);
-    // With --force, a part of a run would otherwise replace a whole one.
-    let is_kept = existing.is_none()
-        && !outcome.end.stop.is_complete()
-        && plan.files.replaces()
-        && is_complete_recording(draft.path());
-    let mcap = match &existing {
-        Some(existing) => {
-            draft.discard();
-            existing.clone()
+    Ok((end, tally))
+}
+
+/// The MCAP file of a run.
+enum McapFile {
+    New(WrittenFile),
+    /// An earlier run recorded the same; the new file is discarded.
+    Identical(WrittenFile),
+    /// The run is incomplete, and a complete recording keeps the name.
+    Partial(WrittenFile),
+}
+
+impl McapFile {
+    fn into_file(self) -> WrittenFile {
+        match self {
+            Self::New(file) | Self::Identical(file) | Self::Partial(file) => file,
         }
-        None if is_kept => keep_partial(draft)?,
-        None => WrittenFile::publish(draft)?,
-    };
-    let rrd = match viewer {
-        Some(viewer) if is_kept => viewer.keep_partial(),
-        Some(viewer) => {
-            let substitute = existing.as_ref().filter(|_| !plan.files.names_rrd());
-            finish_viewer(viewer, &outcome, substitute)
-        }
-        None => Ok(Completed::default()),
-    };
-    // The MCAP file is complete without it.
-    if let Err(error) = &rrd {
-        output::error(&output::with_causes(error));
     }
-    let recorded = Recorded {
-        mcap,
-        is_new: existing.is_none(),
-        is_rrd_lost: rrd.is_err(),
-        is_viewer_lost: rrd.as_ref().is_ok_and(|shown| shown.is_viewer_lost),
-        rrd: rrd.ok().and_then(|shown| shown.file),
-        content_digest,
-    };
-    Ok((outcome, recorded))
+}
+
+/// Gives the MCAP file its name, unless there is an identical one among the `earlier` recordings.
+fn finish_mcap(
+    draft: Draft,
+    files: &FilePlan,
+    earlier: &[PathBuf],
+    outcome: &Outcome,
+) -> Result<McapFile, Error> {
+    // Repeating a run would otherwise fill the directory with copies.
+    if let Some(existing) = find_identical(&draft, earlier) {
+        draft.discard();
+        return Ok(McapFile::Identical(existing));
+    }
+    // With --force, a part of a run would otherwise replace a whole one.
+    let is_part = !outcome.end.stop.is_complete();
+    if is_part && files.replaces() && is_complete_recording(draft.path()) {
+        return Ok(McapFile::Partial(keep_partial(draft)?));
+    }
+    Ok(McapFile::New(WrittenFile::publish(draft)?))
 }
 
 /// Whether there is a recording of a whole run.
@@ -155,13 +173,22 @@ fn keep_partial(draft: Draft) -> Result<WrittenFile, Error> {
     Ok(WrittenFile::new(&partial, partial.metadata()?.len()))
 }
 
-/// Adds the outcome of a complete run to its Rerun recording, and finishes that. `substitute` is an existing MCAP file
-/// whose Rerun recording stands for the new one.
+/// Finishes the Rerun side of a run, if there is one, as the MCAP file was finished.
 fn finish_viewer(
-    mut viewer: RunViewer,
+    viewer: Option<RunViewer>,
+    files: &FilePlan,
+    mcap: &McapFile,
     outcome: &Outcome,
-    substitute: Option<&WrittenFile>,
 ) -> Result<Completed, Error> {
+    let Some(mut viewer) = viewer else {
+        return Ok(Completed::default());
+    };
+    // The Rerun recording of an identical run stands for this one, unless the arguments name a file.
+    let substitute = match mcap {
+        McapFile::Partial(_) => return viewer.keep_partial(),
+        McapFile::Identical(existing) if !files.names_rrd() => Some(existing),
+        McapFile::Identical(_) | McapFile::New(_) => None,
+    };
     if outcome.end.stop.is_complete() {
         viewer.set_outcome(outcome);
     }
