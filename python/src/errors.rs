@@ -74,12 +74,16 @@ pub fn recording(path: &Path, error: &CannotRead) -> PyErr {
 fn recording_with_text(error: &CannotRead, text: String) -> PyErr {
     match error {
         CannotRead::Io(reason) => io(reason, text),
-        CannotRead::AmbiguousTopic(_)
+        CannotRead::Directory
+        | CannotRead::Empty
+        | CannotRead::NotMcap
+        | CannotRead::AmbiguousTopic(_)
         | CannotRead::MergedRuns(_)
         | CannotRead::NoScenario
         | CannotRead::DamagedScenario
         | CannotRead::LargeScenario(_)
-        | CannotRead::Unusable(_) => RecordingError::new_err(text),
+        | CannotRead::ScenarioText(_)
+        | CannotRead::UnusableScenario(_) => RecordingError::new_err(text),
     }
 }
 

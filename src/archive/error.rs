@@ -1,9 +1,11 @@
 //! Errors of reading files and messages.
 
+use crate::run::scenario::ScenarioError;
 use crate::run::time::seconds;
 use crate::telemetry::Topic;
 use crate::telemetry::encoding::DecodeError;
 use std::io;
+use std::string::FromUtf8Error;
 use thiserror::Error;
 
 /// The reason why a file, or its scenario, can't be read at all.
@@ -12,6 +14,15 @@ pub enum RecordingError {
     /// An I/O error.
     #[error(transparent)]
     Io(#[from] io::Error),
+    /// The path is a directory.
+    #[error("it is a directory, not an MCAP file")]
+    Directory,
+    /// The file has no bytes.
+    #[error("the file is empty")]
+    Empty,
+    /// The file does not begin as an MCAP file.
+    #[error("not an MCAP file (wrong magic bytes)")]
+    NotMcap,
     /// Two channels of a topic of the table have different encodings or schemas.
     #[error("it has channels named {0} with different encodings or schemas, which is ambiguous")]
     AmbiguousTopic(Topic),
@@ -29,16 +40,12 @@ pub enum RecordingError {
     /// The scenario is larger than this number of bytes.
     #[error("its scenario is damaged: it is longer than {0} bytes")]
     LargeScenario(u64),
-    /// Not an MCAP file, or one whose scenario can't be used.
-    #[error("{0}")]
-    Unusable(String),
-}
-
-impl RecordingError {
-    /// The error for this reason.
-    pub(super) fn because(reason: impl Into<String>) -> Self {
-        Self::Unusable(reason.into())
-    }
+    /// The scenario is not UTF-8.
+    #[error("its scenario is damaged: {0}")]
+    ScenarioText(#[source] FromUtf8Error),
+    /// The scenario is not one that this version can run.
+    #[error("its scenario can't be used: {0}")]
+    UnusableScenario(#[source] ScenarioError),
 }
 
 /// The reason why a message can't be decoded.

@@ -9,7 +9,7 @@ use toprise::analysis::diff::{Options, compare};
 use toprise::analysis::explain::explain;
 use toprise::archive::pipeline::{Archived, McapSink};
 use toprise::archive::publish::{Existing, partial_name};
-use toprise::archive::recording::{Condition, Overview, Recording};
+use toprise::archive::recording::{Condition, Overview, Recording, RecordingError};
 use toprise::archive::sink::{Sink, SinkError, record, record_all};
 use toprise::archive::verify::{Equality, verify};
 use toprise::archive::writer::Form;
@@ -225,17 +225,16 @@ fn distinguishes_damaged_from_foreign_files() {
     assert!(overview.messages() > 0 && overview.end.is_some());
 
     let other = directory.path().join("other");
-    for (bytes, empty) in [
-        (&b""[..], true),
-        (b"not an mcap file, but long enough", false),
-        (b"\x89", false),
-    ] {
+    fs::write(&other, b"").unwrap();
+    let error = Overview::read(&other).unwrap_err();
+    assert!(matches!(error, RecordingError::Empty), "{error}");
+    for bytes in [&b"not an mcap file, but long enough"[..], b"\x89"] {
         fs::write(&other, bytes).unwrap();
         let error = Overview::read(&other).unwrap_err();
-        assert_eq!(error.to_string() == "the file is empty", empty, "{error}");
+        assert!(matches!(error, RecordingError::NotMcap), "{error}");
     }
     let error = Overview::read(directory.path()).unwrap_err();
-    assert_eq!(error.to_string(), "it is a directory, not an MCAP file");
+    assert!(matches!(error, RecordingError::Directory), "{error}");
     assert_eq!(Recording::open(&truncated).unwrap().end(), None);
 }
 

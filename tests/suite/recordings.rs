@@ -5,17 +5,18 @@ use proptest::prelude::*;
 use serde_json::json;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
+use std::error::Error as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use toprise::analysis::subject::Subject;
 use toprise::archive::format::end_entries;
 use toprise::archive::memory::Owned;
-use toprise::archive::recording::{Condition, Overview, Recording, Selection};
+use toprise::archive::recording::{Condition, Overview, Recording, RecordingError, Selection};
 use toprise::archive::replay::replay;
 use toprise::archive::verify::{Verdict, verify};
 use toprise::archive::writer::{Form, McapWriter};
-use toprise::run::scenario::Scenario;
+use toprise::run::scenario::{Scenario, ScenarioError};
 use toprise::telemetry::encoding::{Decoder, Encoder, Encoding, Row};
 use toprise::telemetry::fields::{ENERGY, NumberField, state};
 use toprise::telemetry::{Telemetry, Topic, Topics, channels};
@@ -226,6 +227,36 @@ fn foreign(path: &Path, library: &str, topics: &[(&str, &str, serde_json::Value)
     writer.finish().unwrap();
 }
 
+/// The error of opening a file whose attached scenario is this text, or of reading the scenario.
+fn scenario_error(path: &Path, text: &[u8]) -> RecordingError {
+    let mut writer = mcap::Writer::new(fs::File::create(path).unwrap()).unwrap();
+    let attachment = mcap::Attachment {
+        log_time: 0,
+        create_time: 0,
+        name: "scenario.toml".to_owned(),
+        media_type: "application/toml".to_owned(),
+        data: Cow::Borrowed(text),
+    };
+    writer.attach(&attachment).unwrap();
+    writer.finish().unwrap();
+    Recording::open(path).unwrap().scenario().unwrap_err()
+}
+
+#[test]
+fn errors_of_recorded_scenarios_have_their_cause() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("a.mcap");
+    let error = scenario_error(&path, b"name = \"\xff\"");
+    assert!(matches!(error, RecordingError::ScenarioText(_)), "{error}");
+    let text = short().to_toml().replace("k = 0.03", "k = -1");
+    let error = scenario_error(&path, text.as_bytes());
+    let cause = error
+        .source()
+        .and_then(|cause| cause.downcast_ref::<ScenarioError>());
+    let key = cause.and_then(|cause| cause.key.as_deref());
+    assert_eq!(key, Some("friction.k"), "{error}");
+}
+
 #[test]
 fn classifies_files() {
     let directory = tempfile::tempdir().unwrap();
@@ -251,7 +282,7 @@ fn classifies_files() {
     });
     let message = json!({
         "timestamp": { "sec": 0, "nsec": 0 }, "theta": 0.5, "wobble": 1.0,
-        // What is unknown is skipped as a whole, whatever it has.
+        // An unknown field is skipped with all that it contains.
         "gust": { "x": 2.0, "z": [3.0] },
     });
     let schema = schema.to_string();

@@ -58,9 +58,7 @@ impl Layout {
         let mut magic = Vec::new();
         source.read(0, MAGIC.len() as u64, &mut magic)?;
         if magic != MAGIC {
-            return Err(RecordingError::because(
-                "not an MCAP file (wrong magic bytes)",
-            ));
+            return Err(RecordingError::NotMcap);
         }
         let mut layout = Self::default();
         let mut scanner = Scanner::new(source);
@@ -208,15 +206,18 @@ impl Layout {
     /// Finds the times of the losses: from the end of the chunk before it to the start of the next one. They are unknown
     /// where chunks don't follow each other in time.
     fn find_loss_times(&mut self) {
-        // Both times of a chunk without messages are 0.
-        let has_messages = |section: &&Section| section.span != Some((0, 0));
-        let chunks: Vec<_> = self.sections.iter().filter(has_messages).collect();
+        let chunks: Vec<_> = self
+            .sections
+            .iter()
+            // Both times of a chunk without messages are 0.
+            .filter(|section| section.span != Some((0, 0)))
+            .collect();
         for loss in self.losses.iter_mut() {
-            let next = chunks.partition_point(|s| s.offset <= loss.offset);
-            let (earlier, later) = chunks.split_at(next);
-            let before = earlier.last().and_then(|section| section.span);
-            let behind = later.first().and_then(|section| section.span);
-            if let (Some((_, end)), Some((start, _))) = (before, behind)
+            let (earlier, later) =
+                chunks.split_at(chunks.partition_point(|s| s.offset <= loss.offset));
+            let previous = earlier.last().and_then(|section| section.span);
+            let next = later.first().and_then(|section| section.span);
+            if let (Some((_, end)), Some((start, _))) = (previous, next)
                 && end > start
             {
                 continue;
@@ -226,9 +227,9 @@ impl Layout {
                 .data_end
                 .as_ref()
                 .is_none_or(|end| loss.offset < end.offset);
-            if is_in_data && (before.is_some() || behind.is_some()) {
-                loss.from_ns = Some(before.map_or(0, |(_, end)| end));
-                loss.to_ns = behind.map(|(start, _)| start);
+            if is_in_data && (previous.is_some() || next.is_some()) {
+                loss.from_ns = Some(previous.map_or(0, |(_, end)| end));
+                loss.to_ns = next.map(|(start, _)| start);
             }
         }
     }
@@ -256,7 +257,7 @@ impl Layout {
             return Ok(());
         };
         let is_explained = match self.data_checksum(source)? {
-            Some(checksum) => checksum.is_right(source)?,
+            Some(checksum) => checksum.matches(source)?,
             None => !self.is_ours() || self.data_end.is_some(),
         };
         if !is_explained {
@@ -278,7 +279,7 @@ impl Layout {
     fn find_wrong_checksums(&self, source: &Source) -> io::Result<Vec<Loss>> {
         let mut wrong = Vec::new();
         for checksum in self.checksums(source)? {
-            if !checksum.is_right(source)? {
+            if !checksum.matches(source)? {
                 wrong.push(checksum.loss());
             }
         }

@@ -7,6 +7,7 @@ use super::zstd::ZstdFrames;
 use mcap::records::{ChunkHeader, op};
 use std::io::{self, Read};
 use std::ops::Range;
+use thiserror::Error;
 
 /// Maximum size of a chunk, bytes, compressed and not; larger chunks are treated as damage.
 const MAX_CHUNK_SIZE: u64 = 256 << 20;
@@ -28,6 +29,42 @@ pub(crate) struct Section {
     pub(crate) is_chunk: bool,
     /// The times of its first and last message, ns; unknown outside of chunks.
     pub(crate) span: Option<(u64, u64)>,
+}
+
+/// The reason why a section can't be read.
+#[derive(Debug, Error)]
+pub(crate) enum SectionError {
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    #[error("a {what} of {length} bytes is larger than the limit of {} MiB", MAX_CHUNK_SIZE >> 20)]
+    TooLarge { what: &'static str, length: u64 },
+    #[error("truncated")]
+    Truncated,
+    #[error("unreadable header")]
+    Header,
+    #[error("unsupported compression {0:?} (supported: \"zstd\", \"lz4\", and \"\" for none)")]
+    Compression(String),
+    #[error("decompression failed: {0}")]
+    Decompression(#[source] io::Error),
+    /// The content has something else where a record should start, at this byte.
+    #[error("invalid record at byte {0} of the chunk")]
+    Record(usize),
+    /// There is more content than this number of bytes.
+    #[error("more content than the {0} bytes in its header")]
+    Excess(u64),
+    #[error("{found} bytes of content, expected {expected}")]
+    Short { found: u64, expected: u64 },
+    #[error("checksum {found:08x}, expected {expected:08x}")]
+    Checksum { found: u32, expected: u32 },
+}
+
+impl From<SectionError> for io::Error {
+    fn from(error: SectionError) -> Self {
+        match error {
+            SectionError::Io(error) => error,
+            error => Self::other(error),
+        }
+    }
 }
 
 /// Reusable buffers of a section.
@@ -59,13 +96,16 @@ impl Section {
     }
 
     /// Reads, decompresses and checks the section.
-    pub(crate) fn load(&self, source: &Source, buffers: &mut Buffers) -> io::Result<()> {
+    pub(crate) fn load(&self, source: &Source, buffers: &mut Buffers) -> Result<(), SectionError> {
         check_size(self.length, if self.is_chunk { "chunk" } else { "record" })?;
         if !self.is_chunk {
             // Records outside of chunks have no checksum but that of the whole data.
             source.read(self.offset, self.length, &mut buffers.records)?;
-            let is_whole = buffers.records.len() as u64 == self.length;
-            return is_whole.then_some(()).ok_or_else(cut);
+            return if buffers.records.len() as u64 == self.length {
+                Ok(())
+            } else {
+                Err(SectionError::Truncated)
+            };
         }
         let (header, content) = self.read_fields(source, &mut buffers.raw)?;
         let (from, size) = (content.start, header.uncompressed_size);
@@ -90,37 +130,36 @@ impl Section {
         &self,
         source: &Source,
         bytes: &mut Vec<u8>,
-    ) -> io::Result<(ChunkHeader, Range<u64>)> {
+    ) -> Result<(ChunkHeader, Range<u64>), SectionError> {
         let start = self.offset + HEAD;
-        let body_length = self.length.checked_sub(HEAD).ok_or_else(cut)?;
+        let body_length = self
+            .length
+            .checked_sub(HEAD)
+            .ok_or(SectionError::Truncated)?;
         source.read(start, body_length.min(MAX_FIELDS), bytes)?;
         chunk_fields(bytes)
             .filter(|(_, at, length)| at.saturating_add(*length) <= body_length)
             .map(|(header, at, length)| (header, start + at..start + at + length))
-            .ok_or_else(|| io::Error::other("unreadable header"))
+            .ok_or(SectionError::Header)
     }
 }
 
-fn cut() -> io::Error {
-    io::Error::other("truncated")
-}
-
 /// Refuses a record that is too large; `what` names it.
-fn check_size(length: u64, what: &str) -> io::Result<()> {
+fn check_size(length: u64, what: &'static str) -> Result<(), SectionError> {
     if length > MAX_CHUNK_SIZE {
-        let reason = format!(
-            "a {what} of {length} bytes is larger than the limit of {} MiB",
-            MAX_CHUNK_SIZE >> 20
-        );
-        return Err(io::Error::other(reason));
+        return Err(SectionError::TooLarge { what, length });
     }
     Ok(())
 }
 
-fn decompress(header: &ChunkHeader, data: &[u8], records: &mut Vec<u8>) -> io::Result<()> {
+fn decompress(
+    header: &ChunkHeader,
+    data: &[u8],
+    records: &mut Vec<u8>,
+) -> Result<(), SectionError> {
     let size = header.uncompressed_size;
     match header.compression.as_str() {
-        // Encoders write nothing for nothing.
+        // Encoders write no frame for an empty chunk.
         _ if size == 0 && data.is_empty() => {
             records.clear();
             Ok(())
@@ -128,38 +167,33 @@ fn decompress(header: &ChunkHeader, data: &[u8], records: &mut Vec<u8>) -> io::R
         // The default of 128 MiB would refuse large chunks that `zstd --long` compressed.
         "zstd" => read_pieces(ZstdFrames::new(data, MAX_CHUNK_SIZE.ilog2()), size, records),
         "lz4" => read_pieces(Lz4Frames::new(data), size, records),
-        other => {
-            let reason = format!(
-                "unsupported compression {other:?} (supported: \"zstd\", \"lz4\", and \"\" for none)"
-            );
-            Err(io::Error::other(reason))
-        }
+        other => Err(SectionError::Compression(other.to_owned())),
     }
 }
 
 /// Checks length and checksum of a chunk's content.
-fn check_content(header: &ChunkHeader, records: &[u8]) -> io::Result<()> {
-    let (found, size) = (records.len() as u64, header.uncompressed_size);
-    if found > size {
-        let reason = format!("more content than the {size} bytes in its header");
-        return Err(io::Error::other(reason));
+fn check_content(header: &ChunkHeader, records: &[u8]) -> Result<(), SectionError> {
+    let (length, size) = (records.len() as u64, header.uncompressed_size);
+    if length > size {
+        return Err(SectionError::Excess(size));
     }
-    if found < size {
-        let reason = format!("{found} bytes of content, expected {size}");
-        return Err(io::Error::other(reason));
+    if length < size {
+        return Err(SectionError::Short {
+            found: length,
+            expected: size,
+        });
     }
     // Zero means that no checksum was computed.
     let found = crc32fast::hash(records);
     let expected = header.uncompressed_crc;
     if expected != 0 && found != expected {
-        let reason = format!("checksum {found:08x}, expected {expected:08x}");
-        return Err(io::Error::other(reason));
+        return Err(SectionError::Checksum { found, expected });
     }
     Ok(())
 }
 
 /// Decompresses in pieces up to the maximum chunk size (decompression bombs).
-fn read_pieces(decoder: impl Read, size: u64, records: &mut Vec<u8>) -> io::Result<()> {
+fn read_pieces(decoder: impl Read, size: u64, records: &mut Vec<u8>) -> Result<(), SectionError> {
     records.clear();
     // One extra byte to detect excess data.
     let mut content = decoder.take(size + 1);
@@ -169,15 +203,14 @@ fn read_pieces(decoder: impl Read, size: u64, records: &mut Vec<u8>) -> io::Resu
             .by_ref()
             .take(PIECE)
             .read_to_end(records)
-            .map_err(|error| io::Error::other(format!("decompression failed: {error}")))?;
+            .map_err(SectionError::Decompression)?;
         if (length as u64) < PIECE {
             return Ok(());
         }
         while let Some((opcode, length)) = records.get(next..).and_then(head) {
             // Readers skip unknown records, but 0 is no opcode.
             if opcode == 0 || HEAD + length > size {
-                let reason = format!("invalid record at byte {next} of the chunk");
-                return Err(io::Error::other(reason));
+                return Err(SectionError::Record(next));
             }
             let length = usize::try_from(HEAD + length).unwrap_or(usize::MAX);
             next = next.saturating_add(length);

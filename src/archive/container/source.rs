@@ -37,11 +37,10 @@ impl Source {
         let metadata = file.metadata()?;
         let length = metadata.len();
         if metadata.is_dir() {
-            let reason = "it is a directory, not an MCAP file";
-            return Err(RecordingError::because(reason));
+            return Err(RecordingError::Directory);
         }
         if length == 0 {
-            return Err(RecordingError::because("the file is empty"));
+            return Err(RecordingError::Empty);
         }
         Ok(Self { file, length })
     }

@@ -90,8 +90,10 @@ impl Recording {
 
     /// The attached scenarios.
     fn scenarios(&self) -> impl Iterator<Item = &Attachment> {
-        let attachments = self.layout.attachments.iter();
-        attachments.filter(|attachment| attachment.header.name == SCENARIO_ATTACHMENT)
+        self.layout
+            .attachments
+            .iter()
+            .filter(|attachment| attachment.header.name == SCENARIO_ATTACHMENT)
     }
 
     /// The path as it was given.
@@ -170,17 +172,20 @@ impl Recording {
 
     /// Whether the run was interrupted.
     pub fn is_interrupted(&self) -> bool {
-        let reason = self.end().map(|end| end.get(STOP_REASON));
-        let interrupted = StopReason::Interrupted.name();
-        reason.is_none_or(|reason| reason.is_some_and(|reason| reason == interrupted))
+        match self.end() {
+            Some(end) => end
+                .get(STOP_REASON)
+                .is_some_and(|reason| reason == StopReason::Interrupted.name()),
+            // A writer that was ended at once leaves no end record.
+            None => true,
+        }
     }
 
     /// The entries of the first metadata record with a name.
     pub fn metadata(&self, name: &str) -> Option<&Entries> {
-        let mut records = self.layout.metadata.iter();
-        records
-            .find(|(_, r)| r.name == name)
-            .map(|(_, r)| &r.metadata)
+        self.all_metadata()
+            .find(|(known, _)| *known == name)
+            .map(|(_, entries)| entries)
     }
 
     /// Form and topics, from `toprise.run` or from the channels; `None` if both are lost.
@@ -196,14 +201,18 @@ impl Recording {
 
     /// All metadata records: names and entries, in the order of the file.
     pub fn all_metadata(&self) -> impl Iterator<Item = (&str, &Entries)> {
-        let records = self.layout.metadata.iter();
-        records.map(|(_, record)| (record.name.as_str(), &record.metadata))
+        self.layout
+            .metadata
+            .iter()
+            .map(|(_, record)| (record.name.as_str(), &record.metadata))
     }
 
     /// Names and sizes (bytes) of all attachments, in the order of the file.
     pub fn attachments(&self) -> impl Iterator<Item = (&str, u64)> {
-        let attachments = self.layout.attachments.iter();
-        attachments.map(|attachment| (attachment.header.name.as_str(), attachment.data_length))
+        self.layout
+            .attachments
+            .iter()
+            .map(|attachment| (attachment.header.name.as_str(), attachment.data_length))
     }
 
     /// All channels, in the order of the file.
@@ -279,8 +288,7 @@ impl Recording {
             return Err(RecordingError::DamagedScenario);
         }
         let data = scenario.data(&self.source)?;
-        String::from_utf8(data)
-            .map_err(|error| RecordingError::because(format!("its scenario is damaged: {error}")))
+        String::from_utf8(data).map_err(RecordingError::ScenarioText)
     }
 
     /// The scenario.
@@ -288,8 +296,6 @@ impl Recording {
     /// # Errors
     /// [`RecordingError`] if it has none, or it can't be used.
     pub fn scenario(&self) -> Result<Scenario, RecordingError> {
-        Scenario::from_toml(&self.scenario_text()?).map_err(|error| {
-            RecordingError::because(format!("its scenario can't be used: {error}"))
-        })
+        Scenario::from_toml(&self.scenario_text()?).map_err(RecordingError::UnusableScenario)
     }
 }

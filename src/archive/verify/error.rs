@@ -28,7 +28,7 @@ pub enum VerifyError {
 /// The reason why an index is not accepted.
 #[derive(Debug)]
 pub(super) enum IndexFault {
-    /// It says something else than the data.
+    /// It contradicts the data.
     Contradiction(Difference),
     /// An I/O error.
     Io(io::Error),

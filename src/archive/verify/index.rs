@@ -63,7 +63,9 @@ pub(super) fn check(recording: &Recording, summary: &Summary) -> Result<Chunks, 
     let mut chunks = Chunks::new();
     let mut buffers = Buffers::default();
     for section in recording.layout.sections.iter().filter(|s| s.is_chunk) {
-        section.load(&recording.source, &mut buffers)?;
+        section
+            .load(&recording.source, &mut buffers)
+            .map_err(io::Error::from)?;
         let entries = entries(&buffers.records);
         let chunk = Chunk::new(&entries, buffers.records.len() as u64);
         check_chunk_times(recording, section, chunk)?;
@@ -202,7 +204,7 @@ fn chunk_header(recording: &Recording, section: &Section) -> io::Result<Option<C
     })
 }
 
-/// The entries of the message indexes behind a chunk, found by their offsets.
+/// The entries of the message indexes after a chunk, found by their offsets.
 fn message_indexes(
     recording: &Recording,
     section: &Section,
