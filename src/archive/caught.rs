@@ -30,7 +30,7 @@ pub(crate) fn catch<T>(task: impl FnOnce() -> T) -> Result<T, Panic> {
     caught.map_err(|panic| Panic(message(panic.as_ref()).to_owned()))
 }
 
-/// Message of a panic.
+/// The text of a panic's payload.
 fn message(panic: &(dyn Any + Send)) -> &str {
     if let Some(text) = panic.downcast_ref::<&str>() {
         return text;

@@ -161,8 +161,9 @@ pub fn end_entries(end: &RunEnd) -> Entries {
         ("smallest_step", format!("{:?}", statistics.smallest_step)),
         ("largest_step", format!("{:?}", statistics.largest_step)),
     ]);
-    let inversion = end.inversion_time.map(|time| format!("{time:?}"));
-    all.extend(inversion.map(|time| (INVERSION_TIME.to_owned(), time)));
+    if let Some(time) = end.inversion_time {
+        all.insert(INVERSION_TIME.to_owned(), format!("{time:?}"));
+    }
     all
 }
 

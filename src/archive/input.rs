@@ -59,10 +59,10 @@ fn is_standard_input(word: &Path) -> bool {
 /// Whether an argument is a recording rather than a scenario.
 pub fn is_recording(word: &Path) -> bool {
     let is_scenario = is_preset(word) || has_extension(word, "toml") || is_standard_input(word);
-    !is_scenario && (word.exists() || is_like_a_file(word))
+    !is_scenario && (word.exists() || looks_like_a_file(word))
 }
 
-/// What a command-line argument says of a run.
+/// The scenario that a command-line argument names, and how a recording was made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunInput {
     /// The keys and values of the scenario.
@@ -77,20 +77,18 @@ pub struct RunInput {
 /// [`InputError`] if there is none, or a key of it is wrong; whether the scenario is complete is not checked.
 pub fn read(word: &Path) -> Result<RunInput, InputError> {
     let is_file = has_extension(word, "toml")
-        || is_like_a_file(word)
+        || looks_like_a_file(word)
         || is_standard_input(word)
         || word.exists();
     if is_preset(word) || !is_file {
-        let preset = Preset::find(&word.to_string_lossy());
-        let values = preset.and_then(Preset::values);
-        return Ok(RunInput {
-            values: values.map_err(InputError::UnknownPreset)?,
-            form: None,
-        });
+        let values = Preset::find(&word.to_string_lossy())
+            .and_then(Preset::values)
+            .map_err(InputError::UnknownPreset)?;
+        return Ok(RunInput { values, form: None });
     }
     // By its name even if it is empty or cut: the error is then about a recording, not about TOML.
-    let is_named_so = has_extension(word, "mcap") || has_extension(word, "partial");
-    let (text, form) = if !is_standard_input(word) && (is_named_so || is_mcap(word)) {
+    let has_its_name = has_extension(word, "mcap") || has_extension(word, "partial");
+    let (text, form) = if !is_standard_input(word) && (has_its_name || is_mcap(word)) {
         read_recording(word).map_err(|reason| InputError::Recording {
             path: word.to_owned(),
             reason,
@@ -134,8 +132,7 @@ fn read_text(word: &Path) -> io::Result<String> {
 /// Whether a file starts with the MCAP magic bytes.
 fn is_mcap(path: &Path) -> bool {
     let mut magic = [0; mcap::MAGIC.len()];
-    let file = open_file(path);
-    let read = file.and_then(|mut file| file.read_exact(&mut magic));
+    let read = open_file(path).and_then(|mut file| file.read_exact(&mut magic));
     read.is_ok() && magic == *mcap::MAGIC
 }
 
@@ -216,7 +213,7 @@ pub(crate) fn has_extension(word: &Path, extension: &str) -> bool {
 }
 
 /// Whether an unknown argument looks like a file name rather than a preset.
-fn is_like_a_file(word: &Path) -> bool {
+fn looks_like_a_file(word: &Path) -> bool {
     let text = word.to_string_lossy();
     text.contains(['/', '\\']) || text.contains(".mcap")
 }

@@ -242,7 +242,7 @@ pub fn check_name(path: &Path) -> Result<(), SinkError> {
 /// Checks that the target can be written, before anything else is done.
 ///
 /// # Errors
-/// [`SinkError::Exists`] if the name is taken, [`SinkError::Name`] if it is none.
+/// [`SinkError::Exists`] if the name is taken, [`SinkError::Name`] if the path has none.
 pub fn check_target(path: &Path, existing: Existing) -> Result<(), SinkError> {
     check_name(path)?;
     // Don't replace a directory, device or pipe.

@@ -141,7 +141,7 @@ fn verify_with(
         recorded_by: other_version(recording),
         schemas: None,
     };
-    let (scenario, form, topics) = match what_to_run(recording) {
+    let (scenario, form, topics) = match rerun_inputs(recording) {
         Ok(found) => found,
         Err(Unrunnable::NoScenario) => return Err(VerifyError::NoScenario),
         Err(Unrunnable::Damaged) => {
@@ -277,7 +277,7 @@ enum Unrunnable {
 }
 
 /// The scenario of a recording and how it was recorded.
-fn what_to_run(recording: &Recording) -> Result<(Scenario, Form, Topics), Unrunnable> {
+fn rerun_inputs(recording: &Recording) -> Result<(Scenario, Form, Topics), Unrunnable> {
     let scenario = recording.scenario().map_err(|reason| match reason {
         RecordingError::NoScenario => Unrunnable::NoScenario,
         RecordingError::DamagedScenario => Unrunnable::Damaged,

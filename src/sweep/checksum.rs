@@ -14,8 +14,7 @@ pub(super) fn add(mut file: impl Read + Write + Seek) -> io::Result<()> {
     file.rewind()?;
     io::copy(&mut file, &mut hash)?;
     let mut end = hash.finalize().to_vec();
-    // The checksum takes the place of the footer, which moves behind it. Readers find the footer from the end of the
-    // file.
+    // The checksum takes the place of the footer, and the footer follows it: readers find it from the end of the file.
     file.seek(SeekFrom::Start(footer))?;
     file.read_to_end(&mut end)?;
     file.seek(SeekFrom::Start(footer))?;

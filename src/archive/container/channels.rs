@@ -87,7 +87,7 @@ pub(crate) enum Conflict {
     Schema(u16),
     /// A definition that was not found when the file was opened: toprise defines all channels in its first chunk and in
     /// the summary.
-    #[error("a further definition behind those of the first chunk")]
+    #[error("a further definition after those of the first chunk")]
     Further,
     /// All definitions together are too large.
     #[error("the definitions of channels and schemas exceed {} MiB", MAX_SIZE >> 20)]
@@ -316,12 +316,12 @@ fn size(record: &Record<'_>) -> usize {
     match record {
         Record::Schema { header, data } => header.name.len() + header.encoding.len() + data.len(),
         Record::Channel(record) => {
-            let metadata = record.metadata.iter();
-            record.topic.len()
-                + record.message_encoding.len()
-                + metadata
-                    .map(|(key, value)| key.len() + value.len())
-                    .sum::<usize>()
+            let metadata: usize = record
+                .metadata
+                .iter()
+                .map(|(key, value)| key.len() + value.len())
+                .sum();
+            record.topic.len() + record.message_encoding.len() + metadata
         }
         _ => 0,
     }

@@ -55,7 +55,7 @@ impl Checksum {
     }
 
     /// Whether the bytes have this checksum.
-    pub(crate) fn is_right(&self, source: &Source) -> io::Result<bool> {
+    pub(crate) fn matches(&self, source: &Source) -> io::Result<bool> {
         let Range { start, end } = self.part;
         Ok(source.checksum(start, end)? == self.stored)
     }

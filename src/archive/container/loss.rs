@@ -52,10 +52,12 @@ impl Losses {
             .take(MAX_SENTENCES)
             .map(Loss::sentence)
             .collect();
-        let more = self.count - sentences.len() as u64;
-        if more > 0 {
-            let more = grouped(more);
-            sentences.push(format!("missing {more} more parts of the file"));
+        let others = self.count - sentences.len() as u64;
+        if others > 0 {
+            sentences.push(format!(
+                "missing {} more parts of the file",
+                grouped(others)
+            ));
         }
         sentences
     }

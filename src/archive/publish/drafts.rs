@@ -1,4 +1,4 @@
-//! What a program leaves if it is ended while it writes.
+//! The files and directories that a program would leave behind if it were ended while it writes.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 #[derive(Clone, Debug, Default)]
 pub struct Drafts(Arc<Mutex<Leftovers>>);
 
-/// What is to be removed.
+/// Files and directories to be removed.
 #[derive(Debug, Default)]
 pub(super) struct Leftovers {
     files: BTreeSet<PathBuf>,
@@ -98,7 +98,7 @@ impl Drop for MadeDirectories {
     }
 }
 
-/// Removes empty directories, the innermost first. The others hold files of someone else.
+/// Removes empty directories, the innermost first. The others have come to hold other files.
 fn remove_empty(directories: &[PathBuf]) {
     for directory in directories.iter().rev() {
         let _ = fs::remove_dir(directory);

@@ -109,16 +109,16 @@ impl fmt::Display for Misplaced {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let messages = self.messages;
         let count = grouped(messages);
-        match (self.repeated == messages, self.repeated == 0) {
-            (true, _) if messages == 1 => f.write_str("1 repeated message is skipped")?,
-            (true, _) => write!(f, "{count} repeated messages are skipped")?,
-            (_, true) if messages == 1 => {
-                f.write_str("1 message that is not later than its predecessor is skipped")?;
-            }
-            (_, true) => write!(
+        match (messages, self.repeated) {
+            (1, 1) => f.write_str("1 repeated message is skipped")?,
+            (1, _) => f.write_str("1 message that is not later than its predecessor is skipped")?,
+            (_, 0) => write!(
                 f,
                 "{count} messages that are not later than their predecessors are skipped"
             )?,
+            (_, repeated) if repeated == messages => {
+                write!(f, "{count} repeated messages are skipped")?;
+            }
             _ => write!(
                 f,
                 "{count} messages that repeat others or are not later than their predecessors are skipped"
@@ -130,7 +130,7 @@ impl fmt::Display for Misplaced {
 }
 
 impl Order {
-    /// For the channels of a recording, in the order of the file.
+    /// The order of the channels of a recording.
     pub(super) fn new(recording: &Recording) -> Self {
         let is_ours = recording.is_ours();
         let (mut places, mut channels) = (Vec::new(), Vec::new());
@@ -197,7 +197,7 @@ impl Order {
     }
 }
 
-/// The place of a channel among those of a run: in the table, or behind it for views, which repeat what the table has.
+/// The place of a channel among those of a run: in the table, or after it for views, which repeat what the table has.
 fn place(channel: &FileChannel) -> Option<usize> {
     match channel.table {
         Some(topic) => Some(topic.index()),

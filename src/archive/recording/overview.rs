@@ -204,15 +204,19 @@ impl Overview {
 
 /// What is wrong with the messages of a recording, in sentences.
 fn content_faults(recording: &Recording, reader: &Reader<'_>, check: ContentCheck) -> Vec<String> {
-    let mut sentences = Vec::from_iter(reader.left_out().map(ToString::to_string));
-    let faults = check.finish(&promised_topics(recording), recording.end());
+    let mut sentences: Vec<String> = reader
+        .left_out()
+        .map(ToString::to_string)
+        .into_iter()
+        .collect();
+    let faults = check.finish(&expected_topics(recording), recording.end());
     sentences.extend(faults.sentences(!reader.all_losses().is_empty()));
     sentences
 }
 
 /// The topics of the table that a recording should have: those that its run was recorded with, or else those of its
 /// channels.
-fn promised_topics(recording: &Recording) -> Vec<Topic> {
+fn expected_topics(recording: &Recording) -> Vec<Topic> {
     match (recording.form(), recording.scenario()) {
         (Some((_, topics)), Ok(scenario)) => Topic::all_with(scenario.model.support)
             .filter(|topic| topics.include(topic))

@@ -58,7 +58,7 @@ pub struct Reader<'r> {
     loader: Loader<'r>,
     order: Option<Order>,
     /// Treatment of each of the file's channels.
-    plans: Vec<Plan>,
+    treatments: Vec<Treatment>,
     row: Row,
     /// Number of bytes that have been reported as read.
     reported: u64,
@@ -66,7 +66,7 @@ pub struct Reader<'r> {
 
 /// Treatment of the messages of a channel.
 #[derive(Debug)]
-enum Plan {
+enum Treatment {
     /// Return raw messages.
     Raw,
     Decode {
@@ -75,7 +75,7 @@ enum Plan {
     },
 }
 
-impl Plan {
+impl Treatment {
     fn new(channel: &FileChannel) -> Self {
         match (channel.table, channel.decoder()) {
             (Some(topic), Some(decoder)) => Self::Decode {
@@ -129,7 +129,7 @@ impl Recording {
 impl<'r> Reader<'r> {
     pub(super) fn new(recording: &'r Recording, selection: Selection) -> Self {
         Self {
-            plans: recording.channels().iter().map(Plan::new).collect(),
+            treatments: recording.channels().iter().map(Treatment::new).collect(),
             loader: Loader::new(recording, selection),
             recording,
             row: Row::default(),
@@ -202,7 +202,7 @@ impl<'r> Reader<'r> {
     pub fn next(&mut self) -> Option<Result<Message<'_>, MessageError>> {
         loop {
             let found = self.advance()?;
-            if matches!(self.plans[found.channel], Plan::Decode { .. }) {
+            if matches!(self.treatments[found.channel], Treatment::Decode { .. }) {
                 return self.decode(&found);
             }
         }
@@ -211,7 +211,7 @@ impl<'r> Reader<'r> {
     /// Decodes a message of a channel of the table.
     fn decode(&mut self, found: &FoundMessage) -> Option<Decoded<'_>> {
         let message = self.loader.message(found)?;
-        self.plans[found.channel].decode(&message, &mut self.row)
+        self.treatments[found.channel].decode(&message, &mut self.row)
     }
 
     /// Number of bytes that have been read since the last call.
@@ -238,7 +238,7 @@ impl<'r> Reader<'r> {
             None => true,
         };
         let decoded = if is_accepted {
-            self.plans[found.channel].decode(&message, &mut self.row)
+            self.treatments[found.channel].decode(&message, &mut self.row)
         } else {
             None
         };

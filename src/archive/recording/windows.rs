@@ -51,7 +51,7 @@ impl Window {
         (self.first..=self.last).contains(&time_ns)
     }
 
-    /// Ends earlier, and drops the messages behind that. Returns false if the window is a single instant.
+    /// Ends earlier, and drops the messages after that. Returns false if the window is a single instant.
     fn shrink(&mut self, batch: &mut Batch) -> bool {
         // A selection, not a sort: it takes linear time, and a window may hold millions of messages.
         let mut times: Vec<u64> = batch.entries.iter().map(|entry| entry.time_ns).collect();
@@ -110,14 +110,16 @@ impl Windows {
             return Some(());
         }
         let first = self.from_ns?;
-        self.spans[self.done..]
-            .iter()
-            .find(|span| span.last >= first)?;
+        if self.spans[self.done..].iter().all(|span| span.last < first) {
+            return None;
+        }
         let last = u64::MAX;
         let window = self.fill(Window { first, last }, batch, append);
         self.from_ns = window.last.checked_add(1);
-        let behind = self.spans[self.done..].iter();
-        self.done += behind.take_while(|span| span.last <= window.last).count();
+        self.done += self.spans[self.done..]
+            .iter()
+            .take_while(|span| span.last <= window.last)
+            .count();
         Some(())
     }
 

@@ -14,7 +14,7 @@ use crate::telemetry::supplement::supplements;
 use sha2::{Digest as _, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What a fact is about. In their order, the first difference is that of a whole item before those of its fields.
+/// What a fact is about. Ordered so that a difference of a whole item comes before those of its fields.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Subject {
     /// The header, a metadata record, an attachment or a topic.
@@ -46,7 +46,7 @@ pub(super) fn difference(
     scope: Scope,
 ) -> Option<Difference> {
     let mut recorded = Facts::from_recording(recording, scope).texts;
-    let mut simulated = Facts::from_run(header, end, scope);
+    let mut run = Facts::from_run(header, end, scope);
     for supplement in supplements() {
         let channel = RegisteredChannel::supplement(supplement);
         if recording
@@ -54,10 +54,10 @@ pub(super) fn difference(
             .iter()
             .any(|c| c.topic == channel.topic)
         {
-            simulated.add_registered(&channel);
+            run.add_registered(&channel);
         }
     }
-    let mut simulated = simulated.texts;
+    let mut simulated = run.texts;
     if recording.is_interrupted() {
         // The run continues after the end of the recording.
         recorded.retain(|subject, _| !subject.is_end_entry());

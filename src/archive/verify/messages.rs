@@ -7,7 +7,7 @@ use crate::archive::format::{Entries, TELEMETRY};
 use crate::archive::recording::{Losses, Recording, Selection, Undecoded};
 use crate::run::plural::plural;
 use crate::run::time::seconds;
-use crate::telemetry::encoding::{Decoder, Row};
+use crate::telemetry::encoding::{DecodeError, Decoder, Row};
 use crate::telemetry::{Topic, table};
 use std::collections::VecDeque;
 
@@ -99,14 +99,16 @@ impl<'r> Comparison<'r> {
         if self.scope == Scope::Values && recorded.channel.is_view() {
             return;
         }
-        let found = self.find(channel, recorded);
-        let Some(expected) = found.and_then(|at| self.ahead.remove(at)) else {
+        let found = self
+            .find(channel, recorded)
+            .and_then(|place| Some((place, self.ahead.remove(place)?)));
+        let Some((place, expected)) = found else {
             self.compared.difference = Some(mismatch(recorded, ""));
             return;
         };
         // Reading in order of time keeps the order of the file only within a topic.
-        let mut before = self.ahead.iter().take(found.unwrap_or(0));
-        if before.any(|m| (m.channel, m.time_ns) == (channel, expected.time_ns)) {
+        let mut earlier = self.ahead.iter().take(place);
+        if earlier.any(|m| (m.channel, m.time_ns) == (channel, expected.time_ns)) {
             self.compared
                 .out_of_order
                 .get_or_insert_with(|| mismatch(recorded, "order of simultaneous messages"));
@@ -116,30 +118,31 @@ impl<'r> Comparison<'r> {
     }
 
     fn compare(&self, recorded: &Undecoded<'_>, expected: &Expected) -> Option<Difference> {
-        let difference =
-            |field: &str, values: [String; 2]| Some(at(recorded, field, values.map(Some)));
         let times = [
             ("log time (ns)", recorded.log_time),
             ("publish time (ns)", recorded.publish_time),
         ];
         for (name, time) in times {
             if time != expected.time_ns {
-                return difference(name, [time, expected.time_ns].map(|ns| ns.to_string()));
+                let values = [time, expected.time_ns].map(|ns| Some(ns.to_string()));
+                return Some(at(recorded, name, values));
             }
         }
         if recorded.data == expected.data {
             return None;
         }
         let decoder = self.decoders[recorded.position].as_ref();
-        match decoder.map(|decoder| first_field(decoder, recorded, expected)) {
-            Some(Ok(Some((field, values)))) => difference(&field, values),
-            Some(Ok(None)) if self.scope == Scope::Values => None,
-            Some(Err(reason)) => difference("", [reason, "a message".to_owned()]),
-            Some(Ok(None)) | None => {
-                let values = [recorded.data, &expected.data].map(describe_bytes);
-                difference("encoded message", values)
-            }
-        }
+        let (field, values) = match decoder.map(|decoder| first_field(decoder, recorded, expected))
+        {
+            Some(Ok(Some(found))) => found,
+            Some(Ok(None)) if self.scope == Scope::Values => return None,
+            Some(Err(error)) => (String::new(), [error.to_string(), "a message".to_owned()]),
+            Some(Ok(None)) | None => (
+                "encoded message".to_owned(),
+                [recorded.data, &expected.data].map(describe_bytes),
+            ),
+        };
+        Some(at(recorded, &field, values.map(Some)))
     }
 
     /// Finds the expected message for a recorded one, simulating only as far as necessary.
@@ -217,10 +220,9 @@ fn first_field(
     decoder: &Decoder,
     recorded: &Undecoded<'_>,
     expected: &Expected,
-) -> Result<Option<(String, [String; 2])>, String> {
+) -> Result<Option<(String, [String; 2])>, DecodeError> {
     let mut row = Row::default();
-    let decoded = decoder.decode(recorded.data, &mut row);
-    decoded.map_err(|error| error.to_string())?;
+    decoder.decode(recorded.data, &mut row)?;
     let (Some(info), Some((numbers, texts))) = (recorded.channel.info(), &expected.values) else {
         return Ok(None);
     };

@@ -75,7 +75,7 @@ pub(super) fn difference(recording: &Recording) -> Result<Option<Difference>, Ve
     })
 }
 
-/// Checks that the footer leads to the start of the summary: behind the data. The summary's records were found from
+/// Checks that the footer leads to the start of the summary, which follows the data. The summary's records were found from
 /// there, so its reader meets no others.
 fn check_footer(recording: &Recording) -> Result<Option<Difference>, VerifyError> {
     let layout = &recording.layout;
@@ -84,8 +84,7 @@ fn check_footer(recording: &Recording) -> Result<Option<Difference>, VerifyError
         return Ok(None);
     };
     let texts = [start, end.end()].map(|offset| Some(offset.to_string()));
-    let is_right = start == end.end();
-    Ok((!is_right).then(|| Difference::new("the footer", "start of the summary", texts)))
+    Ok((start != end.end()).then(|| Difference::new("the footer", "start of the summary", texts)))
 }
 
 fn unreadable(place: &str, error: &McapError) -> Difference {

@@ -91,7 +91,7 @@ fn added_line(recording: &Recording) -> Option<Difference> {
     // Without a scenario there is nothing to run, and the comparison has ended before.
     let text = recording.scenario_text().ok()?;
     let scenario = recording.scenario().ok()?.to_toml();
-    // Each search goes on behind the line found before, so the order counts, too.
+    // Each search goes on after the line found before, so the order counts, too.
     let mut written = scenario.lines();
     let added = text.lines().find(|line| !written.any(|own| own == *line))?;
     let values = [Some(added.to_owned()), None];
@@ -275,7 +275,7 @@ mod tests {
                 "scenario.toml",
             ),
             (
-                "a comment behind a key",
+                "a comment after a key",
                 |header| {
                     replace(
                         header.scenario.data.to_mut(),
