@@ -48,9 +48,6 @@ export function validText(key, value) {
 /** The name of a choice: its key without the dot. */
 const choiceName = (path) => path.replace(".", " ").replaceAll("_", " ").replace(/ kind$/, "");
 
-/** The word that applies where a choice is not set, as its meaning says. */
-const defaultOf = ({ meaning }) => meaning.match(/default "([^"]*)"/)?.[1];
-
 /** The label of a key: its symbol (or its name, for a number without a symbol) and a short description. */
 function labelOf({ path, symbol, meaning, words: choices }) {
   const [letter, index] = (symbol ?? "").split("_");
@@ -65,7 +62,7 @@ function labelOf({ path, symbol, meaning, words: choices }) {
 
 function choice(scenario, key, changed) {
   const options = key.words.map((word) => element("option", { textContent: word }));
-  if (!key.is_required) options.unshift(element("option", { value: "", textContent: defaultOf(key) ? `default (${defaultOf(key)})` : "not set" }));
+  if (!key.is_required) options.unshift(element("option", { value: "", textContent: key.default ? `default (${key.default})` : "not set" }));
   const select = element("select", { onchange: () => changed(key, select.value) }, ...options);
   select.value = scenario.value(key.path) ?? "";
   return [select];

@@ -32,6 +32,7 @@ fn describe(applicable: &ApplicableKey) -> Json {
         "words": words,
         "range": range,
         "typical": key.typical,
+        "default": key.default,
         "is_logarithmic": key.is_logarithmic(),
         "is_required": applicable.is_required,
     })

@@ -128,6 +128,8 @@ pub struct Key {
     pub symbol: Option<&'static str>,
     /// Typical range, used for sliders; `None` for text and choices.
     pub typical: Option<[f64; 2]>,
+    /// The word that applies where an optional choice is not set; `None` for other keys.
+    pub default: Option<&'static str>,
 }
 
 impl Key {
@@ -143,6 +145,14 @@ impl Key {
     pub(super) const fn denoted(self, symbol: &'static str) -> Self {
         Self {
             symbol: Some(symbol),
+            ..self
+        }
+    }
+
+    /// Sets the word that applies where the key is not set.
+    pub(super) const fn or(self, default: &'static str) -> Self {
+        Self {
+            default: Some(default),
             ..self
         }
     }

@@ -22,6 +22,7 @@ const fn key(
         meaning,
         symbol: None,
         typical: None,
+        default: None,
     }
 }
 
@@ -73,7 +74,7 @@ pub const KEYS: &[Key] = &[
     key("initial.center_x_dot", "m/s", Between(-1e3, 1e3), FREE, "velocity of the centre of mass, instead of the peg's").typically(-1.0, 1.0),
     key("initial.center_y_dot", "m/s", Between(-1e3, 1e3), FREE, "velocity of the centre of mass, instead of the peg's").typically(-1.0, 1.0),
     key("support.kind", "", Choice(SupportKind::NAMES), Optional,
-        "whether the peg's centre is fixed, or the peg free to move on the table; default \"fixed\""),
+        "whether the peg's centre is fixed, or the peg free to move on the table; default \"fixed\"").or("fixed"),
     key("support.restitution", "", Between(0.0, 1.0), FREE,
         "coefficient of restitution e of impacts (Stronge's); default 0").typically(0.0, 1.0).denoted("e"),
     key("friction.law", "", Choice(SLIDING_LAWS), Required, "friction law at the contact"),
@@ -113,7 +114,7 @@ pub const KEYS: &[Key] = &[
     key("stop.theta_risen", "rad", Between(1e-6, PI), Optional, "stop when θ falls to this value (risen)").typically(0.001, 0.4),
     key("stop.theta_fallen", "rad", Between(1e-6, PI), Optional, "stop when θ grows to this value (fallen)").typically(0.5, 3.1),
     key("stop.on_stick", "", Choice(OnStick::NAMES), Optional,
-        "whether to stop or continue when the contact point sticks; default \"stop\""),
+        "whether to stop or continue when the contact point sticks; default \"stop\"").or("stop"),
     key("stop.duration", "s", Between(0.0, 1e6), Optional, "stop at this time at the latest").typically(1.0, 120.0),
 ];
 
@@ -142,5 +143,57 @@ impl Key {
             Some(first) if first.path == self.path => self.name().to_owned(),
             Some(_) | None => self.path.replace('.', "-"),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::scenario::{Preset, Scenario};
+
+    /// The word that a key is said to have by default gives the same run as leaving the key out, and its meaning says so.
+    #[test]
+    fn default_words_are_those_that_apply() {
+        let mut paper = Preset::find("paper").and_then(Preset::values).unwrap();
+        // A free peg requires them.
+        paper.set("formulation", "body").unwrap();
+        paper.set("friction.dissipation", "full").unwrap();
+        let mut checked = 0;
+        for key in KEYS {
+            let Kind::Choice(words) = key.kind else {
+                assert_eq!(key.default, None, "{}", key.path);
+                continue;
+            };
+            let Some(default) = key.default else {
+                // A choice without a default must be made, or doesn't apply; the format is that of this version.
+                assert!(
+                    key.presence != Optional || key.path == "format",
+                    "{}",
+                    key.path
+                );
+                continue;
+            };
+            let run = |word: &str| {
+                let mut values = paper.clone();
+                values.set(key.path, word).unwrap();
+                let scenario = Scenario::new(values).unwrap();
+                (scenario.model, scenario.stop)
+            };
+            for word in words {
+                assert_eq!(
+                    run(word) == run(""),
+                    *word == default,
+                    "{} = {word}",
+                    key.path
+                );
+            }
+            assert!(
+                key.meaning.ends_with(&format!("; default {default:?}")),
+                "{}",
+                key.path
+            );
+            checked += 1;
+        }
+        assert_eq!(checked, 2);
     }
 }
