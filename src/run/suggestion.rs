@@ -8,7 +8,12 @@ const MAX_NAMES: usize = 3;
 
 /// The hint for the most similar names, e.g. ` (did you mean friction.k?)`, or an empty string.
 pub(crate) fn suggestion<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> String {
-    match &similar_names(wrong, names)[..] {
+    did_you_mean(&similar_names(wrong, names))
+}
+
+/// The hint for these names, or an empty string if there are none.
+pub(crate) fn did_you_mean(names: &[&str]) -> String {
+    match names {
         [] => String::new(),
         names => format!(" (did you mean {}?)", names.join(" or ")),
     }

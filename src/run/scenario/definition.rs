@@ -221,12 +221,12 @@ impl Scenario {
             peg_position: Vector3::new(
                 self.peg_coordinate("initial.peg_x", "initial.center_x", reach.x),
                 self.peg_coordinate("initial.peg_y", "initial.center_y", reach.y),
-                top.peg_radius + self.number_or_zero("initial.height"),
+                top.peg_radius + self.values.number_or_zero("initial.height"),
             ),
             peg_velocity: Vector3::new(
                 self.peg_coordinate("initial.peg_x_dot", "initial.center_x_dot", growth.x),
                 self.peg_coordinate("initial.peg_y_dot", "initial.center_y_dot", growth.y),
-                self.number_or_zero("initial.peg_z_dot"),
+                self.values.number_or_zero("initial.peg_z_dot"),
             ),
         }
     }
@@ -236,13 +236,8 @@ impl Scenario {
     fn peg_coordinate(&self, peg: &str, center: &str, offset: f64) -> f64 {
         match self.values.optional_number(center) {
             Some(coordinate) => coordinate - offset,
-            None => self.number_or_zero(peg),
+            None => self.values.number_or_zero(peg),
         }
-    }
-
-    /// The value of an optional key whose default is 0.
-    fn number_or_zero(&self, path: &str) -> f64 {
-        self.values.optional_number(path).unwrap_or_default()
     }
 
     /// Slip speed of the contact point at the start, m/s; for a dropped top, of its lowest point.

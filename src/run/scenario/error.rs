@@ -1,6 +1,7 @@
 //! The error of a scenario.
 
 use super::key::{Key, Kind, short_number};
+use crate::run::suggestion::did_you_mean;
 use std::fmt;
 use thiserror::Error;
 
@@ -215,7 +216,7 @@ impl fmt::Display for ScenarioError {
                 similar,
                 presets,
             } => {
-                write!(f, "unknown preset {name:?}{}", DidYouMean(similar))?;
+                write!(f, "unknown preset {name:?}{}", did_you_mean(similar))?;
                 // The nearest names are enough: all of them are a long line.
                 if similar.is_empty() {
                     write!(f, "; presets: {}", presets.join(", "))?;
@@ -225,7 +226,7 @@ impl fmt::Display for ScenarioError {
             Problem::UnknownKey { similar, allowed } => write!(
                 f,
                 "unknown key {key}{}; allowed: {}",
-                DidYouMean(similar),
+                did_you_mean(similar),
                 allowed.join(", ")
             ),
             Problem::NotAllowed {
@@ -316,7 +317,7 @@ fn write_not_allowed(
     }
     match hint {
         None => Ok(()),
-        Some(Hint::Similar(words)) => write!(f, "{}", DidYouMean(words)),
+        Some(Hint::Similar(words)) => f.write_str(&did_you_mean(words)),
         Some(Hint::DecimalPoint(number)) => write!(f, ", with a decimal point, e.g. {number}"),
         Some(Hint::Degrees { text, radians }) => write!(f, " ({text} is {radians:.4} rad)"),
     }
@@ -364,17 +365,5 @@ fn write_requirements(
     match reason {
         Some(reason) => write!(f, ", because {reason}"),
         None => Ok(()),
-    }
-}
-
-/// A "did you mean" hint; empty without similar names.
-struct DidYouMean<'a>(&'a [&'static str]);
-
-impl fmt::Display for DidYouMean<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.0.is_empty() {
-            return Ok(());
-        }
-        write!(f, " (did you mean {}?)", self.0.join(" or "))
     }
 }

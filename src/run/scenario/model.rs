@@ -20,7 +20,7 @@ pub(super) fn model(values: &Values) -> Result<Model, ScenarioError> {
 fn support(values: &Values) -> Result<Support, ScenarioError> {
     match values.optional_choice("support.kind", SupportKind::find)? {
         Some(SupportKind::Free) => Ok(Support::FreePeg {
-            restitution: number_or_zero(values, "support.restitution"),
+            restitution: values.number_or_zero("support.restitution"),
         }),
         Some(SupportKind::Fixed) | None => Ok(Support::FixedPeg),
     }
@@ -58,20 +58,15 @@ fn friction(values: &Values) -> Result<Friction, ScenarioError> {
 /// The additional losses.
 fn losses(values: &Values) -> Losses {
     Losses {
-        rolling_arm: number_or_zero(values, "rolling.arm"),
+        rolling_arm: values.number_or_zero("rolling.arm"),
         drilling: Drilling {
-            k: number_or_zero(values, "drilling.k"),
-            patch_radius: number_or_zero(values, "drilling.patch_radius"),
+            k: values.number_or_zero("drilling.k"),
+            patch_radius: values.number_or_zero("drilling.patch_radius"),
         },
         air: Air {
-            axial: number_or_zero(values, "air.axial"),
-            transverse: number_or_zero(values, "air.transverse"),
-            disc: number_or_zero(values, "air.disc"),
+            axial: values.number_or_zero("air.axial"),
+            transverse: values.number_or_zero("air.transverse"),
+            disc: values.number_or_zero("air.disc"),
         },
     }
-}
-
-/// The value of an optional key whose default is 0.
-fn number_or_zero(values: &Values, path: &str) -> f64 {
-    values.optional_number(path).unwrap_or_default()
 }

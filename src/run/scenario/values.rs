@@ -108,6 +108,11 @@ impl Values {
         }
     }
 
+    /// The number of an optional key whose default is 0.
+    pub(super) fn number_or_zero(&self, path: &str) -> f64 {
+        self.optional_number(path).unwrap_or_default()
+    }
+
     /// The text of a key that is required.
     pub(super) fn required_text(&self, path: &'static str) -> Result<&str, ScenarioError> {
         self.optional_text(path)
