@@ -70,7 +70,15 @@ pub struct Run {
     events: Vec<Json>,
     /// The middle of each nutation, s, and its means of θ, φ̇, θ̇ and ψ̇.
     cycles: Vec<[f64; 5]>,
-    end: Option<Result<Outcome, String>>,
+    end: Option<End>,
+}
+
+/// How a run of the page ended.
+enum End {
+    Complete(Box<Outcome>),
+    Failed(SimulationError),
+    /// It has more steps or samples than the page allows.
+    TooLong,
 }
 
 impl Run {
@@ -81,13 +89,12 @@ impl Run {
     pub fn new(scenario: Scenario) -> Result<Self, SimulationError> {
         let steps = Rc::new(Cell::new(0));
         let counted = Rc::clone(&steps);
-        let carry_on = move || {
+        let simulation = Simulation::new(&scenario)?.continue_while(move || {
             counted.set(counted.get() + 1);
             counted.get() < MAX_STEPS
-        };
-        let simulation = Simulation::new(&scenario)?;
+        });
         Ok(Self {
-            simulation: simulation.continue_while(carry_on),
+            simulation,
             scenario,
             steps,
             columns: vec![Vec::new(); COLUMNS.len()],
@@ -109,7 +116,7 @@ impl Run {
             match self.simulation.next() {
                 _ if self.columns[0].len() > MAX_SAMPLES => self.finish(),
                 Some(Ok(record)) => self.take(&record),
-                Some(Err(error)) => self.end = Some(Err(error.to_string())),
+                Some(Err(error)) => self.end = Some(End::Failed(error)),
                 None => self.finish(),
             }
             if self.end.is_some() {
@@ -151,14 +158,13 @@ impl Run {
         let end = self.simulation.end();
         let is_whole = end.stop != StopReason::Interrupted && self.columns[0].len() <= MAX_SAMPLES;
         self.end = Some(if is_whole {
-            Ok(Outcome::new(&self.scenario, end, self.tally.clone()))
+            End::Complete(Box::new(Outcome::new(
+                &self.scenario,
+                end,
+                self.tally.clone(),
+            )))
         } else {
-            Err(format!(
-                "the run is too long for the page: at t = {:.3} s it has {} steps and {} samples",
-                end.time,
-                self.steps.get(),
-                self.columns[0].len()
-            ))
+            End::TooLong
         });
     }
 
@@ -167,13 +173,20 @@ impl Run {
         let samples = self.columns[0].len();
         let mut progress = json!({ "samples": samples });
         match &self.end {
-            Some(Ok(outcome)) => {
+            Some(End::Complete(outcome)) => {
                 progress["events"] = json!(self.events);
                 progress["cycles"] = json!(self.cycles);
                 let title = self.scenario.title();
                 progress["sentence"] = json!(format!("{title}: {}", outcome.sentence()));
             }
-            Some(Err(error)) => progress["error"] = json!(error),
+            Some(End::Failed(error)) => progress["error"] = json!(error.to_string()),
+            Some(End::TooLong) => {
+                progress["error"] = json!(format!(
+                    "the run is too long for the page: at t = {:.3} s it has {} steps and {samples} samples",
+                    self.simulation.end().time,
+                    self.steps.get(),
+                ));
+            }
             None => {}
         }
         progress
