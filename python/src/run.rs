@@ -8,6 +8,7 @@ use crate::table::{Columns, Table, escaped};
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
+use std::error::Error;
 use std::ffi::CString;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -81,7 +82,8 @@ pub fn run(
         let (scenario, topics) = (scenario.clone(), topics.clone());
         compute(py, move |interrupt| simulate(&scenario, &topics, interrupt))?
     };
-    let (tables, outcome, losses) = simulated.map_err(SimulationError::new_err)?;
+    let (tables, outcome, losses) =
+        simulated.map_err(|error| SimulationError::new_err(error.to_string()))?;
     let digest = tables.digest.finish();
     // A selected topic has a table even if no message came, but not if runs with this support never have any.
     let made: Vec<Topic> = Topic::all_with(support)
@@ -185,10 +187,9 @@ fn simulate(
     scenario: &Checked,
     topics: &Topics,
     interrupt: Interrupt,
-) -> Result<(Tables, Outcome, Vec<String>), String> {
-    let mut run = RunMessages::new(scenario, topics)
-        .map_err(|error| error.to_string())?
-        .continue_while(move || !interrupt.is_requested());
+) -> Result<(Tables, Outcome, Vec<String>), Box<dyn Error + Send + Sync>> {
+    let mut run =
+        RunMessages::new(scenario, topics)?.continue_while(move || !interrupt.is_requested());
     let mut tables = Tables::default();
     let mut tally = Tally::default();
     let recorded = record(&mut run, &mut [&mut tables], |record, _| {
@@ -196,8 +197,7 @@ fn simulate(
             tally.record(event.kind, event.time);
         }
         Ok(ControlFlow::Continue(()))
-    })
-    .map_err(|error| error.to_string())?;
+    })?;
     let losses = recorded.error.iter().map(ToString::to_string).collect();
     let outcome = Outcome::new(scenario, recorded.end, tally);
     Ok((tables, outcome, losses))
@@ -209,21 +209,17 @@ fn save(
     path: &Path,
     existing: Existing,
     interrupt: Interrupt,
-) -> Result<(), String> {
-    let reported = |error: &dyn std::error::Error| format!("{}: {error}", path.display());
-    let mut run = RunMessages::new(scenario, &Topics::All)
-        .map_err(|error| reported(&error))?
-        .continue_while(move || !interrupt.is_requested());
+) -> Result<(), Box<dyn Error + Send + Sync>> {
+    let mut run =
+        RunMessages::new(scenario, &Topics::All)?.continue_while(move || !interrupt.is_requested());
     let form = Form::default();
-    let mut sink = McapSink::create(path, existing, scenario, run.telemetry(), form)
-        .map_err(|error| reported(&error))?;
-    let recorded = record_all(&mut run, &mut [&mut sink]).map_err(|error| reported(&error))?;
+    let mut sink = McapSink::create(path, existing, scenario, run.telemetry(), form)?;
+    let recorded = record_all(&mut run, &mut [&mut sink])?;
     if let Some(error) = recorded.error {
-        return Err(reported(&error));
+        return Err(error.into());
     }
-    sink.finish(&recorded.end)
-        .map(drop)
-        .map_err(|error| reported(&error))
+    sink.finish(&recorded.end)?;
+    Ok(())
 }
 
 type End = Option<toprise::archive::format::Entries>;
@@ -240,6 +236,24 @@ fn replay(
         !interrupt.is_requested()
     });
     (tables, ended.end, ended.losses)
+}
+
+/// A figure of a run as SVG, for a page; empty if the run lacks what it shows.
+fn draw(figure: &'static Figure, subject: Subject<'_>, name: &str) -> String {
+    let run = RunData::read(subject, name, &[figure], &|_| {});
+    if figure.missing(&run).is_some() {
+        return String::new();
+    }
+    let svg = figure.draw(&[&run], CURVES_WIDTH).svg();
+    // Within a page there is no XML declaration.
+    svg.split_once("?>")
+        .map_or_else(String::new, |(_, svg)| svg.to_owned())
+}
+
+/// A row of a table of names and values.
+fn html_row(name: &str, value: &str) -> String {
+    let (name, value) = (escaped(name), escaped(value));
+    format!("<tr><th>{name}</th><td>{value}</td></tr>")
 }
 
 impl Run {
@@ -285,24 +299,18 @@ impl Run {
             return Ok(String::new());
         };
         let name = self.name();
-        let draw = move |subject: Subject<'_>| {
-            let run = RunData::read(subject, &name, &[figure], &|_| {});
-            if figure.missing(&run).is_some() {
-                return String::new();
-            }
-            let svg = figure.draw(&[&run], CURVES_WIDTH).svg();
-            // Within a page there is no XML declaration.
-            svg.split_once("?>")
-                .map_or_else(String::new, |(_, svg)| svg.to_owned())
-        };
         match &self.origin {
             Origin::Scenario(scenario, _) => {
                 let scenario = scenario.clone();
-                compute(py, move |_| draw(Subject::Scenario(&scenario)))
+                compute(py, move |_| {
+                    draw(figure, Subject::Scenario(&scenario), &name)
+                })
             }
             Origin::Recording(recording) => {
                 let recording = recording.clone();
-                compute(py, move |_| draw(Subject::Recording(&recording)))
+                compute(py, move |_| {
+                    draw(figure, Subject::Recording(&recording), &name)
+                })
             }
         }
     }
@@ -446,16 +454,12 @@ impl Run {
                 .call_method1("save_rrd", (slf, path))?;
             return Ok(());
         }
-        let existing = if force {
-            Existing::Replace
-        } else {
-            Existing::Keep
-        };
         let Scenario(scenario) = slf.get().scenario()?;
-        compute(py, move |interrupt| {
-            save(&scenario, &path, existing, interrupt)
-        })?
-        .map_err(RecordingError::new_err)
+        let file = path.clone();
+        let saved = compute(py, move |interrupt| {
+            save(&scenario, &file, Existing::forced(force), interrupt)
+        })?;
+        saved.map_err(|error| RecordingError::new_err(format!("{}: {error}", path.display())))
     }
 
     /// Opens the run in the Rerun viewer, and returns the viewer process. `pip install rerun-sdk` installs the viewer.
@@ -497,20 +501,14 @@ impl Run {
             escaped(&self.name()),
             self.curves(py)?
         );
-        let mut row = |name: &str, value: &str| {
-            page += &format!(
-                "<tr><th>{}</th><td>{}</td></tr>",
-                escaped(name),
-                escaped(value)
-            );
-        };
         if let Origin::Scenario(_, outcome) = &self.origin {
             for (name, value) in outcome::dictionary(py, outcome)? {
-                row(&name.to_string(), &value.to_string());
+                page += &html_row(&name.to_string(), &value.to_string());
             }
         } else {
             for (topic, table) in &self.tables {
-                row(topic.name(), &format!("{} rows", table.bind(py).len()?));
+                let rows = table.bind(py).len()?;
+                page += &html_row(topic.name(), &format!("{rows} rows"));
             }
         }
         Ok(page + "</tbody></table>")

@@ -126,7 +126,7 @@ impl Scenario {
         Checked::from_toml(text).map(Self).map_err(errors::scenario)
     }
 
-    /// The scenario as the text of a scenario file, with every key's unit and meaning.
+    /// The scenario as the text of a scenario file: all keys that are set, in a fixed order.
     fn to_toml(&self) -> String {
         self.0.to_toml()
     }

@@ -41,7 +41,7 @@ def test_what_documents_show_runs(name, tmp_path):
 
 
 def test_the_example_runs(tmp_path):
-    told = runs((ROOT / "python/examples/rise.py").read_text(), tmp_path)
-    assert "24.719" in told and "friction.dissipation" in told
+    output = runs((ROOT / "python/examples/rise.py").read_text(), tmp_path)
+    assert "24.719" in output and "friction.dissipation" in output
     for picture in ("rise.png", "map.png"):
         assert (tmp_path / picture).stat().st_size > 10_000

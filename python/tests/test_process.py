@@ -40,8 +40,8 @@ def test_ctrl_c_ends_what_takes_long(long):
     with pytest.raises(subprocess.TimeoutExpired):
         process.wait(0.5)
     process.send_signal(signal.SIGINT)
-    told, errors = process.communicate(timeout=60)
-    assert (told, errors, process.returncode) == ("ended\n", "", 0)
+    output, errors = process.communicate(timeout=60)
+    assert (output, errors, process.returncode) == ("ended\n", "", 0)
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="threads are counted in /proc")
@@ -66,8 +66,8 @@ def test_nothing_is_computed_any_more_after_ctrl_c(long):
     with pytest.raises(subprocess.TimeoutExpired):
         process.wait(0.5)
     process.send_signal(signal.SIGINT)
-    told, errors = process.communicate(timeout=60)
-    assert (told, errors) == ("ended\n", "")
+    output, errors = process.communicate(timeout=60)
+    assert (output, errors) == ("ended\n", "")
 
 
 def test_other_threads_run_meanwhile():
@@ -111,7 +111,7 @@ def test_nothing_is_needed_but_python():
         "repr(run), repr(run.events), run.events._repr_html_(), toprise.diff(run, run, integration_error=False)\n"
         "assert not {'numpy', 'pyarrow', 'polars', 'pandas'} & set(sys.modules)\n"
         "sys.modules['numpy'] = None\n"
-        "try:\n  run.events.numpy('time')\nexcept ImportError:\n  print('told')\n"
+        "try:\n  run.events.numpy('time')\nexcept ImportError:\n  print('refused')\n"
     )
-    told, errors = process.communicate(timeout=60)
-    assert (told, errors) == ("told\n", "")
+    output, errors = process.communicate(timeout=60)
+    assert (output, errors) == ("refused\n", "")

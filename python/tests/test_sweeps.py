@@ -250,12 +250,12 @@ def test_a_design_is_the_rows_of_a_sweep(tmp_path):
 
 
 def test_a_sweep_is_written_once_whatever_computes_it(tmp_path):
-    told = []
+    reports = []
     whole = tmp_path / "whole.parquet"
-    answer = toprise.sweep(SPEC, whole, progress=lambda done, of: told.append((done, of)))
+    answer = toprise.sweep(SPEC, whole, progress=lambda done, of: reports.append((done, of)))
     assert answer["stops"] == {"duration": 2400} and answer["errors"] == 0
     assert answer["runs"] == answer["computed"] == 2400
-    assert answer["is_merged"] and told[-1] == (2400, 2400)
+    assert answer["is_merged"] and reports[-1] == (2400, 2400)
     parts = tmp_path / "parts.parquet"
     for shard in (2, 0, 1):
         toprise.sweep(SPEC, parts, shard=(shard, 3), threads=1)
@@ -375,14 +375,14 @@ def test_the_bar_tells_how_far_it_is(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("spec", "told"),
+    ("spec", "expected"),
     [
         ({"base": ["paper"]}, "unknown field `base`"),
         ({"bases": "paper"}, "in `bases`"),
         ({"bases": ["paper"], "sample": {"count": "many"}}, "in `sample.count`"),
     ],
 )
-def test_errors_of_a_mapping_name_its_keys(spec, told):
+def test_errors_of_a_mapping_name_its_keys(spec, expected):
     with pytest.raises(toprise.SweepError) as error:
         toprise.design(spec)
-    assert told in str(error.value) and "line" not in str(error.value)
+    assert expected in str(error.value) and "line" not in str(error.value)
