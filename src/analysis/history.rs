@@ -109,8 +109,8 @@ impl RunHistory {
             peg.take(message);
         }
         match message.topic() {
-            STATE => self.state(message),
-            ACCELERATION => self.terms(message),
+            STATE => self.add_state(message),
+            ACCELERATION => self.add_terms(message),
             ENERGY => Energies::take(&mut self.energies, message),
             MOMENTUM => {
                 let vertical = momentum::VERTICAL.of(message);
@@ -120,12 +120,12 @@ impl RunHistory {
                 self.slip_path = Some(contact::SLIP_PATH.of(message)).filter(|p| !p.is_nan());
             }
             NUTATION => self.cycles.push(Cycle::from_message(message)),
-            EVENTS => self.event(message),
+            EVENTS => self.add_event(message),
             _ => {}
         }
     }
 
-    fn state(&mut self, message: &Message<'_>) {
+    fn add_state(&mut self, message: &Message<'_>) {
         self.find_gap(message.time_ns);
         let rates = Euler {
             phi: state::PHI_DOT.of(message),
@@ -138,6 +138,7 @@ impl RunHistory {
             rates,
             terms: [f64::NAN; 3],
         };
+        // Between samples, until the end record says it exactly.
         if let Some([_, last]) = self.states
             && self.inverted.is_none()
             && last.theta < FRAC_PI_2
@@ -151,7 +152,7 @@ impl RunHistory {
     }
 
     /// Looks for a gap before a sample. Samples are at the multiples of the sampling period; their sequence numbers
-    /// don't tell, because other software may number messages anew.
+    /// don't show gaps, because other software may number messages anew.
     fn find_gap(&mut self, time_ns: u64) {
         if let Some(period) = self.sample_period_ns {
             let expected = self.last_sample_ns.map_or(0, |last| last + period);
@@ -160,8 +161,8 @@ impl RunHistory {
         self.last_sample_ns = Some(time_ns);
     }
 
-    /// The integrals of the terms of φ̈ belong to the state at the same time.
-    fn terms(&mut self, message: &Message<'_>) {
+    /// Adds the integrals of the terms of φ̈ to the state of the same time, which is recorded before them.
+    fn add_terms(&mut self, message: &Message<'_>) {
         let terms = [
             acceleration::PHI_DOT_GYROSCOPIC.of(message),
             acceleration::PHI_DOT_CORIOLIS.of(message),
@@ -175,14 +176,14 @@ impl RunHistory {
         }
     }
 
-    fn event(&mut self, message: &Message<'_>) {
+    fn add_event(&mut self, message: &Message<'_>) {
         let event = Event {
             kind: EventKind::find(events::NAME.of(message)),
             time: events::TIME.of(message),
             state: event_state(message),
         };
         if let Some(peg) = &mut self.peg {
-            peg.event(&event);
+            peg.add_event(&event);
         }
         self.events.push(event);
     }
@@ -259,6 +260,7 @@ impl RunHistory {
 
     /// Time at which the run or its recording ended, s: from the end record, or the last message.
     pub(crate) fn stop_time(&self) -> Option<f64> {
+        // Other software may have cut the recording and copied the end record.
         self.end_number(STOP_TIME)
             .filter(|_| self.is_recorded_to_end())
             .or_else(|| self.last_ns.map(seconds))
@@ -318,7 +320,7 @@ impl RunHistory {
         self.states.is_some_and(|[_, last]| last.theta >= FRAC_PI_2)
     }
 
-    /// The phases of a free peg to the end of the run; empty if they are not known, as behind a gap.
+    /// The phases of a free peg to the end of the run; empty if they are not known, as after a gap.
     pub(crate) fn peg_intervals(&self) -> Vec<Interval> {
         match (&self.peg, self.stop_time()) {
             (Some(peg), Some(end)) if !self.has_gaps && !self.lacks(EVENTS) => peg.intervals(end),
@@ -337,6 +339,8 @@ impl RunHistory {
         let reason = self.end_entry(STOP_REASON).map(str::to_owned);
         let is_rise = reason.as_deref() == Some(StopReason::Risen.name());
         let risen = self.first(EventKind::Risen).map(|event| event.time);
+        // It is constant about a fixed point. Under a free peg, friction has a torque about the vertical through the
+        // centre of mass.
         let momentum = self.vertical_momentum.filter(|_| self.peg.is_none());
         RunSummary {
             rise_time: risen.or(end_time.filter(|_| is_rise)),
@@ -366,7 +370,7 @@ impl RunHistory {
             (summary.impacts, summary.impact_loss) = (None, None);
         }
         if self.end.is_none() {
-            // What the peg does behind the end of a file that was cut off is not known.
+            // What the peg does after the end of a file that was cut off is not known.
             (summary.rolls_to_end_from, summary.rolls_to_end_at) = (None, None);
         }
         summary

@@ -175,6 +175,7 @@ pub(super) fn signals(
             .map(|held_out| held_out.residuals_for(index))
             .unwrap_or_default();
         let rms_here = rms(&residuals);
+        // As the loss counts them, so that an outlier neither hides nor feigns a correlation.
         let clipped: Vec<f64> = residuals.iter().map(|r| problem.loss.clipped(*r)).collect();
         reports.push(SignalReport {
             field: signal.field.to_string(),

@@ -23,7 +23,9 @@ pub(super) struct First {
 /// Fits the scenario's law. If its motion ends before the data and other laws are to be compared, the first of these
 /// that can be fitted takes its place.
 pub(super) fn first(request: &Request, monitor: &Monitor<'_>) -> Result<First, FitError> {
+    // A wrong name is reported before anything is fitted.
     let laws = law::find_laws(&request.compare)?;
+    // Another law can help only where the motion ends too early.
     let failure = match fit_law(request, monitor) {
         Err(error @ FitError::ModelEnds { .. }) => error,
         other => return other,
@@ -100,6 +102,7 @@ fn solve_all(
 
 /// Holds out the points of the other files in the time in which those of the first are.
 fn hold_out_other_files(problem: &Problem, solution: &Solution, split: &mut Split) {
+    // Their times in the model are known only now that the offsets of their clocks are fitted.
     for point in &problem.points {
         let time = problem.model_time(&solution.values, point);
         let is_held_out = time > split.end && time <= split.last;

@@ -35,6 +35,7 @@ pub(super) fn modes(
     monitor: &Monitor<'_>,
 ) -> Result<Modes, FitError> {
     let mut best = solution.clone();
+    // Every other quantity depends on the spin itself, not only through the phase of the nutation.
     let at = match spin_rate(problem) {
         Some(at) if !measures_more_than_theta(problem) => at,
         Some(_) | None => {

@@ -49,6 +49,7 @@ impl<'a> Objective<'a> {
                 ..MPPar::new()
             });
         }
+        // A fit with priors is that of a window on the way: its minimum is only where the next one starts.
         let max_iter = if priors.is_some() {
             ITERATIONS
         } else {

@@ -274,7 +274,7 @@ pub(super) fn notes(topics: &[TopicBytes]) -> Vec<String> {
         ("Publish times differ", |topic| topic.other_publish_times),
         ("Sequence numbers differ", |topic| topic.other_sequences),
         ("JSON is spelled differently", |topic| topic.respelled),
-        // Behind a missing message, all places are others.
+        // After a missing message, every place is a different one.
         ("The order of messages of the same time differs", |topic| {
             if topic.is_equal() { topic.reordered } else { 0 }
         }),

@@ -30,7 +30,7 @@ use std::{sync::mpsc::sync_channel, thread};
 
 /// Messages in a batch.
 const BATCH: usize = 1024;
-/// Batches that may wait on each side.
+/// Batches that may wait on each side. More would only take memory, since both runs advance together.
 #[cfg(not(target_family = "wasm"))]
 const WAITING: usize = 4;
 
@@ -93,6 +93,7 @@ pub(super) struct Limits<'l> {
 
 /// The level of θ that both runs may reach: the larger `stop.theta_risen`, rad.
 pub(super) fn common_level(runs: [Subject<'_>; 2]) -> Option<f64> {
+    // A run ends where θ falls to its own level, so the one with the larger never comes to the smaller.
     let levels = runs.map(|run| run.scenario()?.stop.theta_risen);
     levels.into_iter().flatten().reduce(f64::max)
 }
@@ -355,6 +356,7 @@ impl<'o> Pairing<'o> {
                 Energies::take(energies, message);
             }
         }
+        // Averages over nutations are compared as curves instead. Fields that a recording lacks are NaN.
         if let Some(numbers) = &difference
             && topic != NUTATION
             && numbers.iter().all(|number| number.is_finite())

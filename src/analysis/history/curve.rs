@@ -67,8 +67,10 @@ impl Curve {
         if count < 5 {
             return None;
         }
-        let at = self.x.partition_point(|known| *known <= x);
-        let at = at.clamp(2, count - 3);
+        let at = self
+            .x
+            .partition_point(|known| *known <= x)
+            .clamp(2, count - 3);
         let others = [at - 2, at - 1, at + 1, at + 2];
         let nodes = others.map(|i| self.x[i]);
         let value: f64 = lagrange(&nodes, self.x[at])

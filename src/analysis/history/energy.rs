@@ -27,6 +27,7 @@ impl Energies {
             return;
         }
         let known = energies.as_ref();
+        // The work is counted from the start of the run, which a recording need not have.
         let first = known.map_or(last - work, |known| known.first);
         let imbalance = known.map_or(0.0, |known| known.imbalance);
         *energies = Some(Self {

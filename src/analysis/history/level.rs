@@ -62,7 +62,7 @@ impl FirstCrossing {
     /// Adds a message: a state, or the end of the run at the level, after the last sample.
     pub(super) fn take(&mut self, message: &Message<'_>) {
         match message.topic() {
-            STATE if self.between.is_none() => self.state(message),
+            STATE if self.between.is_none() => self.add_state(message),
             EVENTS => {
                 let is_rise = events::NAME.of(message) == EventKind::Risen.name();
                 let distance = (events::THETA.of(message) - self.level).abs();
@@ -74,7 +74,7 @@ impl FirstCrossing {
         }
     }
 
-    fn state(&mut self, message: &Message<'_>) {
+    fn add_state(&mut self, message: &Message<'_>) {
         let now = [
             state::THETA.of(message),
             state::THETA_DOT.of(message),
@@ -100,7 +100,6 @@ fn first_zero(from: [f64; 3], to: [f64; 3], h: f64) -> Option<f64> {
     if from[0] <= 0.0 {
         return None;
     }
-    let at = |s: f64| hermite5(from, to, h, s);
     let end = if to[0] <= 0.0 {
         1.0
     } else {
@@ -110,14 +109,22 @@ fn first_zero(from: [f64; 3], to: [f64; 3], h: f64) -> Option<f64> {
             return None;
         }
         // The slope turns from falling to rising there.
-        let slope = |s: f64| (at((s + 1e-6).min(1.0)) - at((s - 1e-6).max(0.0))) * 1e6;
-        zero(from[1], to[1], slope)
+        zero(from[1], to[1], |s| slope(from, to, h, s))
     };
-    let bottom = at(end);
+    let bottom = hermite5(from, to, h, end);
     if bottom > 0.0 {
         return None;
     }
-    Some(end * zero(from[0], bottom, |s| at(s * end)))
+    Some(end * zero(from[0], bottom, |s| hermite5(from, to, h, s * end)))
+}
+
+/// A number with the sign of the slope at the fraction `s` of the interval `h` between two samples. Only its zero is
+/// used, so the shorter step at an end of the interval does no harm.
+fn slope(from: [f64; 3], to: [f64; 3], h: f64, s: f64) -> f64 {
+    const STEP: f64 = 1e-6;
+    let before = hermite5(from, to, h, (s - STEP).max(0.0));
+    let after = hermite5(from, to, h, (s + STEP).min(1.0));
+    (after - before) * 1e6
 }
 
 #[cfg(test)]

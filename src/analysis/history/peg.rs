@@ -52,7 +52,7 @@ struct PhaseChange {
     theta: f64,
 }
 
-/// How far the contact point has been from where it started.
+/// The largest distance of the contact point from where it started.
 #[derive(Clone, Copy, Debug)]
 struct Travel {
     /// The contact point in the first sample, m.
@@ -112,7 +112,7 @@ impl PegHistory {
     pub(super) fn take(&mut self, message: &Message<'_>) {
         match message.topic() {
             STATE => self.impacts_after_samples = 0,
-            CONTACT => self.contact(message),
+            CONTACT => self.add_contact(message),
             MOMENTUM => self.axial = Some(momentum::AXIAL.of(message)),
             CENTER_OF_MASS => {
                 let vertical = center_of_mass::ANGULAR_MOMENTUM.of(message).z;
@@ -120,7 +120,7 @@ impl PegHistory {
                 let size = of_axis.abs() + (self.peg_radius * vertical).abs();
                 self.jellett_terms = self.jellett_terms.max(size);
             }
-            FREE_PEG => self.free_peg(message),
+            FREE_PEG => self.add_free_peg(message),
             IMPACTS => {
                 self.impacts += 1;
                 self.impacts_after_samples += 1;
@@ -131,7 +131,7 @@ impl PegHistory {
         }
     }
 
-    pub(super) fn event(&mut self, event: &Event) {
+    pub(super) fn add_event(&mut self, event: &Event) {
         self.has_events = true;
         let phase = match event.kind {
             Some(EventKind::LiftOff) => PegPhase::Flying,
@@ -139,6 +139,7 @@ impl PegHistory {
             Some(EventKind::RollBegins) => PegPhase::Rolling,
             _ => return,
         };
+        // Only a peg in flight can land.
         if self.changes.is_empty() {
             self.flies_at_first |= event.kind == Some(EventKind::Landing);
         }
@@ -149,7 +150,7 @@ impl PegHistory {
         });
     }
 
-    fn contact(&mut self, message: &Message<'_>) {
+    fn add_contact(&mut self, message: &Message<'_>) {
         // A peg that is thrown up starts at the height of the table, but in flight.
         let regime = Regime::from_code(contact::REGIME.of(message));
         self.flies_at_first |= self.travel.is_none() && regime == Some(Regime::Flying);
@@ -162,7 +163,7 @@ impl PegHistory {
         travel.farthest = travel.farthest.max(distance);
     }
 
-    fn free_peg(&mut self, message: &Message<'_>) {
+    fn add_free_peg(&mut self, message: &Message<'_>) {
         let gap = free_peg::GAP.of(message);
         self.flies_at_first |= self.lost.is_none() && gap > 0.0;
         self.highest = self.highest.max(gap);
@@ -181,6 +182,7 @@ impl PegHistory {
         if !self.has_events {
             return Vec::new();
         }
+        // Events are changes, so none of them says how the run begins.
         let first = if self.flies_at_first {
             PegPhase::Flying
         } else {
