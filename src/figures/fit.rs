@@ -176,8 +176,7 @@ const SYMBOLS: [(NumberField, &str); 7] = [
 
 /// The quantity of a field: its symbol, or its path.
 fn quantity(field: NumberField) -> Quantity {
-    let mut known = SYMBOLS.iter();
-    let symbol = match known.find(|(other, _)| *other == field) {
+    let symbol = match SYMBOLS.iter().find(|(known, _)| *known == field) {
         Some((_, symbol)) => Cow::Borrowed(*symbol),
         None => Cow::Owned(field.path().to_owned()),
     };
@@ -196,8 +195,11 @@ fn draw_profile(fit: &Fit, profile: &Profile, width: f64) -> Drawing {
         .copied()
         .zip(profile.delta_chi2.iter().copied())
         .collect();
-    let mut parameters = fit.report.parameters.iter();
-    let estimate = parameters.find(|estimate| estimate.name == profile.parameter);
+    let estimate = fit
+        .report
+        .parameters
+        .iter()
+        .find(|estimate| estimate.name == profile.parameter);
     let mut legend = vec![Entry::line(line(BLACK, MEDIUM), "profile likelihood")];
     if let (Some(estimate), Some((first, last))) = (estimate, points.first().zip(points.last()))
         && let Some(sd) = estimate.sd

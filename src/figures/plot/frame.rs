@@ -143,9 +143,8 @@ impl Frame {
         let Bounds { top, bottom, .. } = self.bounds;
         let mut places: Vec<Point> = points.iter().map(|point| self.place(*point)).collect();
         places.retain(|(_, y)| (top..=bottom).contains(y));
-        let cell = |length: f64| (length / DOT).floor() as i64;
-        places.sort_by_key(|(x, y)| (cell(*x), cell(*y)));
-        places.dedup_by_key(|(x, y)| (cell(*x), cell(*y)));
+        places.sort_by_key(dot_cell);
+        places.dedup_by_key(|place| dot_cell(place));
         let mut dots = Vec::new();
         for centre in places {
             dots.push(Shape::Dot {
@@ -291,6 +290,11 @@ impl Frame {
         }
         drawing.group("break of the axis", Shape::lines(marks, style::frame()));
     }
+}
+
+/// The cell of a grid as fine as a dot that a place lies in.
+fn dot_cell((x, y): &Point) -> (i64, i64) {
+    ((x / DOT).floor() as i64, (y / DOT).floor() as i64)
 }
 
 /// A scale around the middle of a range.

@@ -13,15 +13,15 @@ pub(crate) const GREEN: Colour = Colour(0x00, 0x9e, 0x73);
 const PURPLE: Colour = Colour(0xcc, 0x79, 0xa7);
 const ORANGE: Colour = Colour(0xe6, 0x9f, 0x00);
 
-// The eighth colour of Okabe and Ito, yellow, is too pale for lines on white paper.
-/// The colours of curves, in order of use.
+/// The colours of curves, in order of use. The eighth colour of Okabe and Ito, yellow, is too pale for lines on white
+/// paper.
 pub(crate) const COLOURS: &[Colour] = &[BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK];
 
 const SOLID: &[f64] = &[];
 pub(crate) const DASHED: &[f64] = &[1.5, 0.8];
 
-// The 6.5 mm of a line in a legend show each pattern more than once.
-/// The dash patterns of curves, in order of use: alternating lengths of dashes and gaps, mm.
+/// The dash patterns of curves, in order of use: alternating lengths of dashes and gaps, mm. Each fits more than once into
+/// the 6.5 mm of a line in a legend.
 pub(crate) const DASHES: &[&[f64]] = &[
     SOLID,
     DASHED,
@@ -42,8 +42,7 @@ pub(crate) const LINE_HEIGHT: f64 = 1.35 * FONT_SIZE;
 /// The margin around a drawing, mm.
 pub(crate) const MARGIN: f64 = 0.8;
 
-// A column is then at least 62 mm wide.
-/// The minimum width of a drawing with two columns of plots, mm.
+/// The minimum width of a drawing with two columns of plots, mm: a column is then at least 62 mm wide.
 pub(crate) const TWO_COLUMNS: f64 = 130.0;
 
 /// The width of frames, ticks and guide lines, mm.
