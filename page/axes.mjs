@@ -2,7 +2,7 @@
 
 const TICKS = [1, 2, 5, 10];
 
-/** A value that varies by less than this part of its scale is constant in all digits that the page shows. */
+/** A value that varies by less than this part of its scale looks constant in all digits that the page shows. */
 const CONSTANT = 1e-6;
 
 /** The least span of an axis, in parts of the quantity's scale: in the whole run, and when zoomed in. */

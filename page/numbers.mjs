@@ -31,7 +31,7 @@ export const fixed = (value, decimals) => value.toFixed(decimals).replace(/^-(?=
 export const degrees = (radians) => (radians * 180) / Math.PI;
 export const revolutions = (rate) => rate / (2 * Math.PI);
 
-/** The same value in the unit that people imagine: degrees or turns per second; empty for other units. */
+/** The same value in the unit in which people picture it: degrees or turns per second; empty for other units. */
 export function imagined(value, unit) {
   if (!Number.isFinite(value)) return "";
   if (unit === "rad") return `${fixed(degrees(value), 1)}°`;

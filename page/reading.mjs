@@ -1,4 +1,4 @@
-// What is read of a run: events, the explanation, the comparison of A and B.
+// The texts about a run: its events, its explanation, and the comparison of A and B.
 
 import { element } from "./elements.mjs";
 

@@ -1,4 +1,4 @@
-// The edited scenario: a preset and its changed keys. Which keys apply, and their ranges, the program says.
+// The edited scenario: a preset and its changed keys. The program decides which keys apply, and their ranges.
 
 export class Scenario {
   constructor(presets, name, set = {}) {

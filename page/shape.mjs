@@ -9,7 +9,7 @@ export function turned([w, x, y, z], [a, b, c]) {
   return [a + w * u + y * t - z * v, b + w * v + z * u - x * t, c + w * t + x * v - y * u];
 }
 
-/** An orientation of a body whose axis has this direction, without the turn about the axis: it changes as little as the axis does. */
+/** An orientation of a body whose axis has this direction, without turning about the axis: it changes as little as the axis does. */
 export function orientationOf([x, y, z]) {
   // The shortest turn from the vertical; from the nearer of its two ends, because no turn to the other is the shortest.
   const turn = z >= 0 ? [1 + z, -y, x, 0] : [-y, 1 - z, 0, x];
