@@ -167,7 +167,7 @@ fn split_channels(forgery: &mut Forgery) {
                 _ => {}
             }
         }
-        // Behind the definitions of the first.
+        // After the definitions of the first.
         let at = records
             .iter()
             .rposition(|record| matches!(record, Record::Channel(_)))
@@ -348,7 +348,7 @@ fn one_fault_hides_no_other() {
     }
 }
 
-/// The definitions behind the first chunk are not read when a recording of toprise is opened, if its summary has the others.
+/// The definitions after the first chunk are not read when a recording of toprise is opened, if its summary has the others.
 #[test]
 fn notices_channels_that_only_a_later_chunk_defines() {
     let mut forgery = original();

@@ -11,7 +11,7 @@ use std::path::Path;
 /// What a file would do to a terminal that trusted it: move, recolour, rename the window, forge a line.
 const HOSTILE: &str = "\x1b]0;owned\x07\u{9b}31m\x1b[2J\u{202e}\nFORGED\r";
 
-/// A directory with a recording, half of it, and a file that is none.
+/// A directory with a recording, half of it, and a file that is no recording.
 fn recorded() -> Folder {
     let folder = Folder::new();
     folder.toprise("run --set stop.duration=0.3 -o a.mcap", 0);
@@ -195,7 +195,7 @@ fn reports_match_their_schemas() {
         let name = name.unwrap().strip_suffix(".json").unwrap();
         assert!(used.contains_key(name), "{name} is not tried");
     }
-    // The check is one: what is not by the schema is found.
+    // The check works: it finds a value that the schema forbids.
     let schema = &used["VerifyReport"];
     for wrong in [
         "[{}]",
@@ -497,7 +497,7 @@ fn honours_quiet_and_color() {
         let quiet = folder.toprise(&format!("-q {sweep} -o b.parquet"), 0);
         assert_eq!(quiet.stderr, "");
     }
-    // Errors stay, and what is asked for in a format.
+    // Errors are still printed, and so is output in a requested format.
     folder.refuses("info missing.mcap --quiet", "missing.mcap");
     assert_eq!(folder.toprise("info a.mcap -q", 0).stdout, "");
     let json = folder.toprise("info a.mcap -q --format json", 0).stdout;

@@ -23,7 +23,7 @@ struct Comparison<'s> {
     broken: Vec<String>,
 }
 
-/// The places in which a schema breaks what a released one promises. Descriptions promise nothing, but units do.
+/// The places in which a schema breaks a promise of a released one. Descriptions promise nothing, but units do.
 pub fn broken(released: &Value, today: &Value, usage: Use) -> Vec<String> {
     let mut comparison = Comparison {
         usage,
@@ -114,7 +114,7 @@ impl<'s> Comparison<'s> {
         }
     }
 
-    /// Alternatives: each of the release has one of today that has all that it has.
+    /// Compares alternatives: each one of the release must be covered by one of today.
     fn compare_kinds(&mut self, path: &str, released: &'s Value, today: &'s Value) {
         let today = today.as_array().map_or(&[][..], Vec::as_slice);
         for kind in released.as_array().into_iter().flatten() {

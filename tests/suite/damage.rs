@@ -242,7 +242,7 @@ fn recordings_without_scenario_cannot_rerun() {
     let whole = short("0.02");
     let folder = Folder::new();
     let first_chunk = chunks(&whole)[0].start;
-    // Each record is an opcode, the length of its body, and the body; the header stands behind the magic.
+    // Each record is an opcode, the length of its body, and the body; the header follows the magic bytes.
     let mut ends = vec![8];
     while let Some(end) = ends.last().filter(|end| **end < first_chunk) {
         let length = whole[end + 1..end + 9].try_into().unwrap();
@@ -266,13 +266,13 @@ fn damage_outside_chunks_loses_no_messages() {
         assert!(is_noticed(&path), "byte {at}");
         assert_eq!(verified(&path).missing, 0, "byte {at}");
     };
-    // The times in the head of a chunk: it seems to stand at the wrong place.
+    // The times in the head of a chunk, which then seems to be at the wrong place.
     for chunk in chunks(&whole) {
         for byte in [9, 13, 17, 21] {
             changed(chunk.start + byte, 0x10);
         }
     }
-    // A length that swallows what comes behind: of the header, and of the end of the data.
+    // A length that includes the following records: of the header, and of the end of the data.
     changed(8 + 1, 0x40);
     let summary = mcap::read::footer(&whole).unwrap().summary_start as usize;
     let data_end = summary - 13;
@@ -424,7 +424,7 @@ fn gaps_make_no_findings() {
         let facts = story.chapters.iter().flat_map(|chapter| &chapter.facts);
         for fact in facts {
             let counts = matches!(fact, Fact::Hops { .. } | Fact::Impacts { .. });
-            // Behind the last sample nothing is reported.
+            // Nothing is reported after the last sample.
             assert!(!counts || hit == last, "{hit:?}: {fact:?}");
         }
         let options = Options {

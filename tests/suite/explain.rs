@@ -266,8 +266,8 @@ fn reports_conserved_quantities() {
     assert_eq!(constants("tippe-top"), [true]);
 }
 
-/// What friction changes by more than rounding is not reported constant: with loose tolerances, in a small top, behind
-/// an interruption of the nutation.
+/// A quantity that friction changes by more than rounding is not reported constant: with loose tolerances, in a small
+/// top, after an interruption of the nutation.
 #[test]
 fn changing_quantities_are_not_reported_constant() {
     let short = ("stop.duration", "5");
@@ -344,7 +344,7 @@ fn counts_impacts_after_the_last_sample() {
     assert!(constant.unwrap().sentence().contains("in all samples"));
 }
 
-/// Of a rate that is known in a part of the run only, as near the vertical, nothing is said.
+/// Nothing is said of a rate that is known only in a part of the run, as near the vertical.
 #[test]
 fn omits_rates_known_for_a_part_of_the_run() {
     let explanation = explain(&scenario("lifecycle", &[])).unwrap();

@@ -423,7 +423,7 @@ fn explanations_ignore_order_of_topics() {
     for messages in [all.len(), 1000, 7] {
         let mut packed = forgery.clone();
         for (at, chunk) in all.chunks(messages).enumerate() {
-            // Behind the record of the run.
+            // After the record of the run.
             packed.records.insert(1 + at, Record::Chunk(chunk.to_vec()));
         }
         let found = explanation("reversed", &packed.bytes());
@@ -692,7 +692,7 @@ fn contradictory_summary_behind_a_footer_is_damage() {
     assert_eq!(overview.condition, Condition::Damaged);
 }
 
-/// The times between which damage lies, with the times of the chunks before and behind it.
+/// The times between which damage lies, with the times of the chunks before and after it.
 #[test]
 fn times_of_losses_never_run_backwards() {
     let definition = record(op::CHANNEL, &channel(1, "/a"));
@@ -706,23 +706,23 @@ fn times_of_losses_never_run_backwards() {
     let mut damaged = at(5);
     damaged.fill(0);
     let folder = Folder::new();
-    for (name, before, behind, expected) in [
+    for (name, before, after, expected) in [
         ("in order", at(3), at(7), (Some(3), Some(7))),
         (
-            "an empty chunk behind",
+            "an empty chunk after it",
             at(3),
             [empty.clone(), at(7)].concat(),
             (Some(3), Some(7)),
         ),
         (
-            "an empty chunk before",
+            "an empty chunk before it",
             [at(3), empty].concat(),
             at(7),
             (Some(3), Some(7)),
         ),
         ("not in order of time", at(7), at(3), (None, None)),
     ] {
-        let bytes = file(&[&other(), &definition, &before, &damaged, &behind]);
+        let bytes = file(&[&other(), &definition, &before, &damaged, &after]);
         let overview = Overview::read(&folder.write("a.mcap", bytes)).unwrap();
         let loss = &overview.losses[0];
         assert_eq!((loss.from_ns, loss.to_ns), expected, "{name}");

@@ -106,7 +106,7 @@ impl Attempts {
         self.caught(name, |f| f.schema(topic, change));
     }
 
-    /// Changes the records behind each chunk, which index it.
+    /// Changes the records after each chunk, which index it.
     fn indexes(&mut self, name: &str, change: impl Fn(&mut Vec<Raw>) + 'static) {
         self.caught(name, |f| f.indexes = Rc::new(change));
     }
@@ -147,7 +147,7 @@ fn leave_out_views(forgery: &mut Forgery) {
     }
 }
 
-/// Puts the index of the last chunk behind the other groups of the summary.
+/// Puts the index of the last chunk after the other groups of the summary.
 fn split_chunk_indexes(forgery: &mut Forgery) {
     forgery.order = Rc::new(|summary| {
         let is_index = |(opcode, _): &Raw| *opcode == op::CHUNK_INDEX;
@@ -182,7 +182,7 @@ fn unknown() -> Raw {
     (0x80, b"by me".to_vec())
 }
 
-/// A record with bytes behind its fields.
+/// A record with bytes after its fields.
 fn with_more(record: &Record) -> Record {
     let (opcode, body) = record.raw();
     Record::Other((opcode, [&body, &b"by me"[..]].concat()))
@@ -434,7 +434,7 @@ fn rejects_forged_channels_and_schemas() {
         });
         a.caught("other channels in the summary", |f| {
             f.in_summary(op::CHANNEL, |channel| {
-                // The entries of its metadata: the channel has none, and these bytes say so.
+                // In place of its empty metadata.
                 let entries = body(&Metadata {
                     name: String::new(),
                     metadata: [("unit".to_owned(), "degrees".to_owned())].into(),
@@ -583,7 +583,7 @@ fn rejects_forged_messages() {
         a.repacked("another order at one time", |f| {
             f.reorder(|message| std::cmp::Reverse(message.channel_id));
         });
-        a.repacked("views behind the rest", |f| {
+        a.repacked("views after the rest", |f| {
             let views: Vec<_> = views_of_fixed_peg().map(|v| f.id(v.topic).0).collect();
             f.reorder(|message| views.contains(&message.channel_id));
         });
@@ -633,10 +633,10 @@ fn rejects_containers_that_readers_see_differently() {
         a.repacked("an empty chunk", |f| {
             f.records.insert(2, Record::Chunk(Vec::new()));
         });
-        a.caught("bytes behind metadata and not indexed", |f| {
+        a.caught("bytes after metadata and not indexed", |f| {
             f.records[0] = with_more(&f.records[0]);
         });
-        a.caught("bytes behind a schema in a chunk and not indexed", |f| {
+        a.caught("bytes after a schema in a chunk and not indexed", |f| {
             let first = &mut f.first_chunk()[0];
             *first = with_more(first);
         });
@@ -655,9 +655,9 @@ fn rejects_containers_that_readers_see_differently() {
             f.before_magic = b"by me".to_vec();
         });
         for (name, bytes) in [
-            ("a record behind the footer", framed(&unknown())),
+            ("a record after the footer", framed(&unknown())),
             ("a second footer", framed(&(op::FOOTER, vec![0; 20]))),
-            ("bytes behind the footer", b"by me".to_vec()),
+            ("bytes after the footer", b"by me".to_vec()),
         ] {
             a.caught(name, |f| f.before_last_magic = bytes);
         }
@@ -720,7 +720,7 @@ fn rejects_containers_that_readers_see_differently() {
             body.truncate(body.len() - 16);
         });
         a.indexes("a channel without index", |indexes| drop(indexes.remove(0)));
-        a.indexes("an empty index behind the right one", |indexes| {
+        a.indexes("an empty index after the right one", |indexes| {
             let channel = indexes[0].1[..2].to_vec();
             indexes.push((op::MESSAGE_INDEX, [channel, vec![0; 4]].concat()));
         });
@@ -893,7 +893,7 @@ fn accepts_missing_data_checksum() {
     let folder = Folder::new();
     let path = folder.at("a.mcap");
     let mut bytes = original(Encoding::Json);
-    // The footer's first number says where the summary begins: behind the checksum.
+    // The footer's first number says where the summary begins: after the checksum.
     let footer = bytes.len() - mcap::MAGIC.len() - 20;
     let summary = u64::from_le_bytes(bytes[footer..footer + 8].try_into().unwrap()) as usize;
     bytes[summary - 4..summary].fill(0);

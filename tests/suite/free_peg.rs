@@ -30,7 +30,7 @@ fn number(command: &str, key: &str) -> Option<f64> {
     given(command, key).map(|value| value.parse().unwrap())
 }
 
-/// The paper's top in the state of `impact_meta`, at the moment of an impact, and what the impact makes of it.
+/// The paper's top in the state of `impact_meta`, at the moment of an impact, and the result of the impact.
 fn hit(command: &str) -> (Model, Motion, Impact) {
     let k = number(command, "mu").unwrap();
     let law = match number(command, "veps") {
@@ -451,7 +451,7 @@ fn rejects_keys_of_the_other_support() {
         Scenario::new(values).expect_err("accepted").to_string()
     };
     let height = [("support.kind", "fixed"), ("initial.height", "0.1")];
-    for (changes, told) in [
+    for (changes, expected) in [
         (
             &[("top.center_distance", "-0.005")][..],
             "support.kind = \"free\"",
@@ -461,11 +461,11 @@ fn rejects_keys_of_the_other_support() {
         (&[("support.kind", "free")], "formulation"),
     ] {
         let error = refused(changes);
-        assert!(error.contains(told), "{changes:?}: {error}");
+        assert!(error.contains(expected), "{changes:?}: {error}");
     }
     let dissipation = [("friction.dissipation", "without-nutation-part")];
     let both = [("initial.peg_x", "0"), ("initial.center_y", "0")];
-    for (changes, told) in [
+    for (changes, expected) in [
         (&dissipation[..], "friction.dissipation"),
         (&both, "conflicts with initial.center_y"),
         (&[("stop.duration", "")], "stop.duration"),
@@ -477,16 +477,16 @@ fn rejects_keys_of_the_other_support() {
     ] {
         let free = [("formulation", "body"), ("support.kind", "free")];
         let error = refused(&[&free, changes].concat());
-        assert!(error.contains(told), "{changes:?}: {error}");
+        assert!(error.contains(expected), "{changes:?}: {error}");
     }
 }
 
 #[test]
 fn fixed_peg_is_the_default() {
-    let silent = scenario("paper", &[]);
-    let told = scenario("paper", &[("support.kind", "fixed")]);
-    assert_eq!(told, silent);
-    assert_eq!(told.digest(), silent.digest());
+    let implicit = scenario("paper", &[]);
+    let explicit = scenario("paper", &[("support.kind", "fixed")]);
+    assert_eq!(explicit, implicit);
+    assert_eq!(explicit.digest(), implicit.digest());
 }
 
 #[test]
@@ -666,7 +666,8 @@ fn val_shallow_hops_and_slow_departures() {
 }
 
 /// Slip that began where friction gave way, and that comes back to rest where friction could hold the point again, ends
-/// there: at the same time for all tolerances. It went on for ever in steps of 1e-14 s, with large tolerances of 1e-7 s.
+/// there: at the same time for all tolerances. It used to continue forever in steps of 1e-14 s, with large tolerances of
+/// 1e-7 s.
 #[test]
 fn returning_slip_ends_in_rolling() {
     let rolls = |tolerance: &str, keys: &[(&str, &str)]| {
@@ -748,7 +749,7 @@ fn a_peg_lifts_off_at_loose_tolerances_too() {
     }
 }
 
-/// Where an impact ends the run, its end is behind the impact.
+/// Where an impact ends the run, the end comes after the impact.
 #[test]
 fn run_ended_by_landing_has_motion_after_impact() {
     let run = |keys: &[(&str, &str)]| {

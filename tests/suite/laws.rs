@@ -330,7 +330,7 @@ fn full_friction_sticks_just_short_of_upright() {
         let needed =
             (1.27e-5 * omega * omega * libm::cos(theta) + 0.110 * 9.81 * 0.020) * libm::sin(theta);
         assert!(needed <= 0.03 * 0.110 * 9.81 * 0.007, "{needed:e}");
-        // From then on it turns as a whole, at rest at the contact, and nothing is lost.
+        // From then on it turns rigidly about the vertical: the contact point is at rest, and nothing is lost.
         let before = &run.samples[0];
         for sample in run.samples.iter().filter(|s| s.time_ns > stick.time_ns) {
             assert_eq!(sample.contact.slip_speed, 0.0);
@@ -624,11 +624,17 @@ fn every_law_name_selects_its_law() {
         let section = path.split_once('.').map_or("", |(section, _)| section);
         sections.contains(&section) && !["friction.law", "friction.dissipation"].contains(&path)
     };
-    let all = KEYS.iter().map(|key| key.path);
-    let all: BTreeSet<_> = all.filter(|path| is_parameter(path)).collect();
-    let parameters = LAWS.iter().flat_map(Law::parameters);
-    let told = parameters.map(|key| key.path);
-    assert_eq!(told.collect::<BTreeSet<_>>(), all);
+    let all: BTreeSet<_> = KEYS
+        .iter()
+        .map(|key| key.path)
+        .filter(|path| is_parameter(path))
+        .collect();
+    let listed: BTreeSet<_> = LAWS
+        .iter()
+        .flat_map(Law::parameters)
+        .map(|key| key.path)
+        .collect();
+    assert_eq!(listed, all);
     for law in &LAWS[1..] {
         assert!(law.parameters().count() > 0, "{}", law.name);
         assert!(!law.formula.is_empty() && !law.typical.is_empty() && !law.source.is_empty());

@@ -215,8 +215,8 @@ impl History {
         self.widen(&rates, omega, momentum::WORLD.of(now).norm());
     }
 
-    /// Takes what stays as it is as long as a phase lasts. A phase that lasts from one instant to the next may be two,
-    /// of which only the table tells: then an impact lies between, which forgets it.
+    /// Takes the quantities that are constant during a phase. A phase that seems to last from one instant to the next may
+    /// be two, which only the table of impacts shows: an impact between them starts a new phase.
     fn take_phase(&mut self, now: &Instant<'_>) {
         let regime = contact::REGIME.of(now);
         let has_landed = impacts::TIME.of(now).is_finite();
@@ -631,7 +631,7 @@ fn bound_of_force(scenario: &Scenario) -> PhysicalLaw {
         let force = contact::FRICTION_FORCE.of(now);
         let slip = contact::SLIP_WORLD.of(now);
         let bound = friction_law.bound(contact::SLIP_SPEED.of(now), contact::NORMAL_FORCE.of(now));
-        // Not `f64::max`, which would make nothing of what is not recorded.
+        // Not `f64::max`, which would ignore values that are not recorded.
         let of_size = |error: f64, size: f64| match error {
             ..=0.0 => 0.0,
             error => error / size.max(f64::MIN_POSITIVE),
@@ -745,7 +745,7 @@ fn bound_of_free_force(scenario: &Scenario) -> PhysicalLaw {
         let force = contact::FRICTION_FORCE.of(now);
         let (slip, normal) = (contact::SLIP_WORLD.of(now), contact::NORMAL_FORCE.of(now));
         let bound = friction_law.bound(contact::SLIP_SPEED.of(now), normal.abs());
-        // Not `f64::max`, which would make nothing of what is not recorded.
+        // Not `f64::max`, which would ignore values that are not recorded.
         let positive = |error: f64| if error <= 0.0 { 0.0 } else { error };
         let along = force.dot(&slip) / slip.norm().max(DEPARTING);
         let along = if slip.norm() < DEPARTING { 0.0 } else { along };
@@ -757,7 +757,7 @@ fn bound_of_free_force(scenario: &Scenario) -> PhysicalLaw {
 /// What slips or turns more slowly after it was at rest has no direction yet, m/s or rad/s.
 const DEPARTING: f64 = 1e-9;
 
-/// The work of friction is what the sliding, the losses and the impacts took.
+/// The work of friction is the energy that sliding, losses and impacts took.
 fn losses_add_up() -> PhysicalLaw {
     law("losses", "J", |now, history| {
         let lost = free_peg::LOST_SLIDING.of(now)

@@ -8,7 +8,7 @@ use toprise::run::outcome::{COLUMNS, Cell, Outcome};
 use toprise::run::scenario::{PRESETS, Scenario};
 use toprise::run::simulation::{EventKind, StopReason, Tally};
 
-/// The outcome as the records of a whole simulation tell it.
+/// The outcome according to the records of a whole simulation.
 fn outcome_of_simulation(scenario: &Scenario) -> Outcome {
     let run = Run::of(scenario);
     let mut tally = Tally::default();

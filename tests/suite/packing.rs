@@ -90,7 +90,7 @@ fn copy(record: Record<'_>, writer: &mut Writer<Cursor<Vec<u8>>>) -> bool {
     true
 }
 
-/// What is wrong with a repacked recording; `None` if nothing is.
+/// The fault of a repacked recording, if it has one.
 fn fault(original: &Recording, path: &Path) -> Option<String> {
     let report = verified(path);
     if report.verdict != Verdict::Verified {
@@ -181,7 +181,7 @@ fn skips_unknown_opcodes_without_checksum() {
         let record = Forged::Other((opcode, b"by someone".to_vec()));
         forgery.records.insert(1, record);
         let mut bytes = forgery.bytes();
-        // The footer's first number says where the summary begins: behind the checksum.
+        // The footer's first number says where the summary begins: after the checksum.
         let footer = bytes.len() - mcap::MAGIC.len() - 20;
         let summary = u64::from_le_bytes(bytes[footer..footer + 8].try_into().unwrap()) as usize;
         bytes[summary - 4..summary].fill(0);

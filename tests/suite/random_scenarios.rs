@@ -7,7 +7,7 @@ use toprise::physics::math::exp;
 use toprise::run::scenario::{KEYS, Kind, Preset, Scenario, Values};
 use toprise::telemetry::{RunMessages, Topics};
 
-/// A run is broken off after this many steps: what is hard takes for ever.
+/// A run is aborted after this many steps: a hard one would take forever.
 const MOST_STEPS: u32 = 3000;
 
 /// Numbers that look random, the same on every machine (splitmix64).
@@ -41,10 +41,10 @@ impl Random {
     }
 }
 
-/// Sets that decide how far a random scenario lies from what a child plays with.
+/// How far a random scenario may be from everyday tops.
 #[derive(Clone, Copy)]
 enum Reach {
-    /// Tops as they are made, thrown as they are.
+    /// Tops as they are made and thrown.
     Plausible,
     /// Anything that a scenario allows, within reason.
     Extreme,

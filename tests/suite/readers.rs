@@ -106,7 +106,7 @@ fn info(directory: &TempDir, recording: &Path) -> Value {
     )
 }
 
-/// The number of messages of each topic, as we tell it, if `wanted` wants its encoding.
+/// The number of messages that `toprise info` reports for each topic whose encoding is `wanted`.
 fn counts(info: &Value, wanted: impl Fn(&str) -> bool) -> Value {
     let channels = info["channels"].as_array().unwrap().iter();
     let counts: Map<String, Value> = channels

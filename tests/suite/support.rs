@@ -279,7 +279,7 @@ pub fn recorded(scenario: &Scenario, topics: &[&str], form: Form) -> Vec<u8> {
     folder.read("run.mcap")
 }
 
-/// Runs again what a file holds, in its own form, as `toprise run FILE` does; gives the bytes of the new recording, none if
+/// Repeats the run of a file in the file's form, as `toprise run FILE` does; gives the bytes of the new recording, none if
 /// the file has no scenario.
 pub fn run_again(file: &Path) -> Option<Vec<u8>> {
     let input = input::read(file).ok()?;

@@ -741,7 +741,7 @@ fn never_merges_foreign_or_damaged_parts() {
     // Parts of another sweep are still seen where the file is gone that says of which they are.
     fs::copy(part(&b, 2), part(&a, 2)).unwrap();
     fs::remove_file(parts_directory(&a).join("sweep.json")).unwrap();
-    refused("a part without a word of its sweep");
+    refused("a part that does not name its sweep");
     let is_mended = |damaged: &[u8]| {
         fs::write(part(&a, 2), damaged).unwrap();
         let finished = compute(&first, &a, &shard(2, 3)).unwrap();
@@ -876,7 +876,7 @@ fn regress_limits_threads_to_processors_and_runs() {
     assert_eq!(threads_for(0, 0), 1);
 }
 
-/// A share that comes in late, when the sweep has been completed without it, leaves nothing behind.
+/// A part that is finished late, after the sweep has been completed without it, leaves nothing behind.
 #[test]
 fn clears_late_parts() {
     let folder = Folder::new();
@@ -1221,7 +1221,7 @@ fn merges_parts_from_another_disk() {
     assert!(files(other.path()).is_empty());
 }
 
-/// Waiting for somebody at the other end of a pipe would take for ever.
+/// Waiting for a writer at the other end of a pipe could take forever.
 #[cfg(unix)]
 #[test]
 fn rejects_pipes_and_devices() {

@@ -68,7 +68,7 @@ fn next_number(body: &[u8], at: &mut usize) -> usize {
 
 /// Number of names, and the three arrays of a `JointState` in CDR.
 fn joint_arrays(bytes: &[u8]) -> (usize, [Vec<f64>; 3]) {
-    // Alignment counts from behind the encapsulation.
+    // Alignment counts from the end of the encapsulation.
     let body = &bytes[4..];
     // The two numbers of the time stamp stand first, then the frame.
     let mut at = 8;

@@ -38,7 +38,7 @@ pub struct Campaign {
     prepare: fn() -> Result<Trial, String>,
 }
 
-/// Tries one case: says what went wrong.
+/// Tries one case; the error says what went wrong.
 pub type Trial = Box<dyn Fn(&mut Random) -> Result<(), String> + Sync>;
 
 /// All campaigns.

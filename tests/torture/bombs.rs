@@ -10,7 +10,7 @@ use tempfile::tempdir;
 const LIMIT: Duration = Duration::from_secs(20);
 const MEMORY: u64 = 700_000_000;
 
-/// Opens files whose chunks unpack to much more than they are, or say so, with every verb.
+/// Opens files whose chunks unpack to much more than their size, or claim to, with every command.
 pub fn bombs() -> Result<Trial, String> {
     const VERBS: [&[&str]; 7] = [
         &["info", "bomb.mcap"],
@@ -27,13 +27,14 @@ pub fn bombs() -> Result<Trial, String> {
         fs::write(room.join("bomb.mcap"), bomb(random)).unwrap();
         fs::write(room.join("other.mcap"), bomb(random)).unwrap();
         let arguments = random.one_of(&VERBS);
-        let told = |error: String| format!("{arguments:?}: {error}: {}", errors(room));
-        let ended = wait(start(room, arguments), LIMIT).map_err(told)?;
+        let described = |error: String| format!("{arguments:?}: {error}: {}", errors(room));
+        let ended = wait(start(room, arguments), LIMIT).map_err(described)?;
         match ended.code {
-            None => Err(told("a signal ended it".to_owned())),
-            Some(_) if ended.memory > MEMORY => {
-                Err(told(format!("it took {} MB", ended.memory / 1_000_000)))
-            }
+            None => Err(described("a signal ended it".to_owned())),
+            Some(_) if ended.memory > MEMORY => Err(described(format!(
+                "it took {} MB",
+                ended.memory / 1_000_000
+            ))),
             Some(_) => Ok(()),
         }
     }))
@@ -67,7 +68,7 @@ fn text(text: &[u8]) -> Vec<u8> {
     [&(text.len() as u32).to_le_bytes()[..], text].concat()
 }
 
-/// A chunk of up to 2 GiB of one byte, as runs of 128 KiB; what it says of its size may be wrong.
+/// A chunk of up to 2 GiB of one byte, as runs of 128 KiB; the size in its header may be wrong.
 fn chunk(random: &mut Random) -> Vec<u8> {
     const RUN: u64 = 128 * 1024;
     let runs = random.about(8.0, 16_384.0) as u64;

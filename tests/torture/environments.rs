@@ -114,9 +114,9 @@ pub fn environments() -> Result<Trial, String> {
             .replace("$T", &program().to_string_lossy());
         let mut shell = Command::new("bash");
         shell.args(["-c", &line_in_full]);
-        let told = |error: String| format!("{line}: {error}");
-        expect(start_with(&mut shell, room), room, code, LONG).map_err(told)?;
-        check(room, is_recorded, &whole).map_err(told)
+        let described = |error: String| format!("{line}: {error}");
+        expect(start_with(&mut shell, room), room, code, LONG).map_err(described)?;
+        check(room, is_recorded, &whole).map_err(described)
     }))
 }
 
@@ -150,8 +150,8 @@ pub fn cpus() -> Result<Trial, String> {
         let room = directory.path();
         let mut emulated = Command::new("qemu-x86_64");
         emulated.args(["-cpu", model]).arg(program()).args(RUN);
-        let told = |error: String| format!("{model}: {error}");
-        expect(start_with(&mut emulated, room), room, 0, 5 * LONG).map_err(told)?;
-        check(room, true, &whole).map_err(told)
+        let described = |error: String| format!("{model}: {error}");
+        expect(start_with(&mut emulated, room), room, 0, 5 * LONG).map_err(described)?;
+        check(room, true, &whole).map_err(described)
     }))
 }

@@ -207,18 +207,18 @@ pub fn signals() -> Result<Trial, String> {
             return Ok(());
         }
         let signal = ask(&program, random);
-        let told = |error: String| format!("{arguments:?} after {signal}: {error}");
+        let described = |error: String| format!("{arguments:?} after {signal}: {error}");
         if !is_run {
-            return wait(program, SOON).map(|_| ()).map_err(told);
+            return wait(program, SOON).map(|_| ()).map_err(described);
         }
-        expect(program, room, 3, SOON).map_err(told)?;
-        is_sound(&room.join("x.mcap")).map_err(told)
+        expect(program, room, 3, SOON).map_err(described)?;
+        is_sound(&room.join("x.mcap")).map_err(described)
     }))
 }
 
 /// Sends a signal that asks for an end.
 fn ask(program: &Child, random: &mut Random) -> &'static str {
-    // A shell starts what stands before `&` with Ctrl-C ignored, which the programs below inherit.
+    // A shell starts a command before `&` with Ctrl-C ignored, which the programs below inherit.
     let signals = if is_ctrl_c_ignored() {
         &["-TERM"][..]
     } else {

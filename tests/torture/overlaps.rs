@@ -31,13 +31,16 @@ pub fn overlaps() -> Result<Trial, String> {
         let overlapping = (0..MESSAGES).map(|n| n / IN_CHUNK + n % IN_CHUNK * chunks);
         write(&room.join("overlaps.mcap"), overlapping).map_err(|error| error.to_string())?;
         write(&room.join("sorted.mcap"), 0..MESSAGES).map_err(|error| error.to_string())?;
-        let told = |error: String| format!("{error}: {}", errors(room));
+        let described = |error: String| format!("{error}: {}", errors(room));
         let program = start(room, &["diff", "overlaps.mcap", "sorted.mcap"]);
-        let ended = wait(program, LIMIT).map_err(told)?;
+        let ended = wait(program, LIMIT).map_err(described)?;
         match ended.code {
             Some(0) if ended.memory <= MEMORY => Ok(()),
-            Some(0) => Err(told(format!("it took {} MB", ended.memory / 1_000_000))),
-            code => Err(told(format!("exit code {code:?}"))),
+            Some(0) => Err(described(format!(
+                "it took {} MB",
+                ended.memory / 1_000_000
+            ))),
+            code => Err(described(format!("exit code {code:?}"))),
         }
     }))
 }

@@ -370,7 +370,7 @@ fn ends_of_two_kinds_have_no_difference() {
     assert!(finding(&report, "falls").is_none());
 }
 
-/// Events that are missing without damage, e.g. in a file that somebody filtered, are noticed by their numbers.
+/// Events that are missing without damage, e.g. in a filtered file, are noticed by their numbers.
 #[test]
 fn missing_events_are_not_counted() {
     let folder = Folder::new();

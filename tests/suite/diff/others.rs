@@ -1,4 +1,4 @@
-//! Comparing files that somebody else wrote or changed.
+//! Comparing files that other software wrote or changed.
 
 use super::*;
 use std::cell::Cell;
@@ -6,7 +6,7 @@ use std::cell::Cell;
 /// A message: its topic, time (ms) and text.
 type Text<'t> = (&'t str, u64, &'t str);
 
-/// A file that somebody else wrote, with a schema for all topics.
+/// A file of other software, with one schema for all topics.
 fn foreign(folder: &Folder, name: &str, schema: &str, messages: &[Text<'_>]) -> Recording {
     let path = folder.at(name);
     let file = BufWriter::new(File::create(&path).unwrap());
@@ -73,7 +73,7 @@ fn compares_foreign_files_byte_by_byte() {
     let (report, x) = against("schema.mcap", "{ }", &WHOLE);
     assert_eq!((report.verdict, x.equal), (Verdict::Different, 3));
     assert!(x.is_described_differently);
-    // Only what is wanted counts.
+    // Only the selected topics count.
     let messages = [WHOLE[0], ("/z", 0, "1"), ("/y", 20, "5")];
     let b = foreign(&folder, "b.mcap", "{}", &messages);
     let report = compare(&b, &b, &ignoring("/y")).unwrap();
@@ -464,7 +464,7 @@ fn refuses_damaged_runs_without_a_time_in_common() {
     assert_contains(&error.to_string(), "no message of the same time");
 }
 
-/// The messages of a file, written by somebody else who changes some.
+/// A copy of a file that other software wrote, with some messages changed.
 fn copied(
     folder: &Folder,
     name: &str,

@@ -21,7 +21,7 @@ use toprise::telemetry::fields::{
 };
 use toprise::telemetry::{Message, Telemetry, Topic};
 
-/// Integrator steps of a random run: what is hard takes for ever.
+/// Maximum number of integrator steps of a random run: a hard one would take forever.
 const MAX_STEPS: u32 = 3000;
 
 /// The messages of a run, and its explanation from the same pass.

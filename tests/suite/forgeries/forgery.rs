@@ -22,7 +22,7 @@ pub const END: &str = "toprise.end";
 /// A record as it is written: opcode and body.
 pub type Raw = (u8, Vec<u8>);
 
-/// A change of what is about to be written.
+/// A change to a value that is about to be written.
 pub type Change<T> = Rc<dyn Fn(&mut T)>;
 
 /// A record of an MCAP file, with all fields that a forgery can change.
@@ -108,7 +108,7 @@ impl Record {
 #[derive(Clone)]
 pub struct Forgery {
     pub header: Header,
-    /// What stands before the end of the data.
+    /// The records before the end of the data.
     pub records: Vec<Record>,
     /// Changes what the summary repeats and indexes, before its offsets are computed.
     pub summary: Change<Vec<Raw>>,
@@ -118,7 +118,7 @@ pub struct Forgery {
     pub offsets: Change<Vec<Raw>>,
     /// Changes where the footer says that the offsets are.
     pub offsets_start: Change<u64>,
-    /// Changes the records behind a chunk, which index it.
+    /// Changes the records after a chunk, which index it.
     pub indexes: Change<Vec<Raw>>,
     /// Changes a record of the data before it is written.
     pub written: Change<Raw>,

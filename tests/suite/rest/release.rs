@@ -1,4 +1,4 @@
-//! Contacts that friction holds for a while and then lets go.
+//! Contacts that friction holds for a while and then releases.
 
 use super::{Comparisons, MAX_STEPS};
 use crate::random_scenarios::{Random, count};
@@ -9,7 +9,7 @@ use toprise::run::outcome::outcome;
 use toprise::run::scenario::{Preset, Scenario, Values};
 use toprise::run::simulation::{EventKind, StopReason};
 
-/// Keys of a motion that goes on whatever becomes of it.
+/// Keys with which a motion ends only at its duration.
 const ENDLESS: [(&str, &str); 3] = [
     ("stop.theta_risen", ""),
     ("stop.theta_fallen", ""),
