@@ -141,31 +141,31 @@ fn read(
             break;
         }
     }
-    let mut losses = losses(recording, &reader);
+    let mut sentences = losses(recording, &reader);
     // A channel that the recording doesn't have is not incomplete.
     let mut counted = wanted;
     counted.retain(|topic| recorded.contains(topic));
     // The rest of a recording that is read in part isn't missing.
     let end = recording.end().filter(|_| !is_stopped);
     let faults = check.finish(&counted, end);
-    losses.extend(faults.sentences(!reader.all_losses().is_empty()));
+    sentences.extend(faults.sentences(!reader.all_losses().is_empty()));
     ReadEnd {
         end: recording.end().cloned(),
-        losses,
+        losses: sentences,
         missing: faults.missing,
     }
 }
 
 /// Parts that a recording lacks and a reader could not read, in sentences.
 pub(super) fn losses(recording: &Recording, reader: &Reader<'_>) -> Vec<String> {
-    let mut losses = reader.all_losses().sentences();
-    losses.extend(reader.left_out().map(ToString::to_string));
+    let mut sentences = reader.all_losses().sentences();
+    sentences.extend(reader.left_out().map(ToString::to_string));
     if recording.lacks_end() {
         let what = if recording.is_ours() { "run" } else { "file" };
-        losses.push(format!("missing end of the {what} (interrupted)"));
+        sentences.push(format!("missing end of the {what} (interrupted)"));
     }
-    losses.extend(reader.statistics_fault().map(|fault| fault.to_string()));
-    losses
+    sentences.extend(reader.statistics_fault().map(|fault| fault.to_string()));
+    sentences
 }
 
 fn simulate(
