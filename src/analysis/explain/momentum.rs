@@ -130,8 +130,8 @@ pub(super) struct MomentumHistory {
     shortening: f64,
     /// From the first sample to the last.
     whole: Option<MomentumSpan>,
-    /// From the first sample to the one in which the angular momentum is least inclined.
-    lowest: Option<MomentumSpan>,
+    /// From the first sample to the one in which the axis is least inclined.
+    rise: Option<MomentumSpan>,
     /// From the sample in which the axis is least inclined to the last.
     descent: Option<MomentumSpan>,
     /// The part about the vertical.
@@ -155,9 +155,9 @@ impl MomentumHistory {
         self.whole
     }
 
-    /// From the first sample to the one in which the angular momentum is least inclined.
-    pub(super) fn to_lowest(&self) -> Option<MomentumSpan> {
-        self.lowest
+    /// From the first sample to the one in which the axis is least inclined.
+    pub(super) fn rise(&self) -> Option<MomentumSpan> {
+        self.rise
     }
 
     /// From the sample in which the axis is least inclined to the last.
@@ -229,19 +229,18 @@ impl MomentumHistory {
             None => MomentumSpan::new(state),
             Some(span) => span.extended(state, mean),
         };
-        self.descent = Some(match self.descent {
-            Some(span) if state.theta >= span.from.theta => span.extended(state, mean),
-            _ => MomentumSpan::new(state),
-        });
+        // A top may sink again after its rise, which the whole run would hide.
+        match &mut self.descent {
+            Some(descent) if state.theta >= descent.from.theta => {
+                *descent = descent.extended(state, mean);
+            }
+            descent => {
+                self.rise = Some(span);
+                *descent = Some(MomentumSpan::new(state));
+            }
+        }
         self.shortening = shortening;
         self.whole = Some(span);
-        // A top may sink again after its rise, which the whole run would hide.
-        let is_lowest = self
-            .lowest
-            .is_none_or(|lowest| state.inclination() < lowest.to.inclination());
-        if is_lowest {
-            self.lowest = Some(span);
-        }
     }
 }
 

@@ -105,7 +105,7 @@ fn friction_raises(evidence: &Evidence) -> Option<Claim> {
     if friction.dissipation.drops_euler_terms() || evidence.history.is_tippe_top() {
         return None;
     }
-    let span = evidence.observations.momentum.to_lowest()?;
+    let span = evidence.observations.momentum.rise()?;
     let change = span.to.horizontal - span.from.horizontal;
     let descent = span.from.inclination() - span.to.inclination();
     // The axis is within `angle_to_axis` of the angular momentum, at the beginning as at the end.

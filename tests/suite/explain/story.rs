@@ -187,6 +187,8 @@ fn check(explained: &ExplainedRun, claim: &Claim) {
             let thetas = explained.numbers(state::THETA);
             assert_same("θ", *theta, [thetas[0], thetas[at]]);
             assert!(thetas[at] < thetas[0], "{claim:?}");
+            // It lasts until the axis begins to sink.
+            assert!(thetas.iter().all(|other| *other >= thetas[at]));
             if *is_vertical_constant {
                 for momentum in explained.angular_momenta() {
                     assert!((momentum.z / vertical[0] - 1.0).abs() < 1e-6, "{claim:?}");
@@ -302,6 +304,20 @@ fn check(explained: &ExplainedRun, claim: &Claim) {
             let rest = explained.of_topic(EVENTS).next_back().unwrap();
             assert_eq!(events::NAME.of(&rest), EventKind::Rest.name());
             assert_eq!(events::THETA_DOT.of(&rest), 0.0);
+        }
+    }
+}
+
+/// A top begins to sink where its rise ends.
+fn check_order(claims: &[Claim]) {
+    for claim in claims {
+        let Claim::FrictionRaises { until, .. } = claim else {
+            continue;
+        };
+        for other in claims {
+            if let Claim::FrictionLowers { from, .. } = other {
+                assert_eq!(until, from, "{claims:?}");
+            }
         }
     }
 }
@@ -633,7 +649,9 @@ fn random_tops_have_true_causes() {
         let Some(explained) = ExplainedRun::run(&scenario, MAX_STEPS) else {
             continue;
         };
-        for claim in &explained.explanation.story.claims {
+        let of_run = &explained.explanation.story.claims;
+        check_order(of_run);
+        for claim in of_run {
             check(&explained, claim);
             claims += 1;
         }
