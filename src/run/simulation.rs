@@ -5,6 +5,7 @@
 
 mod error;
 mod event;
+mod failure_point;
 mod free;
 mod nutation;
 mod progress;
@@ -16,8 +17,9 @@ mod sample;
 mod tally;
 mod watch;
 
-pub use error::{ContactPhase, SimulationError};
+pub use error::SimulationError;
 pub use event::{Event, EventKind, EventState, StopReason, UPRIGHT};
+pub use failure_point::{ContactPhase, FailurePoint};
 pub use free::{FreeSample, ImpactRecord};
 pub use nutation::NutationCycle;
 pub use record::{Record, RunEnd};

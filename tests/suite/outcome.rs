@@ -210,3 +210,57 @@ fn documents_list_every_column() {
         assert!(text.contains(&line), "docs/sweep.md lacks {line}");
     }
 }
+
+/// A failed run names a duration with which it ends before, also where the last step goes beyond it.
+#[test]
+fn run_ends_before_what_cannot_be_computed() {
+    let steep_impact: &[(&str, &str)] = &[
+        ("friction.law", "coulomb-rational"),
+        ("friction.k", "0.774"),
+        ("friction.smoothing_speed", "9.16e-7"),
+        ("initial.phi_dot", "-392"),
+        ("initial.theta_dot", "5.61e4"),
+        ("initial.theta", "1.492"),
+        ("initial.height", "0.0076"),
+        ("support.restitution", "0.94"),
+        ("rolling.arm", "7.26e-5"),
+    ];
+    let chattering: &[(&str, &str)] = &[
+        ("friction.k", "1.45"),
+        ("top.mass", "4.52e-6"),
+        ("top.center_distance", "1.79"),
+        ("top.transverse_moment", "3.837e-5"),
+        ("top.axial_moment", "2e-9"),
+        ("top.peg_radius", "1.08"),
+        ("initial.psi_dot", "2.51e5"),
+        ("initial.phi_dot", "12.6"),
+        ("initial.theta_dot", "2.13e4"),
+        ("initial.theta", "2.768"),
+        ("initial.height", "0.0536"),
+        ("support.restitution", "0.54"),
+        ("integrator.relative_tolerance", "1e-4"),
+        ("integrator.absolute_tolerance", "1e-18"),
+    ];
+    for (what, keys) in [
+        ("the impact can't be computed at t = ", steep_impact),
+        ("phases of flight alternate without end", chattering),
+    ] {
+        let mut keys = keys.to_vec();
+        keys.extend([
+            ("stop.theta_risen", ""),
+            ("stop.theta_fallen", ""),
+            ("stop.on_stick", ""),
+            ("stop.duration", "0.02"),
+        ]);
+        let error = outcome(&scenario("free-paper", &keys), || true).unwrap_err();
+        let error = error.to_string();
+        assert!(error.contains(what), "{error}");
+        let (_, advice) = error.split_once("a stop.duration of at most ").unwrap();
+        let (duration, _) = advice.split_once(" s ends the run before").unwrap();
+        keys.push(("stop.duration", duration));
+        let outcome = outcome(&scenario("free-paper", &keys), || true).unwrap();
+        assert_eq!(outcome.end.stop, StopReason::Duration);
+        let time: f64 = duration.parse().unwrap();
+        assert_eq!(outcome.end.time, time);
+    }
+}

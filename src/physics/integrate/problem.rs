@@ -37,12 +37,12 @@ pub struct Statistics {
     pub largest_step: f64,
 }
 
-/// Error of an integration.
+/// Error of an integration. Its text leaves out t, which isn't always a time.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum IntegrateError {
     /// The step size fell below the resolution of t: the solution is singular or discontinuous ahead, or the equations
     /// are not defined there.
-    #[error("step size underflow at t = {t:?}: the solution is singular or discontinuous")]
+    #[error("the solution is singular, discontinuous or too steep (step size underflow)")]
     StepSizeUnderflow {
         /// The end of the last accepted step.
         t: f64,
@@ -50,7 +50,7 @@ pub enum IntegrateError {
         step: f64,
     },
     /// The state or its derivative is infinite or not a number.
-    #[error("the state or its derivative is not finite at t = {t:?}")]
+    #[error("the state or its derivative is not finite")]
     NonFiniteState {
         /// Time.
         t: f64,

@@ -44,7 +44,7 @@ impl From<Value> for toml::Value {
 }
 
 /// A number in short notation, e.g. `1e-10`.
-pub(super) fn short_number(number: f64) -> String {
+pub(in crate::run) fn short_number(number: f64) -> String {
     let size = number.abs();
     if size == 0.0 || (1e-3..1e15).contains(&size) {
         number.to_string()

@@ -5,10 +5,11 @@ mod sampling;
 mod unfinished;
 mod zeros;
 
-use super::error::{ContactPhase, SimulationError};
+use super::error::SimulationError;
 use super::event::{Consequences, EventKind, StopReason, consequences};
+use super::failure_point::{ContactPhase, FailurePoint};
 use super::nutation::NutationTracker;
-use super::progress::Progress;
+use super::progress::{Progress, Stall};
 use super::queue::{Queue, TimedMotion};
 use super::record::{Record, RunEnd};
 use super::sample::Sample;
@@ -144,8 +145,12 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             stop = stop.or(Some(StopReason::SlipStopped));
         }
         let tolerances = F::step_tolerances(scenario.tolerances);
-        let integrator = Dop853::new(formulation, 0.0, state, tolerances)
-            .map_err(|source| integration_error(&formulation, 0.0, source))?;
+        let integrator = Dop853::new(formulation, 0.0, state, tolerances).map_err(|source| {
+            SimulationError::Integration {
+                at: failure_point(&formulation, 0.0, motion),
+                source,
+            }
+        })?;
         let energy_at_start = scenario.model.energy(&motion);
         // Slow regular precession has the sense of the rotation about the axis.
         let sense = if motion.tilt.axial_rate() < 0.0 {
@@ -183,24 +188,29 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     fn step(&mut self) -> Result<(), SimulationError> {
         let (system, state) = (self.integrator.system(), self.integrator.y());
         self.reference = system.angles(state, self.reference);
-        let contact = contact_phase(system);
         // Densely, because events and samples are read from the dense output, whose error has to be controlled as well.
         if let Err(source) = self.integrator.step_densely() {
             return self.end_at_singularity(source);
         }
         let time = self.integrator.t();
-        let system = self.integrator.system();
-        self.progress.record_step(time, contact, || {
-            let state = self.integrator.y();
-            let motion = system.motion_without_turns(state, self.reference);
-            motion.tilt.omega_lean.norm()
-        })?;
+        if let Err(stall) = self.progress.record_step(time) {
+            let system = self.integrator.system();
+            let motion = system.motion(self.integrator.y(), self.reference);
+            return Err(self.stalled(stall, failure_point(system, time, motion)));
+        }
         let dense = self.integrator.dense();
         let mut zeros = self.find_zeros(&dense);
         self.discard_unfinished_turns(&dense, &mut zeros);
         let mut remaining = zeros.into_iter();
         for zero in remaining.by_ref() {
-            self.handle_zero(&dense, zero)?;
+            if let Err(error) = self.handle_zero(&dense, zero) {
+                let time = dense.t0 + zero.s * dense.h;
+                // What can't be computed is no reason to fail if the run ends before.
+                if self.stop.duration.is_some_and(|duration| duration < time) {
+                    break;
+                }
+                return Err(error);
+            }
             if self.early_end.is_some() {
                 break;
             }
@@ -212,20 +222,43 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         Ok(())
     }
 
+    /// The error of a run that no longer advances.
+    #[cold]
+    fn stalled(&self, stall: Stall, at: Box<FailurePoint>) -> SimulationError {
+        match stall {
+            Stall::TinySteps {
+                steps,
+                limit,
+                mean_step,
+            } => SimulationError::TinySteps {
+                steps,
+                advance: limit,
+                turn: at.motion.tilt.omega_lean.norm() * mean_step,
+                at,
+            },
+            Stall::Alternates { contacts } => SimulationError::Alternates {
+                at,
+                contacts,
+                tolerances: self.tolerances,
+            },
+        }
+    }
+
     /// Ends the run where no further step is possible, if the singularity is that of a transition.
     #[cold]
     fn end_at_singularity(&mut self, source: IntegrateError) -> Result<(), SimulationError> {
         let (time, state) = (self.integrator.t(), *self.integrator.y());
         let system = self.integrator.system();
         let end = system.singularity(&state).map(consequences);
+        let motion = system.motion(&state, self.reference);
         let Some(Consequences {
             event,
             stop: Some(reason),
         }) = end
         else {
-            return Err(integration_error(system, time, source));
+            let at = failure_point(system, time, motion);
+            return Err(SimulationError::Integration { at, source });
         };
-        let motion = system.motion(&state, self.reference);
         if let Some(kind) = event {
             self.queue.push_event(kind, time, motion);
         }
@@ -436,16 +469,16 @@ fn contact_phase<F: Formulation<N>, const N: usize>(system: &F) -> ContactPhase 
     }
 }
 
-fn integration_error<F: Formulation<N>, const N: usize>(
+fn failure_point<F: Formulation<N>, const N: usize>(
     system: &F,
     time: f64,
-    source: IntegrateError,
-) -> SimulationError {
-    SimulationError::Integration {
+    motion: Motion,
+) -> Box<FailurePoint> {
+    Box::new(FailurePoint {
         time,
-        contact: contact_phase(system),
-        source,
-    }
+        motion,
+        model: *system.model(),
+    })
 }
 
 /// The motion after an impact or after coming to rest; `None` if the phase begins without a change.

@@ -1,8 +1,7 @@
 //! The end of a phase and the beginning of the next.
 
 use super::{
-    Action, EarlyEnd, Runner, SimulationError, contact_phase, integration_error,
-    motion_after_change,
+    Action, EarlyEnd, Runner, SimulationError, contact_phase, failure_point, motion_after_change,
 };
 use crate::physics::dynamics::{Entry, Formulation, Guard, Motion, Phase, Transition};
 use crate::physics::friction::Dissipation;
@@ -26,7 +25,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let entry = system
             .enter(guard, state, self.reference)
             .map_err(|reason| SimulationError::Transition {
-                time,
+                at: failure_point(&system, time, motion),
                 guard,
                 reason,
             })?;
@@ -104,9 +103,14 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     /// Starts another phase within the last step.
     #[cold]
     pub(super) fn enter(&mut self, time: f64, entry: &Entry<F, N>) -> Result<(), SimulationError> {
-        let phases = self
-            .progress
-            .record_phase(time, contact_phase(&entry.formulation))?;
+        let contact = contact_phase(&entry.formulation);
+        let phases = match self.progress.record_phase(time, contact) {
+            Ok(phases) => phases,
+            Err(stall) => {
+                let at = failure_point(&entry.formulation, time, entry.motion);
+                return Err(self.stalled(stall, at));
+            }
+        };
         // Samples up to here have been taken from the dense output.
         self.dense = None;
         let phase = self.integrator.system().phase();
@@ -114,7 +118,10 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         self.reference = system.angles(&entry.state, self.reference);
         self.integrator
             .restart(system, time, entry.state)
-            .map_err(|source| integration_error(&system, time, source))?;
+            .map_err(|source| SimulationError::Integration {
+                at: failure_point(&system, time, entry.motion),
+                source,
+            })?;
         // If phases repeat immediately, limit the step.
         let quarters = 4_u32.pow((phases - 1).min(10));
         self.integrator
