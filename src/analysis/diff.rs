@@ -36,6 +36,7 @@ mod field;
 mod finding;
 mod findings;
 mod integration_error;
+mod json_number;
 mod observer;
 mod occurrence;
 mod others;

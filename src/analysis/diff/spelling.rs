@@ -1,8 +1,11 @@
 //! Values of JSON texts, which may be spelled in several ways.
 
-use serde::de::{self, Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
+use super::json_number::{JsonNumber, number_texts};
+use serde::de::{self, DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fmt;
+use std::vec;
 
 /// A JSON value. The order of members, white space and the spelling of numbers are lost.
 ///
@@ -11,38 +14,36 @@ use std::fmt;
 enum Json {
     Null,
     Bool(bool),
-    /// An integer that fits.
-    Integer(i128),
-    /// The bits of any other number, so that −0 differs from 0.
-    Real(u64),
+    Number(JsonNumber),
     Text(String),
     List(Vec<Json>),
     Object(BTreeMap<String, Json>),
 }
 
-impl Json {
-    /// A number with a fraction or an exponent in its spelling: an integer if that is its exact value.
-    fn real(number: f64) -> Self {
-        /// Up to 2⁵³, each integer has its own `f64`.
-        const EXACT: f64 = 9_007_199_254_740_992.0;
-        let is_negative_zero = number == 0.0 && number.is_sign_negative();
-        if number.fract() == 0.0 && number.abs() <= EXACT && !is_negative_zero {
-            Self::Integer(number as i128)
-        } else {
-            Self::Real(number.to_bits())
-        }
+/// Reads a [`Json`]. `serde_json` rounds most numbers to an `f64`: their texts are taken in turn, as they stand in the JSON.
+#[derive(Clone, Copy)]
+struct JsonSeed<'t> {
+    numbers: &'t RefCell<vec::IntoIter<&'t str>>,
+}
+
+impl JsonSeed<'_> {
+    /// The next number, of which `serde_json` read this value.
+    fn number<E: de::Error>(self, value: Option<f64>) -> Result<Json, E> {
+        let text = self.numbers.borrow_mut().next();
+        text.map(|text| Json::Number(JsonNumber::new(text, value)))
+            .ok_or_else(|| E::custom("a number without its text"))
     }
 }
 
-impl<'de> Deserialize<'de> for Json {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(JsonVisitor)
+impl<'de> DeserializeSeed<'de> for JsonSeed<'_> {
+    type Value = Json;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Json, D::Error> {
+        deserializer.deserialize_any(self)
     }
 }
 
-struct JsonVisitor;
-
-impl<'de> Visitor<'de> for JsonVisitor {
+impl<'de> Visitor<'de> for JsonSeed<'_> {
     type Value = Json;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -57,16 +58,16 @@ impl<'de> Visitor<'de> for JsonVisitor {
         Ok(Json::Bool(value))
     }
 
-    fn visit_i64<E>(self, value: i64) -> Result<Json, E> {
-        Ok(Json::Integer(value.into()))
+    fn visit_i64<E: de::Error>(self, _: i64) -> Result<Json, E> {
+        self.number(None)
     }
 
-    fn visit_u64<E>(self, value: u64) -> Result<Json, E> {
-        Ok(Json::Integer(value.into()))
+    fn visit_u64<E: de::Error>(self, _: u64) -> Result<Json, E> {
+        self.number(None)
     }
 
-    fn visit_f64<E>(self, value: f64) -> Result<Json, E> {
-        Ok(Json::real(value))
+    fn visit_f64<E: de::Error>(self, value: f64) -> Result<Json, E> {
+        self.number(Some(value))
     }
 
     fn visit_str<E>(self, value: &str) -> Result<Json, E> {
@@ -75,7 +76,7 @@ impl<'de> Visitor<'de> for JsonVisitor {
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Json, A::Error> {
         let mut list = Vec::new();
-        while let Some(item) = items.next_element()? {
+        while let Some(item) = items.next_element_seed(self)? {
             list.push(item);
         }
         Ok(Json::List(list))
@@ -83,13 +84,26 @@ impl<'de> Visitor<'de> for JsonVisitor {
 
     fn visit_map<A: MapAccess<'de>>(self, mut members: A) -> Result<Json, A::Error> {
         let mut object = BTreeMap::new();
-        while let Some((name, value)) = members.next_entry::<String, Json>()? {
-            if object.insert(name, value).is_some() {
+        while let Some(name) = members.next_key::<String>()? {
+            if object
+                .insert(name, members.next_value_seed(self)?)
+                .is_some()
+            {
                 return Err(de::Error::custom("a member is repeated"));
             }
         }
         Ok(Json::Object(object))
     }
+}
+
+/// Reads a JSON text; `None` if it is none.
+fn parse(json: &[u8]) -> Option<Json> {
+    let numbers = RefCell::new(number_texts(json).into_iter());
+    let mut deserializer = serde_json::Deserializer::from_slice(json);
+    let seed = JsonSeed { numbers: &numbers };
+    let value = seed.deserialize(&mut deserializer).ok()?;
+    deserializer.end().ok()?;
+    Some(value)
 }
 
 /// Maximum number of levels in each other that are read: `serde_json` reads no more, and a stack is limited, too.
@@ -111,11 +125,8 @@ pub(super) fn compare_json(a: &[u8], b: &[u8]) -> Spelling {
     if depth(a).max(depth(b)) > MAX_DEPTH {
         return Spelling::TooDeep;
     }
-    match (
-        serde_json::from_slice::<Json>(a),
-        serde_json::from_slice::<Json>(b),
-    ) {
-        (Ok(a), Ok(b)) if a == b => Spelling::SameValues,
+    match (parse(a), parse(b)) {
+        (Some(a), Some(b)) if a == b => Spelling::SameValues,
         _ => Spelling::Different,
     }
 }
@@ -160,6 +171,13 @@ mod tests {
             ("-0.0", "0.0", false),
             ("9007199254740993", "9007199254740992", false),
             ("9007199254740993", "9007199254740992.0", false),
+            (
+                "[18446744073709551616, 0.5]",
+                "[18446744073709551617, 0.5]",
+                false,
+            ),
+            ("1.0000000000000000001", "1", false),
+            (r#"{"1": "2", "a": [3.0]}"#, r#"{"a": [3], "1": "2"}"#, true),
             ("[1,2]", "[2,1]", false),
             ("null", "0", false),
             (r#"{"a":1}"#, r#"{"a":1,"b":null}"#, false),
