@@ -742,6 +742,15 @@ fn rejects_containers_that_readers_see_differently() {
         a.repacked("two lz4 frames", |f| {
             f.pack("lz4", |bytes| in_two(bytes, lz4));
         });
+        a.repacked("an lz4 frame that is skipped", |f| {
+            let hidden = [0x50, 0x2a, 0x4d, 0x18, 2, 0, 0, 0, b'm', b'e'];
+            f.pack("lz4", move |bytes| [&hidden[..], &lz4(bytes)].concat());
+        });
+        for (name, pack) in [("zstd", zstd as fn(&[u8]) -> Vec<u8>), ("lz4", lz4)] {
+            a.repacked("a padded frame", |f| {
+                f.pack(name, move |bytes| [&pack(bytes)[..], &[0; 5]].concat());
+            });
+        }
         a.repacked("one zstd frame", |f| f.pack("zstd", zstd));
         a.repacked("one lz4 frame", |f| f.pack("lz4", lz4));
         a.caught("an lz4 frame without its end mark", |f| {

@@ -8,40 +8,100 @@ use std::io::{self, Chain, Read};
 /// The mark that ends a frame.
 const END_MARK: &[u8] = &[0; 4];
 
+/// The numbers with which a frame starts: data, and data that decoders skip, of which the last four bits are free.
+const DATA: u32 = 0x184d_2204;
+const SKIPPED: u32 = 0x184d_2a50;
+
+/// Behind the data there is an end mark, which is read only if the last frame has none.
+type Decoder<'a> = FrameDecoder<Chain<&'a [u8], &'static [u8]>>;
+
 /// Reads the content of LZ4 frames that follow each other.
+///
+/// Frames that decoders skip may stand among them. Some writers pad the last frame; what starts with none of the numbers is
+/// ignored, as behind Zstandard frames.
 pub(crate) struct Lz4Frames<'a> {
-    /// Behind the data there is an end mark, which is read only if the last frame has none.
-    decoder: FrameDecoder<Chain<&'a [u8], &'static [u8]>>,
-    is_in_frame: bool,
+    rest: &'a [u8],
+    decoder: Option<Decoder<'a>>,
+    is_padding_possible: bool,
 }
 
 impl<'a> Lz4Frames<'a> {
     pub(crate) fn new(data: &'a [u8]) -> Self {
         Self {
-            decoder: FrameDecoder::new(data.chain(END_MARK)),
-            is_in_frame: false,
+            rest: data,
+            decoder: None,
+            is_padding_possible: false,
         }
+    }
+
+    /// The decoder of the next frame with data; `None` at the end.
+    fn next_frame(&mut self) -> io::Result<Option<Decoder<'a>>> {
+        loop {
+            let number = self.rest.first_chunk().copied().map(u32::from_le_bytes);
+            match number {
+                Some(number) if number & !0xf == SKIPPED => self.skip_frame()?,
+                Some(DATA) => break,
+                _ if self.rest.is_empty() || self.is_padding_possible => return Ok(None),
+                // The decoder says what is wrong.
+                _ => break,
+            }
+        }
+        Ok(Some(FrameDecoder::new(self.rest.chain(END_MARK))))
+    }
+
+    /// Skips a frame without data: its number, its length and as many bytes.
+    fn skip_frame(&mut self) -> io::Result<()> {
+        let length = self.rest.get(4..8).and_then(|bytes| bytes.try_into().ok());
+        self.rest = length
+            .and_then(|length| usize::try_from(u32::from_le_bytes(length)).ok())
+            .and_then(|length| self.rest.get(8..)?.get(length..))
+            .ok_or(io::ErrorKind::UnexpectedEof)?;
+        self.is_padding_possible = true;
+        Ok(())
+    }
+
+    /// Ends a frame that has been read.
+    fn end_frame(&mut self, decoder: &Decoder<'a>) -> io::Result<()> {
+        let (rest, end_mark) = decoder.get_ref().get_ref();
+        if end_mark.len() < END_MARK.len() {
+            // Strict readers reject such a chunk.
+            return Err(io::Error::other("an lz4 frame has no end mark"));
+        }
+        self.rest = rest;
+        self.is_padding_possible = true;
+        Ok(())
+    }
+
+    /// Reads a whole frame with data, if there is one, and what is skipped before it. Returns the content.
+    fn read_frame(&mut self) -> io::Result<Vec<u8>> {
+        let mut content = Vec::new();
+        if let Some(mut decoder) = self.next_frame()? {
+            decoder.read_to_end(&mut content)?;
+            self.end_frame(&decoder)?;
+        }
+        Ok(content)
     }
 }
 
 impl Read for Lz4Frames<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if buffer.is_empty() {
+            return Ok(0);
+        }
         loop {
-            let (data, _) = self.decoder.get_ref().get_ref();
-            if data.is_empty() && !self.is_in_frame {
-                return Ok(0);
+            let mut decoder = match self.decoder.take() {
+                Some(decoder) => decoder,
+                None => match self.next_frame()? {
+                    Some(decoder) => decoder,
+                    None => return Ok(0),
+                },
+            };
+            let length = decoder.read(buffer)?;
+            if length > 0 {
+                self.decoder = Some(decoder);
+                return Ok(length);
             }
-            self.is_in_frame = true;
-            let read = self.decoder.read(buffer)?;
-            if read > 0 || buffer.is_empty() {
-                return Ok(read);
-            }
-            self.is_in_frame = false;
-            let (_, end_mark) = self.decoder.get_ref().get_ref();
-            if end_mark.len() < END_MARK.len() {
-                // Strict readers reject such a chunk.
-                return Err(io::Error::other("an lz4 frame has no end mark"));
-            }
+            self.end_frame(&decoder)?;
         }
     }
 }
@@ -49,7 +109,7 @@ impl Read for Lz4Frames<'_> {
 /// Decompresses chunks for the readers of the `mcap` crate.
 #[derive(Debug, Default)]
 pub(crate) struct Lz4Decompressor {
-    /// Content of the last frames, and how much of it has been returned.
+    /// Content of the last frame, and how much of it has been returned.
     content: Vec<u8>,
     returned: usize,
 }
@@ -62,10 +122,11 @@ impl Decompressor for Lz4Decompressor {
     fn decompress(&mut self, src: &[u8], dst: &mut [u8]) -> McapResult<DecompressResult> {
         let mut consumed = 0;
         if self.returned == self.content.len() {
-            let mut content = Vec::new();
-            // If a part of a frame is missing, the reader calls again with more.
-            if Lz4Frames::new(src).read_to_end(&mut content).is_ok() {
-                consumed = src.len();
+            let mut frames = Lz4Frames::new(src);
+            // One frame: behind the last there may be padding, which the reader leaves. If a part of a frame is missing, it
+            // calls again with more.
+            if let Ok(content) = frames.read_frame() {
+                consumed = src.len() - frames.rest.len();
                 (self.content, self.returned) = (content, 0);
             }
         }
@@ -110,6 +171,41 @@ mod tests {
         let frames = [frame(&content), frame(b"more"), frame(b"")].concat();
         assert_eq!(read(&frames).unwrap(), [&content[..], b"more"].concat());
         assert_eq!(read(b"").unwrap(), b"");
+    }
+
+    #[test]
+    fn reads_frames_with_what_may_follow_them() {
+        let [a, b] = [frame(b"abc"), frame(b"de")];
+        let skipped = [&[0x5a, 0x2a, 0x4d, 0x18, 2, 0, 0, 0][..], b"xy"].concat();
+        for (name, data, expected) in [
+            ("padding", [&a[..], &[0; 3]].concat(), &b"abc"[..]),
+            ("longer padding", [&a[..], &[0xff; 40]].concat(), b"abc"),
+            ("a skipped frame", [&a[..], &skipped, &b].concat(), b"abcde"),
+            ("a skipped frame first", [&skipped[..], &b].concat(), b"de"),
+            ("a skipped frame last", [&a[..], &skipped].concat(), b"abc"),
+        ] {
+            assert_eq!(read(&data).as_deref(), Ok(expected), "{name}");
+            assert_eq!(decompressed(&data, expected.len(), 1), expected, "{name}");
+        }
+        let cut = [&a[..], &skipped[..9]].concat();
+        assert!(read(&cut).is_err());
+    }
+
+    /// The content as the readers of the `mcap` crate get it, from a growing number of bytes.
+    fn decompressed(data: &[u8], length: usize, growth: usize) -> Vec<u8> {
+        let mut decompressor = Lz4Decompressor::default();
+        let (mut content, mut consumed, mut available) = (Vec::new(), 0, 0);
+        while content.len() < length {
+            available = data.len().min(available + growth);
+            let mut buffer = [0; 2];
+            let part = buffer.len().min(length - content.len());
+            let result = decompressor
+                .decompress(&data[consumed..available], &mut buffer[..part])
+                .unwrap();
+            consumed += result.consumed;
+            content.extend(&buffer[..result.wrote]);
+        }
+        content
     }
 
     #[test]
