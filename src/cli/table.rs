@@ -1,6 +1,6 @@
 //! Tables for a terminal and for documents.
 
-use super::text::sanitized;
+use super::text::{markdown_text, sanitized};
 use anstyle::{Effects, Style};
 use comfy_table::{
     CellAlignment, ColumnConstraint, ContentArrangement, Table as Layout, TableComponent, presets,
@@ -111,12 +111,11 @@ impl Table {
     /// Renders as Markdown.
     pub(super) fn markdown(&self) -> String {
         let columns = self.columns();
-        let mut rule = Vec::new();
-        for at in 0..columns {
-            rule.push(if at < self.left { ":--" } else { "--:" }.to_owned());
-        }
+        let rule: Vec<&str> = (0..columns)
+            .map(|at| if at < self.left { ":--" } else { "--:" })
+            .collect();
         let mut text = markdown_row(&self.header, columns);
-        text += &markdown_row(&rule, columns);
+        text += &format!("| {} |\n", rule.join(" | "));
         for cells in &self.rows {
             text += &markdown_row(cells, columns);
         }
@@ -125,11 +124,9 @@ impl Table {
 }
 
 fn markdown_row(row: &[String], columns: usize) -> String {
-    let mut cells = cells(row, columns);
-    for cell in &mut cells {
-        // A bar would begin another cell.
-        *cell = cell.replace('|', "\\|");
-    }
+    let cells: Vec<String> = (0..columns)
+        .map(|at| markdown_text(row.get(at).map_or("", String::as_str)))
+        .collect();
     format!("| {} |\n", cells.join(" | "))
 }
 

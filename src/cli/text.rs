@@ -29,6 +29,29 @@ fn shortened(line: &str) -> Cow<'_, str> {
     }
 }
 
+/// A sanitised single line for Markdown, without characters that would be markup. Between letters, `_` is none.
+pub(super) fn markdown_text(text: &str) -> String {
+    let line = sanitized(text);
+    let mut escaped = String::with_capacity(line.len());
+    let mut characters = line.chars().peekable();
+    let mut last = ' ';
+    while let Some(character) = characters.next() {
+        let is_in_word =
+            last.is_alphanumeric() && characters.peek().is_some_and(|next| next.is_alphanumeric());
+        let is_markup = match character {
+            '\\' | '`' | '*' | '[' | ']' | '<' | '>' | '|' | '~' => true,
+            '_' => !is_in_word,
+            _ => false,
+        };
+        if is_markup {
+            escaped.push('\\');
+        }
+        escaped.push(character);
+        last = character;
+    }
+    escaped
+}
+
 /// Sanitised multi-line text.
 pub(super) fn sanitized_lines(text: &str) -> String {
     text.replace(|c| is_control(c) && c != '\n' && c != '\t', "\u{fffd}")
@@ -61,6 +84,20 @@ mod tests {
     use super::*;
 
     const HOSTILE: &str = "a\x1b[2Jb\u{9b}31mc\x7f\u{202e}\nerror: forged\r";
+
+    #[test]
+    fn markdown_text_has_no_markup() {
+        for (text, expected) in [
+            ("/camera/__raw__ *b*", r"/camera/\_\_raw\_\_ \*b\*"),
+            (
+                "initial.psi_dot ~ [x](y) <b> a|b",
+                r"initial.psi_dot \~ \[x\](y) \<b\> a\|b",
+            ),
+            (r"`a\`", r"\`a\\\`"),
+        ] {
+            assert_eq!(markdown_text(text), expected);
+        }
+    }
 
     #[test]
     fn strips_escape_sequences() {
