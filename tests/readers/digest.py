@@ -10,11 +10,11 @@ for schema, channel, message in make_reader(open(sys.argv[1], "rb")).iter_messag
         values = leaves({**json.loads(message.data), "timestamp": {}})
         numbers = [value for value in values if not isinstance(value, str)]
         texts = [value.encode() for value in values if isinstance(value, str)]
-        hash, count = hashes.get((channel.id, channel.topic), (hashlib.sha256(), 0))
+        id, hash, count = hashes.get(channel.topic, (channel.id, hashlib.sha256(), 0))
         hash.update(struct.pack(f"<IQ{len(numbers)}d", message.sequence, message.log_time, *numbers))
         hash.update(b"".join(struct.pack("<Q", len(text)) + text for text in texts))
-        hashes[channel.id, channel.topic] = hash, count + 1
+        hashes[channel.topic] = min(id, channel.id), hash, count + 1  # other software may split a topic
 content = hashlib.sha256()
-for (_, topic), (hash, count) in sorted(hashes.items()):
+for topic, (_, hash, count) in sorted(hashes.items(), key=lambda item: item[1][0]):
     content.update(topic.encode() + b"\0" + struct.pack("<Q", count) + hash.digest())
 print(content.hexdigest())

@@ -147,7 +147,7 @@ fn info_reports_dropped_topics() {
 }
 
 /// Two publishers: each topic has two channels, which have every other message.
-fn split_channels(forgery: &mut Forgery) {
+pub fn split_channels(forgery: &mut Forgery) {
     const OTHER: u16 = 1000;
     for record in &mut forgery.records {
         let Record::Chunk(records) = record else {

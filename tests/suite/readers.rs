@@ -3,6 +3,8 @@
 //! `eval "$(tests/readers/setup)"` installs it. Where it is missing these tests are skipped, unless
 //! `TOPRISE_READERS_REQUIRED` is set: then they fail.
 
+use crate::agreement::split_channels;
+use crate::forgeries::forgery::Forgery;
 use crate::support::Run;
 use assert_cmd::Command;
 use serde_json::{Map, Value};
@@ -161,6 +163,23 @@ fn val_documented_program_computes_the_content_digest() {
         let recorded = &info(&directory, &recording)["end"]["content_digest"];
         assert_eq!(*recorded, digest.trim(), "{preset}");
     }
+}
+
+/// Software that records what several publishers send splits a topic into channels.
+#[test]
+fn val_documented_program_joins_split_topics() {
+    let Some(python) = python() else { return };
+    let directory = tempdir().unwrap();
+    let recording = record(&directory, "json");
+    let digest = |recording: &Path| {
+        let script = readers().join("digest.py");
+        answer(Command::new(&python).arg(script).arg(recording))
+    };
+    let whole = digest(&recording);
+    let mut forgery = Forgery::of(&fs::read(&recording).unwrap());
+    split_channels(&mut forgery);
+    fs::write(&recording, forgery.bytes()).unwrap();
+    assert_eq!(digest(&recording), whole);
 }
 
 #[test]
