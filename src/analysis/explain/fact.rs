@@ -296,7 +296,9 @@ impl Fact {
         match self {
             Self::Start { theta, psi_dot } => {
                 let (theta, psi_dot) = (angle(*theta), rate(*psi_dot));
-                format!("The top starts at θ = {theta} with ψ̇ = {psi_dot}.")
+                format!(
+                    "The top starts with the inclination θ = {theta} and the spin ψ̇ = {psi_dot}."
+                )
             }
             Self::Risen { theta, time } => {
                 format!(
@@ -329,17 +331,17 @@ impl Fact {
                 moment(*time)
             ),
             Self::MeanTheta { first, last } if angle(*first) == angle(*last) => format!(
-                "The mean θ stays at {} (change {}).",
+                "The mean inclination θ stays at {} (change {}).",
                 angle(*first),
                 quantity(last - first, 2, "rad")
             ),
             Self::MeanTheta { first, last } => format!(
-                "The mean θ changes from {} (first nutation) to {} (last nutation).",
+                "The mean inclination θ changes from {} (first nutation) to {} (last nutation).",
                 angle(*first),
                 angle(*last)
             ),
             Self::ThetaConstant { theta } => {
-                format!("The mean θ is constant at {}.", angle(*theta))
+                format!("The mean inclination θ is constant at {}.", angle(*theta))
             }
             Self::End {
                 theta,
@@ -413,12 +415,12 @@ impl Fact {
                 quantity(*duration, 3, "s")
             ),
             Self::FollowsRoot { root, within } => format!(
-                "The mean φ̇ follows the {} rate of regular precession (± {}).",
+                "The mean precession rate φ̇ follows the {} rate of regular precession (± {}).",
                 root.name(),
                 quantity(*within, 2, "rad/s")
             ),
             Self::FollowsNoRoot => {
-                "The mean φ̇ follows neither rate of regular precession.".to_owned()
+                "The mean precession rate φ̇ follows neither rate of regular precession.".to_owned()
             }
             Self::NoRoots => "At the start, the spin is too low for regular precession.".to_owned(),
             Self::FrictionOnPrecession { friction, change } => format!(
