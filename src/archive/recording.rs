@@ -36,7 +36,7 @@ pub use self::content::Undecodable;
 pub use self::file::Recording;
 pub use self::missing::Missing;
 pub use self::order::Misplaced;
-pub use self::overview::{ChannelOverview, EventOverview, Overview};
+pub use self::overview::{AttachmentOverview, ChannelOverview, EventOverview, Overview};
 pub use self::reader::{Reader, Undecoded};
 pub use self::selection::Selection;
 pub use self::statistics::StatisticsFault;

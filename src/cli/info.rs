@@ -9,7 +9,7 @@ use super::table::{Column, Table};
 use crate::archive::format::{
     CONTENT_DIGEST, SCENARIO_DIGEST, STEPS, STOP_REASON, STOP_TIME, VERSION,
 };
-use crate::archive::recording::{ChannelOverview, Condition, Overview};
+use crate::archive::recording::{AttachmentOverview, ChannelOverview, Condition, Overview};
 use crate::run::plural::plural;
 use crate::run::simulation::EventKind;
 use crate::run::time::seconds_and_nanoseconds;
@@ -75,6 +75,10 @@ impl InfoReport {
         let facts = Section::from(Table::from_facts(self.facts()));
         let head = facts.titled(&self.file, format_size(self.bytes));
         let mut rest = Section::from(self.channel_table());
+        // A recording of toprise has its scenario, which the first lines name.
+        if !self.overview.is_ours {
+            rest.table(self.attachment_table());
+        }
         rest.table(self.event_table());
         vec![head, rest]
     }
@@ -108,8 +112,11 @@ impl InfoReport {
         if !self.overview.events.is_empty() {
             let mut counts = Vec::new();
             for (name, number) in self.counts() {
+                let is_extreme = EventKind::find(name).is_some_and(EventKind::is_nutation_extreme);
+                // There are more nutations than extremes of θ: where θ falls fast, they only slow it down and speed it up.
+                let quantity = if is_extreme { " of θ" } else { "" };
                 counts.push(format!(
-                    "{} × {}",
+                    "{} × {}{quantity}",
                     format_integer(number),
                     name.replace('_', " ")
                 ));
@@ -131,7 +138,10 @@ impl InfoReport {
     fn channel_table(&self) -> Table {
         let columns: [Column<&ChannelOverview>; 6] = [
             ("topic", |channel| channel.topic.clone()),
-            ("type", |channel| channel.schema.clone()),
+            ("type", |channel| match channel.undefined_schema {
+                Some(id) => format!("schema {id}, which is not defined"),
+                None => channel.schema.clone(),
+            }),
             ("encoding", |channel| channel.encoding.clone()),
             ("messages", |channel| format_integer(channel.messages)),
             ("rate", |channel| match channel.rate_hz {
@@ -141,6 +151,15 @@ impl InfoReport {
             ("bytes", |channel| format_size(channel.bytes)),
         ];
         Table::new(&self.overview.channels, 3, &columns)
+    }
+
+    fn attachment_table(&self) -> Table {
+        let columns: [Column<&AttachmentOverview>; 3] = [
+            ("attachment", |attachment| attachment.name.clone()),
+            ("media type", |attachment| attachment.media_type.clone()),
+            ("bytes", |attachment| format_size(attachment.bytes)),
+        ];
+        Table::new(&self.overview.attachments, 2, &columns)
     }
 
     fn event_table(&self) -> Table {
@@ -197,7 +216,7 @@ fn end_line(end: &BTreeMap<String, String>) -> String {
         .parse()
         .map_or("?".to_owned(), |time| format_fixed(time, 6));
     format!(
-        "{} at {} s, {}, {}, {}",
+        "{} at {} s, {}, {} (from one maximum of θ̇ to the next), {}",
         entry(end, STOP_REASON),
         time,
         entry_count(end, "samples", "sample"),

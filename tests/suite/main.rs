@@ -24,6 +24,7 @@ mod diff;
 mod documents;
 mod effort;
 mod explain;
+mod faults;
 mod figures;
 #[cfg(feature = "fit")]
 mod fit;

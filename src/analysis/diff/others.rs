@@ -252,7 +252,7 @@ type Description<'r> = (&'r str, Option<(&'r str, &'r str)>, &'r [u8]);
 /// The encodings and schemas of the channels of each topic, each once: a topic may have several publishers.
 fn descriptions(recording: &Recording) -> BTreeMap<&str, BTreeSet<Description<'_>>> {
     let mut all: BTreeMap<_, BTreeSet<_>> = BTreeMap::new();
-    for channel in recording.channels() {
+    for channel in recording.channels().iter().filter(|c| !c.is_superseded) {
         let schema = channel.schema.as_deref();
         // Not by identifiers, which other software may give anew.
         let name = schema.map(|schema| (&*schema.encoding, &*schema.name));

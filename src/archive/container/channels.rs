@@ -5,8 +5,8 @@ use crate::telemetry::supplement::Supplement;
 use crate::telemetry::views::VIEW_CHANNELS;
 use crate::telemetry::{ChannelInfo, Topic};
 use mcap::records::Record;
-use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -19,12 +19,17 @@ pub struct FileChannel {
     pub topic: String,
     /// Encoding of the messages.
     pub encoding: String,
-    /// Message type; `None` for self-describing messages.
+    /// Message type; `None` for self-describing messages, or if the file doesn't define it.
     pub schema: Option<Arc<FileSchema>>,
+    /// Id of its message type in the file; 0 for self-describing messages.
+    pub schema_id: u16,
     /// Further metadata in the file.
     pub metadata: BTreeMap<String, String>,
     /// Topic of the table, if it is one of them.
     pub table: Option<Topic>,
+    /// Whether the data define its topic otherwise, and only the summary has this definition, without messages. It says
+    /// nothing about the topic then.
+    pub is_superseded: bool,
 }
 
 /// A message type of a file.
@@ -39,6 +44,12 @@ pub struct FileSchema {
 }
 
 impl FileChannel {
+    /// Id of its message type, if the file doesn't define it.
+    pub fn undefined_schema(&self) -> Option<u16> {
+        let is_undefined = self.schema.is_none() && self.schema_id != NO_SCHEMA;
+        is_undefined.then_some(self.schema_id)
+    }
+
     /// The name of its message type, empty if it has none.
     pub fn schema_name(&self) -> &str {
         self.schema.as_ref().map_or("", |schema| &schema.name)
@@ -108,8 +119,6 @@ struct Definition<'a> {
 pub(crate) struct Channels {
     schemas: BTreeMap<u16, Arc<FileSchema>>,
     list: Vec<FileChannel>,
-    /// Schema id of each channel.
-    schema_ids: Vec<u16>,
     positions: BTreeMap<u16, usize>,
     /// Size of all definitions, bytes.
     size: usize,
@@ -160,7 +169,7 @@ impl Channels {
         match conflict {
             Conflict::Channel(id) => Vec::from_iter(self.position(id)),
             Conflict::Schema(id) => (0..self.list.len())
-                .filter(|position| self.schema_ids[*position] == id)
+                .filter(|position| self.list[*position].schema_id == id)
                 .collect(),
             Conflict::Further | Conflict::TooLarge => Vec::new(),
         }
@@ -236,22 +245,25 @@ impl Channels {
                 let channel = FileChannel {
                     id: record.id,
                     schema: self.schemas.get(&record.schema_id).cloned(),
+                    schema_id: record.schema_id,
                     table: Topic::find(&record.topic),
                     topic: record.topic,
                     encoding: record.message_encoding,
                     metadata: record.metadata,
+                    is_superseded: false,
                 };
-                self.push(channel, record.schema_id);
+                self.push(channel);
             }
             _ => {}
         }
     }
 
     /// Adds the definitions of the summary to those of the data, which have the last word. Writers may define a channel in
-    /// the data with its first message only, so the summary alone has those without messages.
+    /// the data with its first message only, so the summary alone has those without messages. `used` are the ids of the
+    /// channels with messages.
     ///
     /// Returns the first definition of the summary that contradicts the data.
-    pub(crate) fn merge(&mut self, summary: &Self) -> Option<Conflict> {
+    pub(crate) fn merge(&mut self, summary: &Self, used: &BTreeSet<u16>) -> Option<Conflict> {
         let mut conflict = None;
         for (id, schema) in &summary.schemas {
             match self.schemas.entry(*id) {
@@ -262,22 +274,47 @@ impl Channels {
                 Entry::Occupied(_) => conflict = conflict.or(Some(Conflict::Schema(*id))),
             }
         }
+        self.find_late_schemas();
+        let superseded = self.superseded(summary, used);
         for (at, channel) in summary.list.iter().enumerate() {
             match self.position(channel.id) {
                 Some(position) if self.definition(position) == summary.definition(at) => {}
                 Some(_) => conflict = conflict.or(Some(Conflict::Channel(channel.id))),
-                None => self.push(channel.clone(), summary.schema_ids[at]),
+                None => self.push(FileChannel {
+                    is_superseded: superseded.contains(&channel.id),
+                    ..channel.clone()
+                }),
             }
         }
         self.find_late_schemas();
         conflict
     }
 
+    /// The ids of channels of a summary without messages whose topics have another encoding or schema here.
+    fn superseded(&self, summary: &Self, used: &BTreeSet<u16>) -> BTreeSet<u16> {
+        let mut known: BTreeMap<&str, &FileChannel> = BTreeMap::new();
+        for channel in &self.list {
+            known.entry(&channel.topic).or_insert(channel);
+        }
+        let unused = summary
+            .list
+            .iter()
+            .filter(|channel| !used.contains(&channel.id));
+        unused
+            .filter(|channel| {
+                known.get(channel.topic.as_str()).is_some_and(|known| {
+                    (&known.encoding, &known.schema) != (&channel.encoding, &channel.schema)
+                })
+            })
+            .map(|channel| channel.id)
+            .collect()
+    }
+
     /// Gives channels that were defined before their schemas those schemas.
     fn find_late_schemas(&mut self) {
-        for (channel, id) in self.list.iter_mut().zip(&self.schema_ids) {
+        for channel in &mut self.list {
             if channel.schema.is_none() {
-                channel.schema = self.schemas.get(id).cloned();
+                channel.schema = self.schemas.get(&channel.schema_id).cloned();
             }
         }
     }
@@ -289,13 +326,12 @@ impl Channels {
             topic: &channel.topic,
             encoding: &channel.encoding,
             metadata: &channel.metadata,
-            schema_id: self.schema_ids[position],
+            schema_id: channel.schema_id,
         }
     }
 
-    fn push(&mut self, channel: FileChannel, schema_id: u16) {
+    fn push(&mut self, channel: FileChannel) {
         self.positions.insert(channel.id, self.list.len());
-        self.schema_ids.push(schema_id);
         self.list.push(channel);
     }
 

@@ -12,6 +12,7 @@ use crate::archive::error::RecordingError;
 use crate::archive::format::LIBRARY_PREFIX;
 use mcap::MAGIC;
 use mcap::records::{Metadata, Record, Statistics, op};
+use std::collections::BTreeSet;
 use std::io;
 use std::mem;
 use std::ops::Range;
@@ -72,8 +73,8 @@ impl Layout {
                         break;
                     }
                 }
-                Found::Damage(bytes) => {
-                    layout.report_loss(bytes, "no readable record");
+                Found::Damage(bytes, damage) => {
+                    layout.report_loss(bytes, &damage.to_string());
                     // A file of noise would be searched for hours.
                     if layout.losses.count() > MAX_LOSSES {
                         break;
@@ -311,6 +312,8 @@ impl Layout {
     fn find_channels(&mut self, source: &Source) {
         let in_summary = mem::take(&mut self.channels);
         let mut buffers = Buffers::default();
+        // The ids of channels with messages.
+        let mut used = BTreeSet::new();
         for section in &self.sections {
             if section.load(source, &mut buffers).is_err() {
                 // Readers of messages report the damage.
@@ -319,10 +322,14 @@ impl Layout {
             let mut position = 0;
             while let Some(Ok((inner, next))) = record_at(&buffers.records, position) {
                 position = next;
-                if matches!(inner.opcode, op::SCHEMA | op::CHANNEL)
-                    && let Ok(record) = parse(inner.opcode, inner.body)
-                {
-                    self.channels.define(record);
+                match inner.opcode {
+                    op::MESSAGE => used.extend(inner.channel_id()),
+                    op::SCHEMA | op::CHANNEL => {
+                        if let Ok(record) = parse(inner.opcode, inner.body) {
+                            self.channels.define(record);
+                        }
+                    }
+                    _ => {}
                 }
             }
             if self.is_ours() && !self.channels.is_empty() && self.channels == in_summary {
@@ -333,7 +340,7 @@ impl Layout {
             // toprise defines all channels in the data. `verify` compares its summary with them.
             return;
         }
-        if let Some(conflict) = self.channels.merge(&in_summary)
+        if let Some(conflict) = self.channels.merge(&in_summary, &used)
             && let (Some(data_end), Some(footer)) = (&self.data_end, &self.footer)
         {
             self.losses.push(Loss {

@@ -43,7 +43,7 @@ pub(crate) fn is_specified(opcode: u8) -> bool {
 /// Rejects records with invalid lengths first, because the `mcap` crate allocates up to 4 GiB for a string before
 /// checking its length, and panics on truncated attachments.
 pub(crate) fn parse(opcode: u8, body: &[u8]) -> McapResult<Record<'_>> {
-    let is_there = fields_length(opcode, body).is_some_and(|length| length <= body.len() as u64);
+    let is_there = fields_length(opcode, body).is_ok_and(|length| length <= body.len() as u64);
     if !is_there {
         return Err(McapError::UnexpectedEof);
     }
@@ -66,10 +66,18 @@ enum Part {
     Rest,
 }
 
+/// What is wrong with the fields of a record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FieldFault {
+    /// The specification doesn't define the record, or a length is missing or leads beyond the body.
+    Incomplete,
+    /// A key or an id is repeated: readers differ in which value they use.
+    Repeated,
+}
+
 /// The total length of the fields of a record's body; `start` must include all length fields. A longer body contains
-/// unread data. `None` if a length is missing or a key is repeated, because readers differ in which duplicate they
-/// use.
-pub(crate) fn fields_length(opcode: u8, start: &[u8]) -> Option<u64> {
+/// unread data.
+pub(crate) fn fields_length(opcode: u8, start: &[u8]) -> Result<u64, FieldFault> {
     use Part::{Bytes, Data, Numbers, Rest, Text, Texts};
     let parts: &[Part] = match opcode {
         op::HEADER => &[Text, Text],
@@ -87,37 +95,54 @@ pub(crate) fn fields_length(opcode: u8, start: &[u8]) -> Option<u64> {
         op::METADATA_INDEX => &[Bytes(16), Text],
         op::SUMMARY_OFFSET => &[Bytes(17)],
         op::DATA_END => &[Bytes(4)],
-        _ => return None,
+        _ => return Err(FieldFault::Incomplete),
     };
     let mut at = 0_u64;
     for part in parts {
         at = match part {
-            Bytes(count) => at.checked_add(*count)?,
-            Text => end_of_text(start, at)?,
-            Data => number_at(start, at)?.checked_add(at + 8)?,
-            Texts => {
-                let end = end_of_text(start, at)?;
-                let mut keys = BTreeSet::new();
-                at += 4;
-                while at < end {
-                    let value = end_of_text(start, at)?;
-                    let is_new = keys.insert(bytes_at(start, at, value)?);
-                    at = end_of_text(start, value).filter(|_| is_new)?;
-                }
-                (at == end).then_some(end)?
-            }
-            Numbers => {
-                let end = end_of_text(start, at)?;
-                let mut ids = BTreeSet::new();
-                let mut pairs = bytes_at(start, at + 4, end)?.chunks(10);
-                pairs
-                    .all(|pair| ids.insert(&pair[..pair.len().min(2)]))
-                    .then_some(end)?
-            }
-            Rest => at.max(start.len() as u64),
-        };
+            Bytes(count) => at.checked_add(*count),
+            Text => end_of_text(start, at),
+            Data => number_at(start, at).and_then(|length| length.checked_add(at + 8)),
+            Texts => Some(end_of_texts(start, at)?),
+            Numbers => Some(end_of_numbers(start, at)?),
+            Rest => Some(at.max(start.len() as u64)),
+        }
+        .ok_or(FieldFault::Incomplete)?;
     }
-    Some(at)
+    Ok(at)
+}
+
+/// The position after pairs of texts.
+fn end_of_texts(start: &[u8], mut at: u64) -> Result<u64, FieldFault> {
+    let end = end_of_text(start, at).ok_or(FieldFault::Incomplete)?;
+    let (mut keys, mut is_repeated) = (BTreeSet::new(), false);
+    at += 4;
+    while at < end {
+        let value = end_of_text(start, at).ok_or(FieldFault::Incomplete)?;
+        let key = bytes_at(start, at, value).ok_or(FieldFault::Incomplete)?;
+        is_repeated |= !keys.insert(key);
+        at = end_of_text(start, value).ok_or(FieldFault::Incomplete)?;
+    }
+    match (at == end, is_repeated) {
+        (false, _) => Err(FieldFault::Incomplete),
+        (true, true) => Err(FieldFault::Repeated),
+        (true, false) => Ok(end),
+    }
+}
+
+/// The position after pairs of a channel id and a number.
+fn end_of_numbers(start: &[u8], at: u64) -> Result<u64, FieldFault> {
+    let end = end_of_text(start, at).ok_or(FieldFault::Incomplete)?;
+    let pairs = bytes_at(start, at + 4, end).ok_or(FieldFault::Incomplete)?;
+    let mut ids = BTreeSet::new();
+    let are_new = pairs
+        .chunks(10)
+        .all(|pair| ids.insert(&pair[..pair.len().min(2)]));
+    if are_new {
+        Ok(end)
+    } else {
+        Err(FieldFault::Repeated)
+    }
 }
 
 /// Header of an attachment.

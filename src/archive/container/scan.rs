@@ -1,13 +1,14 @@
 //! Scanner of top-level records that skips damaged parts.
 //!
-//! An inconsistent record, or one whose length leads to invalid data, is a loss. The next valid record is then searched
-//! byte by byte.
+//! An inconsistent record, or one whose length leads to invalid data, is a loss. If another record follows where its length
+//! leads, it is lost as a whole; otherwise the next valid record is searched byte by byte.
 
 use super::attachment::MAX_NAMES;
-use super::record::{HEAD, RecordSpan, fields_length, head, is_specified, parse};
+use super::record::{FieldFault, HEAD, RecordSpan, fields_length, head, is_specified, parse};
 use super::source::Source;
 use mcap::MAGIC;
 use mcap::records::op;
+use std::fmt;
 use std::io;
 use std::ops::Range;
 
@@ -25,12 +26,36 @@ const SEARCH_LIMIT: u64 = 1 << 28;
 pub(crate) enum Found {
     /// A record.
     Record(RecordSpan),
-    /// Bytes that belong to no record.
-    Damage(Range<u64>),
+    /// Bytes that belong to no valid record.
+    Damage(Range<u64>, Damage),
     /// The magic bytes at the end of the file.
     End,
     /// The file is truncated; these bytes belong to no record.
     Cut(Range<u64>),
+}
+
+/// What is wrong with bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Damage {
+    /// They are no record.
+    Unreadable,
+    /// A record of this opcode, in which a key or an id is repeated.
+    Repeated(u8),
+}
+
+impl fmt::Display for Damage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = match self {
+            Self::Unreadable => return f.write_str("no readable record"),
+            Self::Repeated(op::METADATA) => "a metadata record has a key",
+            Self::Repeated(op::CHANNEL) => "the metadata of a channel record have a key",
+            Self::Repeated(_) => "a record of the summary has an id",
+        };
+        write!(
+            f,
+            "{what} twice: readers differ in which of its values they use"
+        )
+    }
 }
 
 /// A scan in progress; its end is returned only once.
@@ -70,11 +95,15 @@ impl<'a> Scanner<'a> {
             return Ok(Some(Found::Record(place)));
         }
         let from = self.position;
+        if let Some((next, damage)) = self.invalid_record_at(from)? {
+            self.position = next;
+            return Ok(Some(Found::Damage(from..next, damage)));
+        }
         let is_cut_chunk = self.is_cut_chunk(from)?;
         let found = self.search(from + 1, !is_cut_chunk)?;
         Ok(Some(if let Some(next) = found {
             self.position = next;
-            Found::Damage(from..next)
+            Found::Damage(from..next, Damage::Unreadable)
         } else {
             self.done = true;
             Found::Cut(from..self.source.length())
@@ -115,7 +144,7 @@ impl<'a> Scanner<'a> {
         }
         self.prefix.truncate(deciding as usize);
         let body = self.prefix.get(HEAD as usize..).unwrap_or_default();
-        let fields = fields_length(opcode, body);
+        let fields = fields_length(opcode, body).ok();
         let is_readable = match opcode {
             op::MESSAGE => body_length >= 22,
             // Their content is too long to be read here.
@@ -130,6 +159,45 @@ impl<'a> Scanner<'a> {
         let is_familiar = opcode == op::MESSAGE || fields == Some(body_length);
         let is_consistent = is_readable && (is_familiar || self.may_begin_at(place.end())?);
         Ok(is_consistent.then_some(place))
+    }
+
+    /// The end of a record with invalid fields, and what is wrong with it, if its length leads to another record.
+    ///
+    /// Such a record is not searched for others, because the data of an attachment or a message may be a file as well. What
+    /// is in a chunk belongs to this file.
+    fn invalid_record_at(&mut self, offset: u64) -> io::Result<Option<(u64, Damage)>> {
+        self.source.read(offset, PREFIX, &mut self.prefix)?;
+        let Some((opcode, body_length)) = head(&self.prefix) else {
+            return Ok(None);
+        };
+        let end = offset + HEAD + body_length;
+        if opcode == op::CHUNK || body_length == 0 || end > self.source.length() {
+            return Ok(None);
+        }
+        let deciding = deciding(opcode, body_length);
+        let mut damage = Damage::Unreadable;
+        if is_specified(opcode) && deciding <= MAX_LENGTH {
+            self.source
+                .read(offset + HEAD, deciding, &mut self.prefix)?;
+            if fields_length(opcode, &self.prefix) == Err(FieldFault::Repeated) {
+                damage = Damage::Repeated(opcode);
+            }
+        }
+        Ok(self.leads_to_record(end)?.then_some((end, damage)))
+    }
+
+    /// Whether there is a record of the specification at a position, or the end of the file.
+    fn leads_to_record(&mut self, position: u64) -> io::Result<bool> {
+        if self.at_end_magic(position)? {
+            return Ok(true);
+        }
+        self.source.read(position, HEAD, &mut self.prefix)?;
+        match head(&self.prefix) {
+            // A single message could be random data.
+            Some((op::MESSAGE, _)) => self.are_records_at(position, 3),
+            Some((opcode, _)) if is_specified(opcode) => self.are_records_at(position, 1),
+            _ => Ok(false),
+        }
     }
 
     /// Whether a record may begin at a position, or the file ends there.

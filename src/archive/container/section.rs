@@ -225,6 +225,13 @@ pub(crate) struct InnerRecord<'a> {
     pub(crate) body: &'a [u8],
 }
 
+impl InnerRecord<'_> {
+    /// The id of the channel with which a channel or message record begins; `None` if the record is too short.
+    pub(crate) fn channel_id(&self) -> Option<u16> {
+        self.body.first_chunk().copied().map(u16::from_le_bytes)
+    }
+}
+
 /// The record at `position` of a section's bytes, and its end; `None` at the end.
 #[inline]
 pub(crate) fn record_at(

@@ -59,7 +59,7 @@ impl Recording {
     /// are one topic.
     fn ambiguous_topic(&self) -> Option<Topic> {
         let mut first: BTreeMap<Topic, &FileChannel> = BTreeMap::new();
-        for channel in self.channels() {
+        for channel in self.channels().iter().filter(|c| !c.is_superseded) {
             let Some(topic) = channel.table else { continue };
             let known = first.entry(topic).or_insert(channel);
             if (&known.encoding, &known.schema) != (&channel.encoding, &channel.schema) {
@@ -121,11 +121,15 @@ impl Recording {
         self.run().is_some() || self.layout.is_ours()
     }
 
+    /// Whether opening the file has found damage.
+    pub(crate) fn is_damaged(&self) -> bool {
+        self.losses().iter().any(|loss| !self.is_tail(loss))
+            || !self.layout.wrong_checksums.is_empty()
+    }
+
     /// State of the file.
     pub fn condition(&self) -> Condition {
-        let is_damaged = self.losses().iter().any(|loss| !self.is_tail(loss))
-            || !self.layout.wrong_checksums.is_empty();
-        if is_damaged || (self.is_finished() && !self.layout.is_ended) {
+        if self.is_damaged() || (self.is_finished() && !self.layout.is_ended) {
             Condition::Damaged
         } else if self.lacks_end() {
             Condition::Interrupted
@@ -222,7 +226,10 @@ impl Recording {
 
     /// The common encoding of its table channels, if any.
     pub fn encoding(&self) -> Option<Encoding> {
-        let mut ours = self.channels().iter().filter(|c| c.table.is_some());
+        let mut ours = self
+            .channels()
+            .iter()
+            .filter(|channel| channel.table.is_some() && !channel.is_superseded);
         let first = ours.next()?;
         ours.all(|channel| channel.encoding == first.encoding)
             .then(|| Encoding::find(&first.encoding))?

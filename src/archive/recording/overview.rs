@@ -6,6 +6,7 @@ use super::file::Recording;
 use super::reader::Reader;
 use super::selection::Selection;
 use super::statistics::StatisticsFault;
+use crate::archive::container::attachment::Attachment;
 use crate::archive::container::channels::FileChannel;
 use crate::archive::container::loss::Loss;
 use crate::archive::error::RecordingError;
@@ -45,11 +46,35 @@ pub struct Overview {
     /// A number in the file's statistics that contradicts its content; absent if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub statistics_fault: Option<StatisticsFault>,
+    /// The attachments, in the order of the file.
+    #[serde(skip)]
+    pub attachments: Vec<AttachmentOverview>,
     /// Parts that can't be read, at most 1000.
     pub losses: Vec<Loss>,
     /// Number of further parts that can't be read; absent if all are listed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub more_losses: Option<u64>,
+}
+
+/// An attachment of a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AttachmentOverview {
+    /// Name.
+    pub name: String,
+    /// Media type.
+    pub media_type: String,
+    /// Size of the data, bytes.
+    pub bytes: u64,
+}
+
+impl AttachmentOverview {
+    fn new(attachment: &Attachment) -> Self {
+        Self {
+            name: attachment.header.name.clone(),
+            media_type: attachment.header.media_type.clone(),
+            bytes: attachment.data_length,
+        }
+    }
 }
 
 /// A channel of a file.
@@ -59,6 +84,9 @@ pub struct ChannelOverview {
     pub topic: String,
     /// The name of its message type; empty if it has none.
     pub schema: String,
+    /// The id of its message type, if the file doesn't define it.
+    #[serde(skip)]
+    pub undefined_schema: Option<u16>,
     /// The encoding of its messages.
     pub encoding: String,
     /// Number of messages.
@@ -80,6 +108,7 @@ impl ChannelOverview {
             topic: channel.topic.clone(),
             encoding: channel.encoding.clone(),
             schema: channel.schema_name().to_owned(),
+            undefined_schema: channel.undefined_schema(),
             ..Self::default()
         }
     }
@@ -175,6 +204,12 @@ impl Overview {
             events,
             faults,
             statistics_fault,
+            attachments: recording
+                .layout
+                .attachments
+                .iter()
+                .map(AttachmentOverview::new)
+                .collect(),
             more_losses: losses.unlisted(),
             losses: losses.list().to_vec(),
         }

@@ -151,6 +151,7 @@ impl Facts {
     /// The facts that a file shows.
     fn from_recording(recording: &Recording, scope: Scope) -> Self {
         let mut facts = Self::new(recording.profile(), scope);
+        let is_damaged = recording.is_damaged();
         // Some software repeats what it copies: equal records say nothing new.
         let records: BTreeSet<_> = recording.all_metadata().collect();
         for (name, entries) in records {
@@ -162,7 +163,15 @@ impl Facts {
         }
         // Two publishers may share a topic.
         let mut channels = BTreeSet::new();
-        for channel in recording.channels() {
+        for channel in recording.channels().iter().filter(|c| !c.is_superseded) {
+            if let Some(id) = channel.undefined_schema() {
+                // The damage may be that of the schema.
+                if !is_damaged {
+                    let text = format!("{} with the undefined schema {id}", channel.encoding);
+                    facts.add(&channel.topic, None, &text);
+                }
+                continue;
+            }
             let schema = channel.schema.as_deref();
             let (language, data) = schema.map_or(("", &[][..]), |s| (&s.encoding, &s.data));
             let names = [&channel.encoding, channel.schema_name(), language];
@@ -170,7 +179,9 @@ impl Facts {
                 facts.add_channel(&channel.topic, names, data, &channel.metadata);
             }
         }
-        for schema in recording.layout.channels.unused_schemas() {
+        // The schema of an undefined one has another id after damage, and its channel may be lost.
+        let unused = recording.layout.channels.unused_schemas();
+        for schema in unused.filter(|_| !is_damaged) {
             facts.add(&schema.name, None, "an unused schema");
         }
         facts
