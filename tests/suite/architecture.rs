@@ -25,7 +25,8 @@ const ROOMS: [(&str, &str); 9] = [
 /// The code of each file below `src`, by path, without comments and unit tests.
 fn code() -> BTreeMap<String, String> {
     let mut code = BTreeMap::new();
-    let mut directories = vec![Path::new("src").to_owned()];
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut directories = vec![src.clone()];
     while let Some(directory) = directories.pop() {
         for entry in fs::read_dir(directory).unwrap() {
             let path = entry.unwrap().path();
@@ -36,7 +37,7 @@ fn code() -> BTreeMap<String, String> {
                 let text = text.split("\n#[cfg(test)]").next().unwrap();
                 let lines = text.lines();
                 let lines = lines.filter(|line| !line.trim_start().starts_with("//"));
-                let name = path.strip_prefix("src").unwrap().display().to_string();
+                let name = path.strip_prefix(&src).unwrap().display().to_string();
                 code.insert(name, lines.collect::<Vec<_>>().join("\n"));
             }
         }

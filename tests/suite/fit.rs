@@ -4,14 +4,26 @@ use crate::support::{Folder, assert_contains};
 use serde_json::Value;
 use std::f64::consts::PI;
 use std::fs;
+use std::path::{Path, PathBuf};
 use toprise::fit::{Data, Loss, Request, Signal, SignalSpec, Verdict, fit, read, sensitivities};
 use toprise::run::scenario::{Preset, Scenario};
 use toprise::run::simulation::{Record, Simulation, sample_at};
 use toprise::telemetry::fields::{NumberField, pose, state};
 
+/// A file of measured data or of its reference. Its path doesn't depend on the current directory: the suite may run in any.
+fn data_file(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/data/fit")
+        .join(name)
+}
+
+fn json_file(name: &str) -> Value {
+    serde_json::from_str(&fs::read_to_string(data_file(name)).unwrap()).unwrap()
+}
+
 /// Numbers of two independent integrators, with exact derivatives: see tests/data/README.md.
 fn reference() -> Value {
-    serde_json::from_str(&fs::read_to_string("tests/data/fit/reference.json").unwrap()).unwrap()
+    json_file("reference.json")
 }
 
 pub(crate) fn preset(name: &str) -> Scenario {
@@ -178,8 +190,7 @@ fn val_standard_deviations_equal_cramer_and_rao() {
 
 /// The keys of the data sets that another integrator made; see tests/data/README.md.
 pub(crate) fn data_set(name: &str) -> (Value, Scenario) {
-    let text = fs::read_to_string(format!("tests/data/fit/{name}.json")).unwrap();
-    let set: Value = serde_json::from_str(&text).unwrap();
+    let set = json_file(&format!("{name}.json"));
     let truth = set["truth"]["values"].as_object().unwrap();
     let start = set["start"].as_object().unwrap();
     let tops = truth
@@ -196,10 +207,7 @@ pub(crate) fn data_set(name: &str) -> (Value, Scenario) {
 
 /// Reads CSV files of a data set with these signals.
 pub(crate) fn data(files: &[&str], signals: &[&str]) -> Data {
-    let files: Vec<_> = files
-        .iter()
-        .map(|file| format!("tests/data/fit/{file}").into())
-        .collect();
+    let files: Vec<_> = files.iter().map(|file| data_file(file)).collect();
     let specs: Vec<_> = signals
         .iter()
         .map(|text| SignalSpec::parse(text).unwrap())
