@@ -5,6 +5,7 @@
     clippy::match_wildcard_for_single_variants
 )]
 
+pub(crate) mod decimal;
 pub(crate) mod listed;
 pub mod outcome;
 pub(crate) mod plural;

@@ -55,7 +55,8 @@ pub struct Options {
 /// Index of the signal, time (s), value, standard deviation, residual (σ), and whether the value was held out.
 type Residual = (usize, f64, f64, f64, f64, bool);
 
-/// Fits a scenario to measured values; see `toprise.fit`. Returns the report as JSON, the best scenario and the residuals.
+/// Fits a scenario to measured values; see `toprise.fit`. Returns the report as JSON and as text, the best scenario and the
+/// residuals.
 #[pyfunction]
 pub fn fit(
     py: Python<'_>,
@@ -63,7 +64,7 @@ pub fn fit(
     overrides: Option<&Bound<'_, PyMapping>>,
     measured: Measured,
     options: Options,
-) -> PyResult<(String, Scenario, Vec<Residual>)> {
+) -> PyResult<(String, String, Scenario, Vec<Residual>)> {
     let request = Request {
         scenario: scenario.scenario(overrides)?,
         data: measured.data().map_err(data_error)?,
@@ -96,7 +97,13 @@ pub fn fit(
             value.is_held_out,
         ));
     }
-    Ok((json(&fitted.report)?, Scenario(fitted.scenario), residuals))
+    let report = fitted.report;
+    Ok((
+        json(&report)?,
+        report.text(),
+        Scenario(fitted.scenario),
+        residuals,
+    ))
 }
 
 impl Measured {

@@ -1,6 +1,7 @@
 """Fits of measured motions."""
 
 import random
+import re
 
 import pytest
 
@@ -35,6 +36,8 @@ def test_estimates_friction_from_arrays():
     assert fit.scenario["friction.k"] == k["value"]
     assert len(fit.residuals["residual"]) == 2 * len(data["time"])
     assert "friction.k: 0.0" in fit.text()
+    # With the digits of the standard deviation, 2e-4 rad: φ₀ is zero.
+    assert re.search(r"^initial.phi \[rad\]: −?0\.0\d{4,5} ± 0\.0", fit.text(), re.MULTILINE)
 
 
 def test_compares_laws_of_a_table():

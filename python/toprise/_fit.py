@@ -24,6 +24,7 @@ class Fit(Report):
     scenario: Scenario
     #: Columns `signal` (index in `self["signals"]`), `time` (s), `value`, `sigma`, `residual` (σ) and `is_held_out`.
     residuals: dict[str, list[Any]]
+    _text: str
 
     @property
     def verdict(self) -> str:
@@ -36,21 +37,8 @@ class Fit(Report):
         return {estimate["name"]: estimate for estimate in self["parameters"]}
 
     def text(self) -> str:
-        """The verdict, the estimates, the laws and the remarks, one per line."""
-        lines = [f"{self['scenario']} ({self['law']}): {self.verdict.replace('_', ' ')}"]
-        for estimate in self["parameters"]:
-            unit = f" {estimate['unit']}" if estimate["unit"] else ""
-            if "limit" in estimate:
-                value = f"limit {json.dumps(estimate['limit'])}"
-            else:
-                value = f"{estimate['value']:.8g} ± {estimate.get('sd', float('nan')):.2g}"
-            lines.append(f"{estimate['name']}: {value}{unit}")
-        for signal in self["signals"]:
-            lines.append(f"{signal['field']}: {signal['samples']} samples, RMS {signal['rms']:.3g} σ")
-        lines.extend(self["notes"])
-        if comparison := self.get("comparison"):
-            lines.append(comparison["sentence"])
-        return "\n".join(lines)
+        """The verdict, the estimates, the signals, the laws and the remarks, one per line, as `toprise fit` words them."""
+        return self._text
 
     @property
     def summary(self) -> str:
@@ -133,9 +121,10 @@ def fit(
         "profile": list(profile),
         "rescale": rescale,
     }
-    report, best, residuals = _toprise.fit(scenario, overrides, measured, options)
+    report, text, best, residuals = _toprise.fit(scenario, overrides, measured, options)
     fitted = Fit(json.loads(report))
     fitted.scenario = best
+    fitted._text = text
     names = ("signal", "time", "value", "sigma", "residual", "is_held_out")
     fitted.residuals = {name: [row[at] for row in residuals] for at, name in enumerate(names)}
     return fitted

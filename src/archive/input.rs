@@ -165,7 +165,7 @@ pub fn read_file(path: &Path) -> io::Result<String> {
 
 /// Bytes as UTF-8 text. The error recognises UTF-16, as written by some editors and by PowerShell's `>`, and UTF-32: they
 /// begin with a byte order mark, or all but one byte of each ASCII character are zero.
-fn text_of(bytes: Vec<u8>) -> io::Result<String> {
+pub(crate) fn text_of(bytes: Vec<u8>) -> io::Result<String> {
     // The byte order mark of little-endian UTF-32 begins with that of UTF-16.
     let is_utf32 = matches!(
         bytes[..],

@@ -1,8 +1,6 @@
 //! `toprise fit`.
 
-mod numbers;
 mod page;
-mod remarks;
 
 use super::arguments::{Override, parse_override, parse_positive};
 use super::file_kind::FileKind;
@@ -240,10 +238,7 @@ fn status(report: &Report) -> Status {
 
 fn show(progress: &Progress, state: fit::Progress) {
     if state.chi2.is_finite() {
-        progress.set_text(format!(
-            "fitting {:.2} s: χ² = {:.6e}, {} simulations",
-            state.window, state.chi2, state.evaluations
-        ));
+        progress.set_text(state.to_string());
     }
 }
 

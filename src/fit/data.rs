@@ -87,6 +87,26 @@ pub fn read(
     Ok(data)
 }
 
+/// Reads the signals of one text table, whose content is in memory. Errors name it `name`.
+///
+/// # Errors
+/// [`DataError`] with the file, line and column.
+pub fn read_bytes(name: &Path, bytes: Vec<u8>, specs: &[SignalSpec]) -> Result<Data, DataError> {
+    let found = text_table::read_bytes(name, bytes, specs)?;
+    let data = Data {
+        signals: found.signals,
+        files: 1,
+        starts_with_run: false,
+        losses: Vec::new(),
+    };
+    let contents = Contents {
+        path: name.to_owned(),
+        known: found.known,
+    };
+    check_found(&data.signals, specs, vec![contents])?;
+    Ok(data)
+}
+
 /// Refuses signals that are in no file, and files without a signal.
 fn check_found(
     signals: &[Signal],

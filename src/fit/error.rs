@@ -4,6 +4,7 @@ use super::data_error::DataError;
 use super::degeneracy::{Degeneracy, join_clauses, pronoun};
 use super::parameter::is_offset;
 use super::place::{Place, ValuePlace};
+use crate::run::plural::counted;
 use crate::run::scenario::ScenarioError;
 use crate::run::simulation::SimulationError;
 use std::fmt::{self, Display, Formatter};
@@ -184,8 +185,23 @@ pub enum FitError {
         /// Upper bound, s.
         high: f64,
     },
+    /// All samples are at the start of the motion.
+    #[error(
+        "{} at t = {time} s, where the scenario starts, can't determine a motion: measure at several times",
+        if *samples == 1 { "a single sample".to_owned() } else { counted(*samples as u64, "sample") }
+    )]
+    OnlyStart {
+        /// Number of samples.
+        samples: usize,
+        /// Time of the start, on the clock of the data, s.
+        time: f64,
+    },
     /// The data are too few.
-    #[error("{samples} samples can't determine {parameters} parameters")]
+    #[error(
+        "{} can't determine {}",
+        counted(*samples as u64, "sample"),
+        counted(*parameters as u64, "parameter")
+    )]
     TooFew {
         /// Number of samples in the fit.
         samples: usize,
@@ -243,6 +259,7 @@ impl FitError {
             | Self::LikelyTimeUnit { .. }
             | Self::NoNoise { .. }
             | Self::NoOverlap { .. }
+            | Self::OnlyStart { .. }
             | Self::TooFew { .. }
             | Self::ModelEnds { .. }
             | Self::Simulation(_)

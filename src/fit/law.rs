@@ -3,7 +3,7 @@
 use super::error::FitError;
 use super::fitted::Fitted;
 use super::model::Problem;
-use super::parameter::{self, Parameter, Target};
+use super::parameter::{self, INITIAL, Parameter, Target};
 use super::request::Request;
 use crate::run::scenario::{KEYS, LAWS, Law, Scenario, ScenarioError, Values};
 use crate::run::simulation::sample_at;
@@ -53,6 +53,16 @@ fn keys(law: &Law) -> impl Iterator<Item = &'static str> {
     law.parameters()
         .map(|key| key.path)
         .filter(|path| *path != "friction.viscous_speed")
+}
+
+/// The names of the parameters that are usually free: those of the scenario's law, and the start.
+pub fn usual_parameters(scenario: &Scenario) -> Vec<String> {
+    let mut names = Vec::new();
+    if let Some(law) = find(scenario.word("friction.law")) {
+        names.extend(keys(law).map(str::to_owned));
+    }
+    names.push(INITIAL.to_owned());
+    names
 }
 
 /// A request with another law, from the scenario's start.

@@ -49,7 +49,7 @@ const START: &[&str] = &[
 const START_OF_FREE_PEG: &[&str] = &["initial.peg_x_dot", "initial.peg_y_dot"];
 
 /// Name of the group of all keys of the start.
-const INITIAL: &str = "initial";
+pub(super) const INITIAL: &str = "initial";
 /// Name of the offset of the second file's clock.
 const OFFSET: &str = "offset";
 

@@ -45,6 +45,7 @@ pub(super) fn prepare(request: &Request) -> Result<Prepared, FitError> {
     let mut problem = Problem::new(scenario, parameters, signals, request.loss, origin)?;
     problem.keep_until(request.until);
     check_range(&problem, origin, request.until)?;
+    check_duration(&problem, origin)?;
     check_times(&problem)?;
     check_signals(&problem)?;
     if selected.is_empty() {
@@ -170,6 +171,24 @@ fn check_range(problem: &Problem, origin: f64, until: Option<f64>) -> Result<(),
         }
     }
     Ok(())
+}
+
+/// Refuses data that end where they start: no friction has acted yet. A single sample is the usual case.
+fn check_duration(problem: &Problem, origin: f64) -> Result<(), FitError> {
+    let mut samples = 0;
+    for point in &problem.points {
+        if problem.signals[point.signal].file > 0 {
+            continue;
+        }
+        if point.time > 0.0 {
+            return Ok(());
+        }
+        samples += 1;
+    }
+    Err(FitError::OnlyStart {
+        samples,
+        time: origin,
+    })
 }
 
 #[cfg(test)]

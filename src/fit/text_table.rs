@@ -5,7 +5,7 @@ use super::data_error::DataError;
 use super::signal::{FileSignals, SignalSpec};
 use super::table::{Line, MAX_ROWS, MAX_SHOWN, Rows, Table};
 use super::unit::is_unit;
-use crate::archive::input::read_file;
+use crate::archive::input::{read_file, text_of};
 use csv::StringRecord;
 use std::path::Path;
 
@@ -20,17 +20,48 @@ pub(super) fn read(
     time: Option<&str>,
 ) -> Result<FileSignals, DataError> {
     // A file that can't be examined can't be read either, and is reported below.
-    if std::fs::metadata(path).is_ok_and(|file| file.len() > MAX_BYTES) {
+    let size = std::fs::metadata(path).map_or(0, |file| file.len());
+    check_size(path, size)?;
+    let text = read_file(path).map_err(|reason| DataError::Io {
+        path: path.to_owned(),
+        reason,
+    })?;
+    read_text(path, &text, file, specs, time)
+}
+
+fn check_size(path: &Path, bytes: u64) -> Result<(), DataError> {
+    if bytes > MAX_BYTES {
         return Err(DataError::TooLarge {
             path: path.to_owned(),
             limit: MAX_BYTES,
         });
     }
-    let text = read_file(path).map_err(|reason| DataError::Io {
+    Ok(())
+}
+
+/// Reads the signals of the text of a file.
+fn read_text(
+    path: &Path,
+    text: &str,
+    file: usize,
+    specs: &[SignalSpec],
+    time: Option<&str>,
+) -> Result<FileSignals, DataError> {
+    parse(path, text.trim_start_matches('\u{feff}'))?.signals(file, specs, time)
+}
+
+/// Reads the signals of the only file of a fit, whose content is in memory.
+pub(super) fn read_bytes(
+    path: &Path,
+    bytes: Vec<u8>,
+    specs: &[SignalSpec],
+) -> Result<FileSignals, DataError> {
+    check_size(path, bytes.len() as u64)?;
+    let text = text_of(bytes).map_err(|reason| DataError::Io {
         path: path.to_owned(),
         reason,
     })?;
-    parse(path, text.trim_start_matches('\u{feff}'))?.signals(file, specs, time)
+    read_text(path, &text, 0, specs, None)
 }
 
 /// Parses a table: lines before the first row of numbers are its header.
@@ -195,7 +226,7 @@ mod tests {
     use crate::telemetry::fields::{pose, state};
     use std::io::Write as _;
 
-    fn read_text(text: &str, specs: &[&str]) -> Result<Vec<Signal>, DataError> {
+    fn signals_of(text: &str, specs: &[&str]) -> Result<Vec<Signal>, DataError> {
         let mut file = tempfile::NamedTempFile::new().unwrap();
         file.write_all(text.as_bytes()).unwrap();
         let specs: Result<Vec<_>, _> = specs.iter().map(|text| SignalSpec::parse(text)).collect();
@@ -223,7 +254,7 @@ mod tests {
                 "# made by hand\nt, theta\n# start\n0, 0.5\n\n0.1, 0.25\n",
             ),
         ] {
-            let [signal] = &read_text(text, &[]).unwrap()[..] else {
+            let [signal] = &signals_of(text, &[]).unwrap()[..] else {
                 panic!("{name}: not one signal");
             };
             assert_eq!(signal.field, state::THETA, "{name}");
@@ -235,7 +266,7 @@ mod tests {
     #[test]
     fn sorts_rows_and_counts_missing_values() {
         let text = "t,theta,Gyroscope z (rpm)\n0.2,1,60\n0,,60\n0.1,3,NaN\n";
-        let [theta, gyro] = &read_text(text, &[]).unwrap()[..] else {
+        let [theta, gyro] = &signals_of(text, &[]).unwrap()[..] else {
             panic!("not two signals");
         };
         assert_eq!(
@@ -300,10 +331,10 @@ mod tests {
             ("t,theta\n", "theta", "no rows of numbers"),
             ("t,theta\n0,\n1,\n", "theta", "column theta has no values"),
         ] {
-            let error = read_text(text, &[signal]).unwrap_err().to_string();
+            let error = signals_of(text, &[signal]).unwrap_err().to_string();
             assert!(error.contains(expected), "{text:?}: {error}");
         }
-        let error = read_text("t,x\n0,1\n", &[]).unwrap_err().to_string();
+        let error = signals_of("t,x\n0,1\n", &[]).unwrap_err().to_string();
         assert!(error.contains("--signal theta=x"), "{error}");
     }
 }

@@ -5,7 +5,10 @@ use serde_json::Value;
 use std::f64::consts::PI;
 use std::fs;
 use std::path::{Path, PathBuf};
-use toprise::fit::{Data, Loss, Request, Signal, SignalSpec, Verdict, fit, read, sensitivities};
+use toprise::fit::{
+    Data, Loss, Request, Signal, SignalSpec, Verdict, fit, read, read_bytes, sensitivities,
+    usual_parameters,
+};
 use toprise::run::scenario::{Preset, Scenario};
 use toprise::run::simulation::{Record, Simulation, sample_at};
 use toprise::telemetry::fields::{NumberField, pose, state};
@@ -935,12 +938,60 @@ fn clocks_that_differ_by_much_are_scanned() {
 }
 
 #[test]
+fn remarks_on_a_sigma_that_is_far_too_large() {
+    let truth = preset("full-coulomb");
+    for (name, noise, expected) in [("no noise", None, true), ("noise of σ", Some(3), false)] {
+        let data = measure(&truth, 100.0, 1.0, &THETA_PHI, noise);
+        let report = fit(&Request::new(truth.clone(), data, &["friction.k"]), &|_| {})
+            .unwrap()
+            .report;
+        assert_eq!(report.verdict, Verdict::Fitted, "{name}");
+        let text = report.text();
+        let is_said = text.contains("scatter much less than the given σ");
+        assert_eq!(is_said, expected, "{name}: {text}");
+    }
+}
+
+#[test]
+fn reads_bytes_as_files() {
+    let path = data_file("offset_camera.csv");
+    let bytes = fs::read(&path).unwrap();
+    let from_file = read(std::slice::from_ref(&path), &[], None).unwrap();
+    assert_eq!(read_bytes(&path, bytes.clone(), &[]).unwrap(), from_file);
+    let utf16: Vec<u8> = bytes.iter().flat_map(|byte| [*byte, 0]).collect();
+    let folder = Folder::new();
+    for (name, content) in [
+        ("UTF-16", utf16),
+        ("text in a number", b"t,theta\n0,abc\n1,0.5\n2,x\n".to_vec()),
+        ("no field", b"t,x\n0,1\n".to_vec()),
+        ("nothing", Vec::new()),
+    ] {
+        folder.write("a.csv", &content);
+        let path = folder.at("a.csv");
+        let expected = read(std::slice::from_ref(&path), &[], None).unwrap_err();
+        let error = read_bytes(&path, content, &[]).unwrap_err();
+        assert_eq!(error.to_string(), expected.to_string(), "{name}");
+    }
+}
+
+#[test]
+fn usual_parameters_are_those_of_the_law_and_the_start() {
+    for (name, expected) in [
+        ("full-coulomb", &["friction.k", "initial"][..]),
+        ("frictionless", &["initial"]),
+    ] {
+        assert_eq!(usual_parameters(&preset(name)), expected, "{name}");
+    }
+}
+
+#[test]
 fn exit_codes_tell_bad_fits_from_bad_input() {
     let folder = Folder::new();
     folder.write(
         "a.csv",
         "t,theta\n0,0.5\n0.1,0.9\n0.2,0.1\n0.3,0.8\n0.4,0.2\n0.5,0.7\n",
     );
+    folder.write("one.csv", "t,theta,phi\n4,0.5,0.1\n");
     folder.write("bad.csv", "t,theta\n0,0.5\n0.1,abc\n");
     folder.write("twice.csv", "t,theta,theta\n0,0.5,0.5\n0.1,0.5,0.5\n");
     folder.write("both.csv", "t,theta,tilt\n0,0.5,0.5\n0.1,0.5,0.5\n");
@@ -960,6 +1011,18 @@ fn exit_codes_tell_bad_fits_from_bad_input() {
         (
             "fit full-coulomb bad.csv --free friction.k",
             "bad.csv:3: column theta: \"abc\" is not a number",
+        ),
+        (
+            "fit full-coulomb one.csv --free friction.k,initial",
+            "2 samples at t = 4 s, where the scenario starts, can't determine a motion",
+        ),
+        (
+            "fit full-coulomb one.csv --signal theta --free friction.k",
+            "a single sample at t = 4 s",
+        ),
+        (
+            "fit full-coulomb one.csv --start 3 --signal theta --free friction.k",
+            "1 sample can't determine 1 parameter",
         ),
         (
             "fit full-coulomb a.csv --free friction.k,top.peg_radius",

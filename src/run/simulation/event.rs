@@ -3,6 +3,7 @@
 use crate::physics::dynamics::{Motion, Transition};
 use crate::physics::math::cos;
 use crate::physics::top::Top;
+use crate::run::decimal::fixed;
 use crate::run::listed::listed;
 
 /// An event of a run.
@@ -145,7 +146,7 @@ impl EventKind {
             Self::Risen => format!("The top reaches θ = {theta:.4} rad."),
             Self::Fallen => format!(
                 "The top has fallen to θ = {theta:.4} rad; its spin is {} rad/s.",
-                decimal(psi_dot, 2)
+                fixed(psi_dot, 2)
             ),
             Self::NutationMinimum => format!("Nutation: the inclination is least, {theta:.6} rad."),
             Self::NutationMaximum => {
@@ -170,20 +171,20 @@ impl EventKind {
             // A top that swings may come back.
             Self::Inverts => format!(
                 "The axis passes the horizontal: the top inverts, spinning at {} rad/s.",
-                decimal(psi_dot, 2)
+                fixed(psi_dot, 2)
             ),
             Self::WeakTop => format!(
                 "The spin, {} rad/s, has become too weak to hold an upright top.",
-                decimal(psi_dot, 2)
+                fixed(psi_dot, 2)
             ),
             Self::StrongTop => format!(
                 "The spin, {} rad/s, is strong enough to hold an upright top.",
-                decimal(psi_dot, 2)
+                fixed(psi_dot, 2)
             ),
             Self::SlipStops => format!("The contact point stops slipping, at θ = {theta:.4} rad."),
             Self::Stick => format!(
                 "The contact point sticks: the top turns as a whole, inclined by θ = {theta:.4} rad, at {} rad/s.",
-                decimal(phi_dot + psi_dot * cos(theta), 2)
+                fixed(phi_dot + psi_dot * cos(theta), 2)
             ),
             Self::SlipResumes => format!("The contact point slips again, at θ = {theta:.4} rad."),
             Self::Rest => format!("The top rests, inclined by θ = {theta:.4} rad."),
@@ -232,27 +233,16 @@ listed! {
 fn start_sentence(theta: f64, phi_dot: f64, psi_dot: f64) -> String {
     let mut rates = Vec::new();
     if psi_dot != 0.0 {
-        rates.push(format!("spinning at {} rad/s", decimal(psi_dot, 2)));
+        rates.push(format!("spinning at {} rad/s", fixed(psi_dot, 2)));
     }
     if phi_dot != 0.0 {
-        rates.push(format!("precessing at {} rad/s", decimal(phi_dot, 4)));
+        rates.push(format!("precessing at {} rad/s", fixed(phi_dot, 4)));
     }
     let mut sentence = format!("The top starts at θ = {theta:.4} rad");
     if !rates.is_empty() {
         sentence += &format!(", {}", rates.join(" and "));
     }
     sentence + "."
-}
-
-/// A number with this many decimals and a true minus sign, but none before zero.
-fn decimal(value: f64, decimals: usize) -> String {
-    let digits = format!("{:.decimals$}", value.abs());
-    let is_zero = digits.bytes().all(|digit| matches!(digit, b'0' | b'.'));
-    if value < 0.0 && !is_zero {
-        format!("−{digits}")
-    } else {
-        digits
-    }
 }
 
 /// The consequences of a transition for a run.
@@ -345,18 +335,6 @@ mod tests {
             assert_eq!(EventKind::find(kind.name()), Some(kind));
         }
         assert_eq!(EventKind::find("nutation"), None);
-    }
-
-    #[test]
-    fn minus_signs_are_true_and_stand_before_no_zero() {
-        for (value, decimals, text) in [
-            (-6.924, 2, "−6.92"),
-            (170.0, 2, "170.00"),
-            (-0.00001, 4, "0.0000"),
-            (-0.0, 2, "0.00"),
-        ] {
-            assert_eq!(decimal(value, decimals), text);
-        }
     }
 
     #[test]

@@ -1,12 +1,12 @@
 //! Numbers in reports of fits.
 
-use crate::cli::numbers::format_fixed;
+use crate::run::decimal::fixed;
 
 /// p-values below this are printed as a bound.
-const MIN_PRINTED_P: f64 = 1e-6;
+pub(crate) const MIN_PRINTED_P: f64 = 1e-6;
 
 /// Formats a p-value with its symbol; tiny ones as a bound.
-pub(super) fn format_probability(p: f64) -> String {
+pub(crate) fn format_probability(p: f64) -> String {
     if p < MIN_PRINTED_P {
         format!("p < {MIN_PRINTED_P:e}")
     } else {
@@ -14,16 +14,8 @@ pub(super) fn format_probability(p: f64) -> String {
     }
 }
 
-/// Formats a p-value for a column whose header names it.
-pub(super) fn format_probability_cell(p: Option<f64>) -> String {
-    match p {
-        Some(p) if p < MIN_PRINTED_P => format!("< {MIN_PRINTED_P:e}"),
-        Some(p) => format_printable_probability(p),
-        None => "–".to_owned(),
-    }
-}
-
-fn format_printable_probability(p: f64) -> String {
+/// Formats a p-value that is not tiny.
+pub(crate) fn format_printable_probability(p: f64) -> String {
     if p < 0.01 {
         format!("{p:.1e}")
     } else {
@@ -32,14 +24,14 @@ fn format_printable_probability(p: f64) -> String {
 }
 
 /// Formats a time in seconds to the microsecond, without trailing zeros.
-pub(super) fn format_time(value: f64) -> String {
+pub(crate) fn format_time(value: f64) -> String {
     let text = format!("{value:.6}");
     let short = text.trim_end_matches('0').trim_end_matches('.');
     short.replace('-', "−")
 }
 
 /// Decimals that show two digits of a standard deviation.
-pub(super) fn decimals(sd: f64) -> usize {
+pub(crate) fn decimals(sd: f64) -> usize {
     // The exponent of the rounded number: 0.0996 with two digits is 0.10.
     let scientific = format!("{sd:.1e}");
     let exponent: i32 = scientific
@@ -50,17 +42,13 @@ pub(super) fn decimals(sd: f64) -> usize {
 }
 
 /// Formats an estimate and its standard deviation with the digits that are known.
-pub(super) fn format_estimate(value: f64, sd: f64) -> String {
+pub(crate) fn format_estimate(value: f64, sd: f64) -> String {
     let digits = decimals(sd);
-    format!(
-        "{} ± {}",
-        format_fixed(value, digits),
-        format_fixed(sd, digits)
-    )
+    format!("{} ± {}", fixed(value, digits), fixed(sd, digits))
 }
 
 /// Formats a number with significant digits, tiny and huge ones in scientific notation.
-pub(super) fn format_rounded(value: f64, digits: usize) -> String {
+pub(crate) fn format_rounded(value: f64, digits: usize) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
@@ -85,6 +73,7 @@ mod tests {
             (-0.1203, 0.0047, "−0.1203 ± 0.0047"),
             (231.0009, 0.0996, "231.00 ± 0.10"),
             (1234.0, 56.0, "1234 ± 56"),
+            (4.8823442e-16, 0.00017, "0.00000 ± 0.00017"),
         ] {
             assert_eq!(format_estimate(value, sd), expected);
         }

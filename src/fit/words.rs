@@ -1,0 +1,391 @@
+//! A report in words: the program, the page and Python show the same.
+
+use super::estimate::REJECTED;
+use super::model::Loss;
+use super::monitor::Progress;
+use super::numbers::{decimals, format_estimate, format_probability, format_rounded, format_time};
+use super::report::{Estimate, Limit, Mode, Oddity, Quality, Report, SignalReport, Verdict};
+use crate::run::decimal::fixed;
+use crate::run::plural::{counted, grouped};
+use serde::Serialize;
+use std::fmt::{self, Display, Formatter};
+
+/// Probability of a smaller χ² below which σ was too large.
+const TOO_SMALL: f64 = REJECTED;
+
+/// A report in words, without the comparison of laws and profiles.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Words {
+    /// The verdict, with the scenario and its law.
+    pub title: String,
+    /// Goodness of the fit, next to the title.
+    pub note: String,
+    /// What was fitted.
+    pub extent: Vec<String>,
+    /// The parameters.
+    pub parameters: Table,
+    /// Limits and correlations of the parameters.
+    pub limits: Vec<String>,
+    /// The signals.
+    pub signals: Table,
+    /// What the numbers say about the data and the model.
+    pub remarks: Vec<String>,
+    /// The minima that the data don't exclude; no rows if there is only one.
+    pub modes: Table,
+}
+
+/// A table of texts.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Table {
+    /// Names of the columns.
+    pub header: Vec<String>,
+    /// The cells.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Report {
+    /// The report in words. `all` shows also estimates that would mislead.
+    pub fn words(&self, all: bool) -> Words {
+        Words {
+            title: title(self),
+            note: note(self),
+            extent: extent(self),
+            parameters: estimates(&self.parameters, all),
+            limits: limits(self),
+            signals: signals(&self.signals),
+            remarks: remarks(self),
+            modes: modes(&self.parameters, &self.modes),
+        }
+    }
+}
+
+impl Report {
+    /// The report as text: the verdict, the estimates, the signals, the laws and the remarks, one per line.
+    pub fn text(&self) -> String {
+        let words = self.words(false);
+        let mut lines = vec![
+            format!("{}  {}", words.title, words.note)
+                .trim_end()
+                .to_owned(),
+        ];
+        for row in &words.parameters.rows {
+            lines.push(format!("{}: {}, 95 % interval {}", row[0], row[1], row[2]));
+        }
+        lines.extend(words.limits);
+        for signal in &self.signals {
+            lines.push(format!(
+                "{}: {}, RMS {} σ",
+                signal.field,
+                counted(signal.samples as u64, "sample"),
+                format_rounded(signal.rms, 3)
+            ));
+        }
+        if let Some(comparison) = &self.comparison {
+            lines.push(comparison.sentence.clone());
+        }
+        lines.extend(words.remarks);
+        lines.join("\n")
+    }
+}
+
+/// Progress in a line.
+impl Display for Progress {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "fitting {:.2} s: χ² = {:.6e}, {} simulations",
+            self.window, self.chi2, self.evaluations
+        )
+    }
+}
+
+fn title(report: &Report) -> String {
+    let Report { scenario, law, .. } = report;
+    let is_comparison = report.comparison.is_some();
+    match report.verdict {
+        Verdict::Fitted => format!("{scenario} ({law}): describes the data"),
+        Verdict::Undecided => format!("{scenario}: undecided between laws"),
+        Verdict::BadFit if is_comparison => {
+            format!("{scenario}: none of the laws describes the data")
+        }
+        Verdict::BadFit => format!("{scenario} ({law}): does not describe the data"),
+        Verdict::NotConverged if is_comparison => {
+            format!("{scenario}: no minimum was found for the best law")
+        }
+        Verdict::NotConverged => format!("{scenario} ({law}): no minimum was found"),
+    }
+}
+
+/// Whether the title is a verdict on several laws, which has no χ² of its own.
+fn is_about_laws(report: &Report) -> bool {
+    report.comparison.is_some() && report.verdict != Verdict::Fitted
+}
+
+fn note(report: &Report) -> String {
+    match report.loss {
+        _ if is_about_laws(report) => String::new(),
+        // χ²/ν is then about 1, whatever the fit.
+        Loss::Squares if report.signals.iter().any(|signal| signal.is_sigma_estimated) => {
+            "χ² can't be tested, because σ is estimated".to_owned()
+        }
+        Loss::Squares => goodness(&report.quality),
+        // The loss has no known distribution.
+        Loss::Huber => format!("Huber's loss {:.1}", report.quality.chi2),
+    }
+}
+
+/// χ² and its probability in a line.
+fn goodness(quality: &Quality) -> String {
+    let chi2 = format!(
+        "χ²/ν = {:.3} ({:.1}/{})",
+        quality.chi2 / quality.freedom as f64,
+        quality.chi2,
+        quality.freedom
+    );
+    match quality.p_value {
+        Some(p) => format!("{chi2}, {}", format_probability(p)),
+        None => chi2,
+    }
+}
+
+fn extent(report: &Report) -> Vec<String> {
+    let mut lines = Vec::new();
+    if is_about_laws(report) {
+        lines.push(format!(
+            "Parameters, signals and remarks are those of {}.",
+            report.law
+        ));
+    }
+    let samples: usize = report.signals.iter().map(|signal| signal.samples).sum();
+    lines.push(format!(
+        "{} in {} s; the scenario starts at t = {} s in the data. {}.",
+        counted(samples as u64, "sample"),
+        format_time(report.until),
+        format_time(report.origin),
+        counted(report.evaluations, "simulation")
+    ));
+    lines
+}
+
+/// The estimates of parameters. Those that have only a limit are shown with `all`.
+pub(crate) fn estimates(parameters: &[Estimate], all: bool) -> Table {
+    let mut rows = Vec::new();
+    for estimate in parameters {
+        rows.push(vec![
+            label(estimate),
+            estimate_cell(estimate, all),
+            interval_cell(estimate),
+            format_rounded(estimate.start, 4),
+        ]);
+    }
+    let mut header = ["", "estimate ± sd", "95 % interval", "start value"].map(str::to_owned);
+    if parameters.is_empty() {
+        header.fill(String::new());
+    }
+    Table {
+        header: header.into(),
+        rows,
+    }
+}
+
+/// A parameter's name with its unit.
+fn label(estimate: &Estimate) -> String {
+    match estimate.unit.as_str() {
+        "" => estimate.name.clone(),
+        unit => format!("{} [{unit}]", estimate.name),
+    }
+}
+
+fn estimate_cell(estimate: &Estimate, all: bool) -> String {
+    // The standard deviation of a parameter with a limit only would mislead, so its estimate has none.
+    match (estimate.sd, estimate.limit) {
+        (Some(sd), None) => format_estimate(estimate.value, sd),
+        (Some(_) | None, Some(_)) if all => format_rounded(estimate.value, 6),
+        (Some(_) | None, _) => "–".to_owned(),
+    }
+}
+
+fn interval_cell(estimate: &Estimate) -> String {
+    match (estimate.interval, estimate.limit) {
+        (_, Some(Limit::Below(limit))) => format!("< {} (95 %)", format_rounded(limit, 3)),
+        (_, Some(Limit::Above(limit))) => format!("> {} (95 %)", format_rounded(limit, 3)),
+        (_, Some(Limit::AtBound)) => {
+            format!("at its bound, {}", format_rounded(estimate.value, 3))
+        }
+        (_, Some(Limit::None)) => "not determined".to_owned(),
+        (Some([low, high]), None) => {
+            // With as many decimals as the estimate next to it.
+            let digits = decimals(estimate.sd.unwrap_or_default());
+            format!("{} to {}", fixed(low, digits), fixed(high, digits))
+        }
+        (None, None) => "–".to_owned(),
+    }
+}
+
+/// Sentences on parameters that have a limit and no estimate, and on correlations.
+fn limits(report: &Report) -> Vec<String> {
+    let mut one_sided = Vec::new();
+    for Estimate { name, limit, .. } in &report.parameters {
+        match limit {
+            Some(Limit::Below(_) | Limit::Above(_)) => one_sided.push(name.as_str()),
+            Some(Limit::AtBound | Limit::None) | None => {}
+        }
+    }
+    let mut sentences = Vec::new();
+    if !one_sided.is_empty() {
+        sentences.push(format!(
+            "{}: a limit and no estimate, because the best value is at a bound or less than two standard deviations above zero.",
+            one_sided.join(", ")
+        ));
+    }
+    for correlation in &report.correlations {
+        let [a, b] = &correlation.parameters;
+        let value = fixed(correlation.correlation, 3);
+        sentences.push(format!("{a} and {b} are correlated: {value}."));
+    }
+    sentences
+}
+
+fn signals(signals: &[SignalReport]) -> Table {
+    let has_held_out = signals.iter().any(|signal| signal.held_out_samples > 0);
+    let mut header = vec!["", "samples", "σ", "RMS/σ"];
+    if has_held_out {
+        header.push("held-out RMS/σ");
+    }
+    header.extend(["uncorrelated", ""]);
+    let mut rows = Vec::new();
+    for signal in signals {
+        let origin = if signal.is_sigma_estimated {
+            " (estimated)"
+        } else {
+            ""
+        };
+        let mut row = vec![
+            signal.field.clone(),
+            grouped(signal.samples as u64),
+            format!(
+                "{} {}{origin}",
+                format_rounded(signal.sigma, 3),
+                signal.unit
+            ),
+            format_rounded(signal.rms, 3),
+        ];
+        if has_held_out {
+            row.push(
+                signal
+                    .held_out_rms
+                    .map_or("–".to_owned(), |rms| format_rounded(rms, 3)),
+            );
+        }
+        row.push(signal.whiteness.map_or("–".to_owned(), format_probability));
+        row.push(losses(signal));
+        rows.push(row);
+    }
+    Table {
+        header: header.into_iter().map(str::to_owned).collect(),
+        rows,
+    }
+}
+
+/// What a signal lacks.
+fn losses(signal: &SignalReport) -> String {
+    let mut losses = Vec::new();
+    for (count, what) in [
+        (signal.missing, "without a value"),
+        (signal.out_of_order, "earlier than the row before"),
+        (signal.outside as u64, "outside the fitted time"),
+        (signal.outliers as u64, "above 5 σ"),
+    ] {
+        if count > 0 {
+            losses.push(format!("{} {what}", grouped(count)));
+        }
+    }
+    losses.join(", ")
+}
+
+fn modes(parameters: &[Estimate], modes: &[Mode]) -> Table {
+    let mut header = vec!["Δχ²".to_owned()];
+    header.extend(parameters.iter().map(|parameter| parameter.name.clone()));
+    let mut rows = Vec::new();
+    for mode in modes {
+        let mut row = vec![fixed(mode.delta_chi2, 2)];
+        for (value, sd) in mode.values.iter().zip(&mode.sds) {
+            row.push(format_estimate(*value, *sd));
+        }
+        rows.push(row);
+    }
+    Table { header, rows }
+}
+
+/// What the numbers of a fit say about its data and its model.
+fn remarks(report: &Report) -> Vec<String> {
+    let mut remarks = report.notes.clone();
+    for loss in &report.losses {
+        remarks.push(format!("Not read: {loss}."));
+    }
+    remarks.extend(remark_on_size(&report.quality));
+    let is_coloured = report
+        .signals
+        .iter()
+        .filter_map(|signal| signal.whiteness)
+        .any(|p| p < REJECTED);
+    if is_coloured {
+        remarks.push(
+            "The residuals are correlated in time: the model misses something, and the standard deviations of the parameters are too small."
+                .to_owned(),
+        );
+    }
+    for signal in &report.signals {
+        remarks.extend(remarks_on_signal(signal));
+    }
+    let outliers: usize = report.signals.iter().map(|signal| signal.outliers).sum();
+    if outliers > 0 && report.loss == Loss::Squares {
+        remarks.push(format!(
+            "{} above 5 σ: if these are outliers, use --loss huber.",
+            counted(outliers as u64, "residual")
+        ));
+    }
+    remarks
+}
+
+/// Whether χ² is improbably large or small.
+fn remark_on_size(quality: &Quality) -> Option<String> {
+    let p = quality.p_value?;
+    let reduced = quality.chi2 / quality.freedom as f64;
+    if p < REJECTED {
+        Some(format!(
+            "The residuals are larger than σ (χ²/ν = {reduced:.2}): the model is wrong, or σ is. The standard deviations of the parameters are too small."
+        ))
+    } else if p > 1.0 - TOO_SMALL {
+        Some(format!(
+            "The data scatter much less than the given σ (χ²/ν = {}): σ is too large, and so are the standard deviations of the parameters.",
+            format_rounded(reduced, 2)
+        ))
+    } else {
+        None
+    }
+}
+
+fn remarks_on_signal(signal: &SignalReport) -> Vec<String> {
+    let SignalReport { field, unit, .. } = signal;
+    let mut remarks = Vec::new();
+    if signal.mean_p_value.is_some_and(|p| p < REJECTED) {
+        remarks.push(format!(
+            "The residuals of {field} have the mean {} σ: a constant error, such as a camera that is not level.",
+            format_rounded(signal.mean, 2)
+        ));
+    }
+    match signal.oddity {
+        Some(Oddity::Constant { value }) => remarks.push(format!(
+            "All values of {field} are {} {unit}: they have no noise from which σ could be estimated. Check the sensor, or give σ.",
+            format_rounded(value, 6)
+        )),
+        Some(Oddity::OneValue { time, value }) => remarks.push(format!(
+            "One value of {field}, {} {unit} at {} s after the start, makes most of the estimated σ. Remove it, or give σ.",
+            format_rounded(value, 6),
+            format_time(time)
+        )),
+        None => {}
+    }
+    remarks
+}
