@@ -2,12 +2,13 @@
 
 /** A web worker that answers requests to toprise. A newer simulation supersedes an older one. */
 export class Engine {
-  constructor(module) {
+  constructor(module, progress = () => {}) {
     const script = document.getElementById("worker").textContent;
     this.worker = new Worker(URL.createObjectURL(new Blob([script], { type: "text/javascript" })));
     this.waiting = new Map();
     this.id = 0;
     this.worker.onmessage = ({ data }) => {
+      if (data.progress) progress(data.progress);
       this.waiting.get(data.id)?.(data.response);
       this.waiting.delete(data.id);
     };

@@ -6,6 +6,7 @@ import { Curves } from "./curves.mjs";
 import { at, element } from "./elements.mjs";
 import { EnergyAreas, PARTS, changeTexts } from "./energy.mjs";
 import { Engine, compiled } from "./engine.mjs";
+import { FitPanel } from "./fit.mjs";
 import { Knobs } from "./knobs.mjs";
 import { Lesson, STEPS_OF_LESSON } from "./lesson.mjs";
 import { EventList, showComparison, showExplanation } from "./reading.mjs";
@@ -303,6 +304,13 @@ function start(text) {
   return simulate();
 }
 
+/** Starts from a fitted scenario. */
+function takeFit({ preset, set }) {
+  reveal();
+  at("first").scrollIntoView();
+  return start(linkOf({ preset, set }));
+}
+
 /** Starts from a preset that was chosen on the page. */
 function startPreset(name) {
   reveal();
@@ -395,6 +403,7 @@ const view = new View(at("top"), draw);
 const events = new EventList(at("events"), choose);
 const lesson = new Lesson(at("lesson"), { open: leaveLesson, answered: reveal });
 const knobs = new Knobs(at("knobs"), { changed: put, toggled: toggleFriction });
+const fitPanel = new FitPanel(module, { scenario: () => state.scenario.request, take: takeFit, copy });
 /** Whether other keys may have to change with a key: it is a choice, or is set or removed. */
 const hasFollowers = (key, value) => key.words || value === "" || state.scenario.value(key.path) === undefined;
 const controls = new Controls(at("controls"), (key, value) => (hasFollowers(key, value) ? change(key, value) : put(key, value)));
@@ -448,7 +457,10 @@ addEventListener("click", ({ target }) => {
   // A link to the address that is open already changes nothing in it, so there is no event.
   if (target.closest?.("a")?.getAttribute("href") === location.hash && location.hash) follow();
 });
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+  draw();
+  fitPanel.draw();
+});
 new ResizeObserver(draw).observe(at("first"));
 for (const id of ["top", "curves", "energy"]) new ResizeObserver(draw).observe(at(id));
 

@@ -1,16 +1,20 @@
 // Wrapper of the toprise WebAssembly module: JSON requests, data columns, files.
 
-/** Starts toprise from a compiled module. */
-export async function load(module) {
-  const toprise = (await WebAssembly.instantiate(module, {})).exports;
+/** Starts toprise from a compiled module. `progress` is called with a text while a fit is under way. */
+export async function load(module, progress = () => {}) {
+  const decoded = (address, length) => new TextDecoder().decode(view(Uint8Array, address, length));
+  const imports = { page: { show_progress: (address, length) => progress(decoded(address, length)) } };
+  const toprise = (await WebAssembly.instantiate(module, imports)).exports;
   const view = (Type, address, length) => new Type(toprise.memory.buffer, address, length);
   return {
     ask(request) {
       const text = new TextEncoder().encode(JSON.stringify(request));
       view(Uint8Array, toprise.input(text.length), text.length).set(text);
       const length = toprise.ask();
-      return JSON.parse(new TextDecoder().decode(view(Uint8Array, toprise.output(), length)));
+      return JSON.parse(decoded(toprise.output(), length));
     },
+    /** Makes bytes the content of the file that the next request reads. */
+    upload: (bytes) => view(Uint8Array, toprise.file_input(bytes.length), bytes.length).set(bytes),
     column: (index, length) => view(Float64Array, toprise.column(index), length).slice(),
     file: (length) => view(Uint8Array, toprise.file(), length).slice(),
   };

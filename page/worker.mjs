@@ -19,11 +19,33 @@ function record(request) {
   return response.error ? response : { ...response, bytes: toprise.file(response.length) };
 }
 
-onmessage = async ({ data: { id, module, simulate: run, request } }) => {
+function fit(request, file) {
+  try {
+    toprise.upload(file);
+    return toprise.ask(request);
+  } catch (error) {
+    // WebAssembly has no other way to say so.
+    return { error: `The file is too large for the memory of this page, or the fit failed (${error.message}).` };
+  }
+}
+
+const PROGRESS_PERIOD = 100; // ms
+let reported = 0;
+
+/** Passes a text on, unless another one has just been. */
+function report(progress) {
+  if (performance.now() - reported < PROGRESS_PERIOD) return;
+  reported = performance.now();
+  postMessage({ progress });
+}
+
+onmessage = async ({ data: { id, module, simulate: run, request, file } }) => {
   newest = id;
   if (module) {
-    toprise = await load(module);
+    toprise = await load(module, report);
     postMessage({ id, response: toprise.ask({ tables: {} }) });
   } else if (run) await simulate(id, run);
-  else postMessage({ id, response: request.record ? record(request) : toprise.ask(request) });
+  else if (file) {
+    postMessage({ id, response: fit(request, file) });
+  } else postMessage({ id, response: request.record ? record(request) : toprise.ask(request) });
 };

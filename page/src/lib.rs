@@ -5,6 +5,7 @@
 
 #![allow(unsafe_code, reason = "exported names are not mangled")]
 
+mod fit;
 mod form;
 mod request;
 mod run;
@@ -42,6 +43,15 @@ pub extern "C" fn output() -> *const u8 {
 #[unsafe(no_mangle)]
 pub extern "C" fn column(index: usize) -> *const f64 {
     PAGE.with_borrow(|page| page.column(index).as_ptr())
+}
+
+/// Allocates the buffer for a file of `length` bytes, which the next request reads, and returns its address.
+#[unsafe(no_mangle)]
+pub extern "C" fn file_input(length: usize) -> *mut u8 {
+    PAGE.with_borrow_mut(|page| {
+        page.measured = vec![0; length];
+        page.measured.as_mut_ptr()
+    })
 }
 
 /// The address of the last recorded file.

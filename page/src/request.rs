@@ -1,5 +1,6 @@
 //! Requests from the page and their responses.
 
+use crate::fit::{FitRequest, fit};
 use crate::form;
 use crate::run::{Run, recording};
 use crate::tables::tables;
@@ -43,13 +44,15 @@ pub enum Request {
         scenario: ScenarioRequest,
         encoding: String,
     },
+    /// Fits a scenario to the file in the buffer of files.
+    Fit(FitRequest),
 }
 
 /// A scenario: a preset and the keys that are set in it, as on the command line.
 #[derive(Deserialize)]
 pub struct ScenarioRequest {
-    preset: String,
-    set: BTreeMap<String, String>,
+    pub preset: String,
+    pub set: BTreeMap<String, String>,
 }
 
 /// State kept between requests.
@@ -58,6 +61,8 @@ pub struct Page {
     pub input: Vec<u8>,
     pub output: String,
     pub file: Vec<u8>,
+    /// Content of a file with measured values.
+    pub measured: Vec<u8>,
     run: Option<Run>,
 }
 
@@ -115,6 +120,7 @@ impl Page {
                 self.file = file;
                 Ok(json!({ "length": self.file.len(), "digest": digest }))
             }
+            Request::Fit(request) => fit(&request, &self.measured),
         }
     }
 }
@@ -130,11 +136,11 @@ fn error_response(error: &(dyn Error + 'static)) -> Json {
 
 impl ScenarioRequest {
     /// The values of the preset.
-    fn preset(&self) -> Result<Values, ScenarioError> {
+    pub fn preset(&self) -> Result<Values, ScenarioError> {
         Preset::find(&self.preset).and_then(Preset::values)
     }
 
-    fn values(&self) -> Result<Values, ScenarioError> {
+    pub fn values(&self) -> Result<Values, ScenarioError> {
         let mut values = self.preset()?;
         for (key, value) in &self.set {
             values.set(key, value)?;
@@ -142,7 +148,7 @@ impl ScenarioRequest {
         Ok(values)
     }
 
-    fn scenario(&self) -> Result<Scenario, ScenarioError> {
+    pub fn scenario(&self) -> Result<Scenario, ScenarioError> {
         Scenario::new(self.values()?)
     }
 }

@@ -50,6 +50,20 @@ async function pinch(tab, id, factor, sideways = 0) {
   await tab.waitForTimeout(200);
 }
 
+/** Drops a file on the page. */
+async function drop(tab, name, text) {
+  const dropped = (name, text) => {
+    const data = new DataTransfer();
+    data.items.add(new File([text], name));
+    return data;
+  };
+  const dataTransfer = await tab.evaluateHandle(`(${dropped})(${JSON.stringify(name)}, ${JSON.stringify(text)})`);
+  await tab.dispatchEvent("body", "dragover", { dataTransfer });
+  assert.ok(await tab.evaluate(() => document.body.classList.contains("dropping")));
+  await tab.dispatchEvent("body", "drop", { dataTransfer });
+  assert.ok(!(await tab.evaluate(() => document.body.classList.contains("dropping"))));
+}
+
 const tests = {
   async "the first screen shows a spinning top and what to do, without scrolling"(tab) {
     for (const [width, height] of [[1366, 768], [1920, 1080]]) {
@@ -566,6 +580,38 @@ const tests = {
     // On a busy machine without a graphics card; a laptop takes a tenth.
     assert.ok(times[10] < 1000, `${times[10]} ms`);
     console.log(`  median ${times[10].toFixed(0)} ms, shortest ${times[0].toFixed(0)} ms, longest ${times.at(-1).toFixed(0)} ms`);
+  },
+  async "a CSV that is dropped is fitted, and the sliders take the fit over"(tab) {
+    await drop(tab, "camera.csv", readFileSync("tests/data/fit/offset_camera.csv", "utf8"));
+    await tab.waitForFunction(() => /^fitting [\d.]+ s: χ² = /.test(document.getElementById("fit-status").textContent));
+    assert.ok(await tab.isVisible("#fit-cancel"));
+    await tab.click("#fit-cancel");
+    assert.equal(await tab.textContent("#fit-status"), "Cancelled.");
+    // The top of these data.
+    const { truth, start } = JSON.parse(readFileSync("tests/data/fit/offset.json", "utf8"));
+    const known = Object.entries({ ...truth.values, ...start }).filter(([key]) => /^(top|initial|friction)\./.test(key));
+    await tab.goto(`${url}#${["full-coulomb", ...known.map(([key, value]) => `${key}=${value}`)].join("&")}`);
+    await becomes(tab, "full-coulomb, ");
+    await drop(tab, "camera.csv", readFileSync("tests/data/fit/offset_camera.csv", "utf8"));
+    await tab.waitForSelector("#fit-result:not([hidden])", { timeout: 300_000 });
+    assert.match(await tab.textContent("#fit-report .verdict"), /^full-coulomb \(coulomb\): describes the data/);
+    assert.match(await tab.textContent("#fit-report .estimate"), /^friction\.k = 0\.0387\d+ ± 0\.0000\d\d, 95 % interval 0\.038\d+ to 0\.038\d+$/);
+    assert.match(await tab.textContent("#fit-command"), /^toprise fit full-coulomb camera\.csv --set .* --free friction\.k,initial$/);
+    assert.equal(await tab.locator("#fit-plots canvas").count(), 4);
+    await tab.locator("#fit").screenshot({ path: join(directory, "fit.png") });
+    await tab.click("#fit-take");
+    await tab.waitForFunction(() => document.querySelector('[data-knob="friction.k"] output').textContent.startsWith("0.0387"));
+    await tab.click("#fit-close");
+    assert.ok(!(await tab.isVisible("#fit")));
+  },
+  async "a broken CSV is named with line and column, and can be chosen again"(tab) {
+    const [chooser] = await Promise.all([tab.waitForEvent("filechooser"), tab.click("#fit-choose")]);
+    await chooser.setFiles({ name: "broken.csv", mimeType: "text/csv", buffer: Buffer.from("t,theta\n0,0.5\n0.1,abc\n") });
+    await tab.waitForSelector("#fit-status.wrong");
+    assert.equal(await tab.textContent("#fit-status"), 'broken.csv:3: column theta: "abc" is not a number');
+    assert.ok(!(await tab.isVisible("#fit-result")) && !(await tab.isVisible("#fit-cancel")));
+    await drop(tab, "other.csv", "a,b\n1,2\n");
+    await tab.waitForFunction(() => document.getElementById("fit-status").textContent.startsWith("other.csv: "));
   },
 };
 

@@ -31,6 +31,31 @@ use crate::physics::dynamics::{BodyRotation, EulerAngles, FreeRotation};
 use crate::run::scenario::{FormulationKind, Scenario};
 use runner::{Detail, RecordStream, Runner};
 
+/// The length of a state without the integrals that only recordings need, of `all` or `few` variables. The motion is the
+/// same, bit for bit, with both. In WebAssembly, for the page, both are `all`: integrators of their own would be a tenth of
+/// the code that a browser loads.
+const fn short_length(all: usize, few: usize) -> usize {
+    if cfg!(target_arch = "wasm32") {
+        all
+    } else {
+        few
+    }
+}
+
+/// A runner without the integrals that only recordings need.
+type ShortFree = Runner<
+    FreeRotation,
+    { short_length(FreeRotation::STATE_LENGTH, FreeRotation::SHORT_STATE_LENGTH) },
+>;
+type ShortEuler = Runner<
+    EulerAngles,
+    { short_length(EulerAngles::STATE_LENGTH, EulerAngles::SHORT_STATE_LENGTH) },
+>;
+type ShortBody = Runner<
+    BodyRotation,
+    { short_length(BodyRotation::STATE_LENGTH, BodyRotation::SHORT_STATE_LENGTH) },
+>;
+
 /// A run in progress.
 pub struct Simulation {
     run: Box<dyn RecordStream>,
@@ -95,16 +120,13 @@ pub fn run_without_samples(
     mut carry_on: impl FnMut() -> bool,
 ) -> Result<(RunEnd, Tally), SimulationError> {
     // Fewer running integrals make a step cheaper and don't change the motion.
-    type Free = Runner<FreeRotation, { FreeRotation::SHORT_STATE_LENGTH }>;
-    type Euler = Runner<EulerAngles, { EulerAngles::SHORT_STATE_LENGTH }>;
-    type Body = Runner<BodyRotation, { BodyRotation::SHORT_STATE_LENGTH }>;
     let (detail, carry_on) = (Detail::Outcome, &mut carry_on);
     match scenario.formulation {
         _ if scenario.model.support.is_free() => {
-            Free::new(scenario, detail)?.run_without_samples(carry_on)
+            ShortFree::new(scenario, detail)?.run_without_samples(carry_on)
         }
-        FormulationKind::Euler => Euler::new(scenario, detail)?.run_without_samples(carry_on),
-        FormulationKind::Body => Body::new(scenario, detail)?.run_without_samples(carry_on),
+        FormulationKind::Euler => ShortEuler::new(scenario, detail)?.run_without_samples(carry_on),
+        FormulationKind::Body => ShortBody::new(scenario, detail)?.run_without_samples(carry_on),
     }
 }
 
@@ -121,15 +143,12 @@ pub fn sample_at(
     times: &[f64],
     take: &mut dyn FnMut(usize, &Sample),
 ) -> Result<RunEnd, SimulationError> {
-    type Free = Runner<FreeRotation, { FreeRotation::SHORT_STATE_LENGTH }>;
-    type Euler = Runner<EulerAngles, { EulerAngles::SHORT_STATE_LENGTH }>;
-    type Body = Runner<BodyRotation, { BodyRotation::SHORT_STATE_LENGTH }>;
     let detail = Detail::Motion;
     match scenario.formulation {
         _ if scenario.model.support.is_free() => {
-            Free::new(scenario, detail)?.take_samples(times, take)
+            ShortFree::new(scenario, detail)?.take_samples(times, take)
         }
-        FormulationKind::Euler => Euler::new(scenario, detail)?.take_samples(times, take),
-        FormulationKind::Body => Body::new(scenario, detail)?.take_samples(times, take),
+        FormulationKind::Euler => ShortEuler::new(scenario, detail)?.take_samples(times, take),
+        FormulationKind::Body => ShortBody::new(scenario, detail)?.take_samples(times, take),
     }
 }

@@ -1,0 +1,140 @@
+// A measured motion: a file that is dropped on the page, or chosen, is fitted and shown with its best fit.
+
+import { at, element } from "./elements.mjs";
+import { Engine } from "./engine.mjs";
+import { drawMeasured, measuredName } from "./measured.mjs";
+
+/** Phones give text tables types of their own, so names count, too. */
+const TABLES = ".csv,.tsv,.txt,text/csv,text/plain,text/tab-separated-values,text/comma-separated-values,application/vnd.ms-excel";
+
+/** A word of a command line, in quotes if a shell would read it otherwise. */
+export const quotedWord = (word) => (/^[\w./=,:+-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
+
+/** The table of a report; nothing without rows. */
+function wordTable({ header, rows }) {
+  if (rows.length === 0) return [];
+  const head = element("tr", {}, ...header.map((textContent) => element("th", { textContent })));
+  const body = rows.map(([name, ...rest]) => {
+    const cells = rest.map((textContent) => element("td", { textContent }));
+    return element("tr", {}, element("th", { scope: "row", textContent: name }), ...cells);
+  });
+  return [element("div", { className: "wide" }, element("table", {}, head, ...body))];
+}
+
+const paragraphs = (texts) => texts.map((textContent) => element("p", { textContent }));
+const headed = (textContent, parts) => (parts.length > 0 ? [element("h3", { textContent }), ...parts] : []);
+
+/** What the program says of a fit. */
+function reportParts({ words }) {
+  const [first] = words.parameters.rows;
+  return [
+    element("p", { className: "verdict" }, element("b", { textContent: words.title }), ` ${words.note}`),
+    ...(first ? [element("p", { className: "estimate", textContent: `${first[0]} = ${first[1]}, 95 % interval ${first[2]}` })] : []),
+    ...paragraphs(words.extent),
+    ...headed("Remarks", paragraphs(words.remarks)),
+    ...headed("Parameters", [...wordTable(words.parameters), ...paragraphs(words.limits)]),
+    ...headed("Signals", wordTable(words.signals)),
+    ...headed("Other minima: the data don't exclude them", wordTable(words.modes)),
+  ];
+}
+
+export class FitPanel {
+  /** `scenario` gives the scenario to start from; `take` is called with a fitted one; `copy` with a command and a button. */
+  constructor(module, { scenario, take, copy }) {
+    Object.assign(this, { module, scenario });
+    this.input = element("input", { type: "file", accept: TABLES });
+    this.input.onchange = () => this.read(this.input.files[0]);
+    at("fit-choose").onclick = () => this.input.click();
+    at("fit-again").onclick = () => this.fit();
+    at("fit-cancel").onclick = () => this.end("Cancelled.");
+    at("fit-take").onclick = () => take({ preset: this.started.preset, set: this.result.set });
+    at("fit-copy").onclick = ({ target }) => copy(at("fit-command").textContent, target);
+    at("fit-close").onclick = () => this.close();
+    at("fit-options").onsubmit = (event) => {
+      event.preventDefault();
+      this.fit();
+    };
+    new ResizeObserver(() => this.draw()).observe(at("fit-plots"));
+    this.acceptDrops();
+  }
+
+  acceptDrops() {
+    const mark = (event, isOver) => {
+      if (!event.dataTransfer?.types.includes("Files")) return;
+      event.preventDefault();
+      document.body.classList.toggle("dropping", isOver);
+    };
+    addEventListener("dragover", (event) => mark(event, true));
+    addEventListener("dragleave", (event) => event.relatedTarget || mark(event, false));
+    addEventListener("drop", (event) => {
+      mark(event, false);
+      if (event.dataTransfer?.files.length > 0) this.read(event.dataTransfer.files[0]);
+    });
+  }
+
+  async read(file) {
+    this.input.value = ""; // so that the same file can be chosen again
+    if (!file) return;
+    this.file = { name: file.name, bytes: new Uint8Array(await file.arrayBuffer()) };
+    at("fit-name").textContent = file.name;
+    at("fit-free").value = "";
+    at("fit").hidden = false;
+    at("fit").scrollIntoView();
+    await this.fit();
+  }
+
+  /** Fits the scenario on the screen to the file, in a worker of its own, which can be stopped. */
+  async fit() {
+    this.engine?.worker.terminate();
+    this.show(null);
+    this.started = this.scenario();
+    const status = at("fit-status");
+    status.textContent = "Fitting …";
+    at("fit-cancel").hidden = false;
+    const engine = new Engine(this.module, (text) => (status.textContent = text));
+    this.engine = engine;
+    const { name, bytes } = this.file;
+    const request = { fit: { scenario: this.started, file: name, free: at("fit-free").value, sigma: at("fit-sigma").value } };
+    const response = await engine.send({ request, file: bytes });
+    if (engine !== this.engine) return;
+    this.end(response.error ?? "", Boolean(response.error));
+    if (!response.error) this.show(response);
+  }
+
+  /** Ends a fit with a message. */
+  end(message, isError = false) {
+    this.engine.worker.terminate();
+    this.engine = null;
+    at("fit-cancel").hidden = true;
+    at("fit-status").textContent = message;
+    at("fit-status").classList.toggle("wrong", isError);
+  }
+
+  show(result) {
+    this.result = result;
+    at("fit-status").classList.remove("wrong");
+    at("fit-result").hidden = !result;
+    at("fit-report").replaceChildren(...(result ? reportParts(result) : []));
+    at("fit-plots").replaceChildren();
+    if (!result) return;
+    at("fit-free").value = result.free;
+    at("fit-command").textContent = ["toprise", ...result.arguments].map(quotedWord).join(" ");
+    at("fit-plots").replaceChildren(
+      ...result.signals.flatMap(({ path, windows }) =>
+        windows.map(() => element("canvas", { role: "img", ariaLabel: `${measuredName(path)}: measured values and best fit` })),
+      ),
+    );
+    this.draw();
+  }
+
+  draw() {
+    const pictures = this.result?.signals.flatMap((signal) => signal.windows.map((window) => ({ signal, window }))) ?? [];
+    pictures.forEach(({ signal, window }, index) => drawMeasured(at("fit-plots").children[index], signal, window));
+  }
+
+  close() {
+    if (this.engine) this.end("");
+    this.show(null);
+    at("fit").hidden = true;
+  }
+}

@@ -1,0 +1,176 @@
+//! Fits of measured motions that are dropped on the page.
+
+use crate::form;
+use crate::request::ScenarioRequest;
+use serde::Deserialize;
+use serde_json::{Value as Json, json};
+use std::error::Error;
+use std::path::Path;
+use toprise::fit::{self, Fit, Progress, Request, SignalSpec, usual_parameters};
+use toprise::run::scenario::{Scenario, Value};
+use toprise::run::simulation::{SimulationError, sample_at};
+use toprise::telemetry::fields::NumberField;
+
+/// Maximum number of measured values of a signal that the page draws.
+const MAX_DRAWN: usize = 4000;
+
+/// Number of samples of the best fit that the page draws in a window.
+const CURVE_SAMPLES: u32 = 4000;
+
+/// Number of values of a signal in the window in which they can be told apart.
+const DETAIL: usize = 50;
+
+#[link(wasm_import_module = "page")]
+unsafe extern "C" {
+    /// Shows the progress of a fit: the address and the length of its text.
+    fn show_progress(text: *const u8, length: usize);
+}
+
+/// What to fit. The content of the file is in the buffer of files.
+#[derive(Deserialize)]
+pub struct FitRequest {
+    scenario: ScenarioRequest,
+    /// Name of the file, for errors and the command.
+    file: String,
+    /// Free parameters, separated by commas; the usual ones if empty.
+    free: String,
+    /// Standard deviation of angles, with a unit; estimated if empty.
+    sigma: String,
+}
+
+/// Fits the scenario of a request to the content of its file.
+pub fn fit(request: &FitRequest, content: &[u8]) -> Result<Json, Box<dyn Error>> {
+    let scenario = request.scenario.scenario()?;
+    let specs = signals(request, content)?;
+    let data = fit::read_bytes(Path::new(&request.file), content.to_vec(), &parsed(&specs)?)?;
+    let free: Vec<String> = match request.free.trim() {
+        "" => usual_parameters(&scenario),
+        names => names
+            .split(',')
+            .map(|name| name.trim().to_owned())
+            .collect(),
+    };
+    let names: Vec<&str> = free.iter().map(String::as_str).collect();
+    let fitted = fit::fit(&Request::new(scenario, data, &names), &report_progress)?;
+    Ok(json!({
+        "report": fitted.report,
+        "words": fitted.report.words(false),
+        "arguments": arguments(request, &free, &specs),
+        "free": free.join(","),
+        "set": fitted_values(request, &fitted)?,
+        "signals": drawn_signals(&fitted)?,
+    }))
+}
+
+fn report_progress(progress: Progress) {
+    // Derivatives have no χ².
+    if progress.chi2.is_finite() {
+        let text = progress.to_string();
+        // SAFETY: the page reads the text before it returns, and keeps nothing of it.
+        unsafe { show_progress(text.as_ptr(), text.len()) }
+    }
+}
+
+/// The arguments of `--signal`: the columns that are named like fields, if the standard deviation of angles is known.
+fn signals(request: &FitRequest, content: &[u8]) -> Result<Vec<String>, Box<dyn Error>> {
+    let sigma = request.sigma.trim();
+    let mut specs = Vec::new();
+    if sigma.is_empty() {
+        return Ok(specs);
+    }
+    for signal in fit::read_bytes(Path::new(&request.file), content.to_vec(), &[])?.signals {
+        let sigma = match signal.field.unit() {
+            "rad" => format!(":{sigma}"),
+            _ => String::new(),
+        };
+        specs.push(format!("{}={}{sigma}", signal.field.path(), signal.name));
+    }
+    Ok(specs)
+}
+
+fn parsed(specs: &[String]) -> Result<Vec<SignalSpec>, fit::DataError> {
+    specs.iter().map(|text| SignalSpec::parse(text)).collect()
+}
+
+/// The arguments with which the program does the same.
+fn arguments(request: &FitRequest, free: &[String], specs: &[String]) -> Vec<String> {
+    let mut words = vec![
+        "fit".to_owned(),
+        request.scenario.preset.clone(),
+        request.file.clone(),
+    ];
+    for (key, value) in &request.scenario.set {
+        words.extend(["--set".to_owned(), format!("{key}={value}")]);
+    }
+    for spec in specs {
+        words.extend(["--signal".to_owned(), spec.clone()]);
+    }
+    words.extend(["--free".to_owned(), free.join(",")]);
+    words
+}
+
+/// The keys that differ from the preset, with the fitted values.
+fn fitted_values(request: &FitRequest, fitted: &Fit) -> Result<Json, Box<dyn Error>> {
+    let mut values = request.scenario.values()?;
+    for estimate in &fitted.report.parameters {
+        // With one file, all parameters are keys: only further files have offsets.
+        let text = Value::Number(estimate.value).to_set_notation();
+        values.set(&estimate.name, &text)?;
+    }
+    Ok(json!(form::differences(
+        &request.scenario.preset()?,
+        &values
+    )))
+}
+
+/// The measured values of each signal, thinned out evenly, and the best fit in windows: the whole time, and its beginning.
+fn drawn_signals(fitted: &Fit) -> Result<Vec<Json>, Box<dyn Error>> {
+    let until = fitted.report.until;
+    let mut drawn = Vec::new();
+    for (index, field) in fitted.fields.iter().enumerate() {
+        let mut own = Vec::new();
+        for value in fitted
+            .residuals
+            .iter()
+            .filter(|value| value.signal == index)
+        {
+            own.push([value.time, value.value]);
+        }
+        let mut ends = vec![until];
+        if let Some([detail, _]) = own.get(DETAIL)
+            && own.len() > 2 * DETAIL
+        {
+            ends.push(*detail);
+        }
+        let mut windows = Vec::new();
+        for end in ends {
+            windows.push(window(&fitted.scenario, *field, end)?);
+        }
+        let stride = own.len().div_ceil(MAX_DRAWN).max(1);
+        // The beginning is drawn in detail, so none of its values is left out.
+        let (detail, rest) = own.split_at(DETAIL.min(own.len()));
+        let points: Vec<_> = detail.iter().chain(rest.iter().step_by(stride)).collect();
+        drawn.push(json!({
+            "path": field.path(),
+            "unit": field.unit(),
+            "points": points,
+            "windows": windows,
+        }));
+    }
+    Ok(drawn)
+}
+
+/// The best fit of a field from the start to `until`, s.
+fn window(scenario: &Scenario, field: NumberField, until: f64) -> Result<Json, SimulationError> {
+    let part = until / f64::from(CURVE_SAMPLES);
+    let times: Vec<f64> = (0..=CURVE_SAMPLES).map(|at| part * f64::from(at)).collect();
+    let mut values = Vec::new();
+    sample_at(scenario, &times, &mut |_, sample| {
+        values.push(field.of_sample(sample))
+    })?;
+    Ok(json!({
+        "from": 0.0,
+        "until": until,
+        "curve": { "time": times[..values.len()], "value": values },
+    }))
+}

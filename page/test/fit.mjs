@@ -1,0 +1,105 @@
+// Fits with the page's WebAssembly in Node: the same numbers and errors as the program.
+// usage: node page/test/fit.mjs [FILE [TOPRISE]], by default docs/toprise.html and target/debug/toprise
+import assert from "node:assert/strict";
+import { execFileSync, spawnSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
+import { gunzipSync } from "node:zlib";
+import { quotedWord } from "../fit.mjs";
+import { measuredRange } from "../measured.mjs";
+import { load } from "../toprise.mjs";
+
+const root = resolve(import.meta.dirname, "../..");
+const [page = join(root, "docs/toprise.html"), program = join(root, "target/debug/toprise")] = process.argv.slice(2);
+const [, packed] = readFileSync(page, "utf8").match(/id="wasm">([^<]*)</);
+const shown = [];
+const toprise = await load(await WebAssembly.compile(gunzipSync(Buffer.from(packed, "base64"))), (text) => shown.push(text));
+
+/** The scenario from which a set of measured data is to be fitted. */
+function startOf(name) {
+  const { truth, start } = JSON.parse(readFileSync(join(root, `tests/data/fit/${name}.json`), "utf8"));
+  const known = Object.entries(truth.values).filter(([key]) => key.startsWith("top.") || key === "gravity");
+  const set = [...known, ...Object.entries(start)].filter(([key]) => key !== "offset").map(([key, value]) => [key, String(value)]);
+  return { preset: "full-coulomb", set: Object.fromEntries(set) };
+}
+
+function fit(scenario, file, bytes, { free = "", sigma = "" } = {}) {
+  toprise.upload(bytes);
+  return toprise.ask({ fit: { scenario, file, free, sigma } });
+}
+
+const folder = mkdtempSync(join(tmpdir(), "toprise-fit-"));
+
+const tests = {
+  "a fit has the program's numbers, to the last digit"() {
+    const file = "offset_camera.csv";
+    const bytes = readFileSync(join(root, "tests/data/fit", file));
+    writeFileSync(join(folder, file), bytes);
+    const scenario = startOf("offset");
+    for (const sigma of ["1.5mrad", ""]) {
+      const start = performance.now();
+      const { error, report, words, arguments: command, set, signals, free } = fit(scenario, file, bytes, { sigma });
+      console.log(`  ${((performance.now() - start) / 1000).toFixed(1)} s for ${report?.evaluations} simulations`);
+      assert.equal(error, undefined);
+      const expected = JSON.parse(execFileSync(program, [...command, "--format", "json"], { cwd: folder, encoding: "utf8" }));
+      assert.deepEqual({ ...report, written: [] }, expected);
+      assert.equal(free, "friction.k,initial");
+      assert.equal(Number(set["friction.k"]), report.parameters[0].value);
+      const text = spawnSync(program, [...command, "--format", "markdown"], { cwd: folder, encoding: "utf8" }).stdout;
+      for (const said of [words.title, ...words.extent, ...words.remarks, ...words.parameters.rows[0]]) assert.ok(text.includes(said), said);
+      // The best fit passes through the measured values.
+      for (const { points, windows } of signals) {
+        assert.equal(points.length, 961);
+        for (const { until, curve } of windows) {
+          assert.equal(curve.time.at(-1), until);
+          for (const [time, value] of points.filter(([time]) => time <= until)) {
+            const nearest = curve.value[Math.round((time / until) * (curve.time.length - 1))];
+            assert.ok(Math.abs(nearest - value) < 0.03, `${time} s: ${value} ${nearest}`);
+          }
+        }
+      }
+    }
+    assert.match(shown.at(-1), /^fitting 8\.00 s: χ² = .*, \d+ simulations$/);
+  },
+  "errors are the program's, with file, line and column"() {
+    const scenario = { preset: "full-coulomb", set: {} };
+    for (const [name, text] of [
+      ["text", "t,theta\n0,0.5\n0.1,abc\n"],
+      ["no signal", "t,x\n0,0.5\n"],
+      ["one sample", "t,theta,phi\n0,0.5,0.1\n"],
+      ["degrees", "t,theta\n0,28\n0.1,29\n0.2,28\n0.3,27\n"],
+      ["nothing", ""],
+    ]) {
+      writeFileSync(join(folder, "a.csv"), text);
+      const { error } = fit(scenario, "a.csv", Buffer.from(text));
+      const told = spawnSync(program, ["fit", "full-coulomb", "a.csv", "--free", "friction.k,initial"], { cwd: folder, encoding: "utf8" });
+      assert.ok(error && told.stderr.includes(error), `${name}: ${error}\n${told.stderr}`);
+    }
+    assert.match(fit(scenario, "a.csv", Buffer.from("t,theta\n0,0.5\n1,0.4\n"), { sigma: "1 rpm" }).error, /"rpm" is not a unit of angle/);
+    assert.match(fit(scenario, "a.csv", Buffer.from("t,theta\n0,0.5\n1,0.4\n"), { free: "friction.q" }).error, /friction\.q/);
+  },
+  "words of the command are quoted for a shell"() {
+    for (const word of ["a.csv", "theta=tilt (deg):1deg", "it's.csv", "friction.k,initial"]) {
+      assert.equal(execFileSync("sh", ["-c", `printf %s ${quotedWord(word)}`], { encoding: "utf8" }), word);
+    }
+  },
+  "outliers don't stretch the axis of a picture"() {
+    const values = Array.from({ length: 200 }, (_, index) => (index === 77 ? 1e6 : Math.sin(index)));
+    const [low, high] = measuredRange([-1, 1], values);
+    assert.ok(low < -1 && low > -1.5 && high > 1 && high < 1.5, `${low} ${high}`);
+  },
+};
+
+let failed = 0;
+for (const [name, test] of Object.entries(tests)) {
+  try {
+    test();
+    console.log(`ok: ${name}`);
+  } catch (error) {
+    failed += 1;
+    console.log(`FAILED: ${name}: ${error.stack}`);
+  }
+}
+rmSync(folder, { recursive: true });
+process.exit(failed ? 1 : 0);
