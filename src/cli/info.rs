@@ -13,6 +13,7 @@ use crate::archive::recording::{AttachmentOverview, ChannelOverview, Condition, 
 use crate::run::plural::plural;
 use crate::run::simulation::EventKind;
 use crate::run::time::seconds_and_nanoseconds;
+use crate::telemetry::Topic;
 use anyhow::{Context as _, Error};
 use clap::Args;
 use schemars::JsonSchema;
@@ -108,7 +109,7 @@ impl InfoReport {
             facts.push(("content", format!("sha-256 {digest}")));
         }
         facts.push(("span", exact_seconds(self.last_ns - self.first_ns)));
-        facts.push(("messages", format_integer(self.messages)));
+        facts.push(("messages", self.message_line()));
         if !self.overview.events.is_empty() {
             let mut counts = Vec::new();
             for (name, number) in self.counts() {
@@ -124,6 +125,20 @@ impl InfoReport {
             facts.push(("events", counts.join(", ")));
         }
         facts
+    }
+
+    /// Number of messages; also without those for viewers, which other commands don't count.
+    fn message_line(&self) -> String {
+        let all = format_integer(self.messages);
+        let channels = self.overview.channels.iter();
+        let of_run: u64 = channels
+            .filter(|channel| Topic::all().any(|topic| topic.name() == channel.topic))
+            .map(|channel| channel.messages)
+            .sum();
+        if !self.overview.is_ours || of_run == self.messages {
+            return all;
+        }
+        format!("{all} ({} of the run itself)", format_integer(of_run))
     }
 
     /// Number of events of each kind.
@@ -148,7 +163,7 @@ impl InfoReport {
                 Some(rate) => format!("{rate:.1} Hz"),
                 None => String::new(),
             }),
-            ("bytes", |channel| format_size(channel.bytes)),
+            ("uncompressed", |channel| format_size(channel.bytes)),
         ];
         Table::new(&self.overview.channels, 3, &columns)
     }
