@@ -21,6 +21,7 @@ mod magnitude;
 mod measured;
 mod measurement;
 mod message;
+mod outline;
 mod output;
 mod pair;
 mod palette;

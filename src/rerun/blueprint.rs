@@ -10,6 +10,7 @@
 mod axis;
 mod builder;
 pub(super) mod charts;
+mod corner;
 mod fit;
 pub(super) mod pair;
 pub(super) mod run;

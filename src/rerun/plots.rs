@@ -2,6 +2,7 @@
 
 use rerun::Scalars;
 
+use super::outline::Outline;
 use super::output::{Columns, Output};
 use super::role::Role;
 use super::style;
@@ -22,6 +23,8 @@ struct PlotTrack {
     track: Track<f64>,
     /// The least and the greatest value of each number; reversed infinite bounds before the first.
     ranges: Vec<[f64; 2]>,
+    /// The course of all numbers together.
+    outline: Outline,
     /// Time of the last row, ns.
     end_ns: u64,
 }
@@ -55,6 +58,13 @@ impl Plots {
                     .zip(track.ranges.iter().copied())
             })
             .filter(|(_, range)| *range != NO_VALUES)
+    }
+
+    /// The outline of a plot, if it is one of these.
+    pub(super) fn outline(&self, plot: Plot) -> Option<&Outline> {
+        let mut tracks = self.0[plot.topic().index()].iter();
+        let track = tracks.find(|track| track.plot == plot)?;
+        Some(&track.outline)
     }
 
     /// Adds a row without values to plots that end before this time, so that time axes extend to it.
@@ -92,6 +102,7 @@ impl PlotTrack {
             numbers,
             track: Track::new(entity, move |rows| columns(rows, width), output),
             ranges: vec![NO_VALUES; width],
+            outline: Outline::new(),
             end_ns: 0,
         }
     }
@@ -111,6 +122,7 @@ impl PlotTrack {
         }
         for (range, number) in self.ranges.iter_mut().zip(&row) {
             *range = [range[0].min(*number), range[1].max(*number)];
+            self.outline.add(message.time_ns, *number);
         }
         self.track.push(output, message.time_ns, row);
         self.end_ns = message.time_ns;

@@ -91,13 +91,9 @@ impl Role {
         if self.is_of_b() { 0.7 } else { 1.0 }
     }
 
-    /// Vertical offset of arrow labels, in heights of the top, to avoid overlap of two runs.
-    pub(super) fn lift(&self) -> f64 {
-        match self {
-            Self::Compared(Side::A, _) => 0.11,
-            Self::Compared(Side::B, _) => -0.11,
-            Self::Alone | Self::Difference | Self::Magnitude => 0.0,
-        }
+    /// Index of the first row in the legend of a scene, which may show two runs with one arrow each.
+    pub(super) fn first_legend_row(&self) -> usize {
+        usize::from(self.is_of_b())
     }
 
     /// Scale factor of the drawn top; B is slightly larger, so that it is visible around A.

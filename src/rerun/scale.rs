@@ -9,7 +9,7 @@ use crate::physics::top::Top;
 use crate::run::scenario::Scenario;
 use crate::telemetry::proportions::Proportions;
 
-/// Maximum length of an arrow, in heights of the top: from every side of the top, the tip and its label are in the view.
+/// Maximum length of an arrow, in heights of the top: from every side of the top, the tip is in the view.
 const MAX_LENGTH: f64 = 1.25;
 /// Lengths of the arrow for the usual magnitude of a quantity, in heights of the top. Their ratio is greater than that of
 /// neighbours in the series 1, 2, 5, so that each magnitude has a scale.

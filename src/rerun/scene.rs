@@ -5,6 +5,7 @@
 mod arrow;
 mod body;
 mod focus;
+mod legend;
 mod measured;
 mod path;
 mod shape;
@@ -16,6 +17,7 @@ use rerun::datatypes::Rgba32;
 use self::arrow::Arrow;
 use self::body::{BodyPose, body_columns};
 use self::focus::Focus;
+use self::legend::Row;
 use self::measured::MeasuredTop;
 use self::path::Path;
 use super::entity::{CONTACT_PATHS, STAGE, TRAIL_ABOVE, TRAIL_BELOW};
@@ -68,22 +70,23 @@ impl Scene {
             body = body.with_albedo_factor(Rgba32::from_u32(albedo));
         }
         output.send_static(role.entity("scene/top/body"), &body);
-        let text = "path of the symmetry axis";
         let [latest, past] = TRAIL_ABOVE;
-        let mut trail =
+        let trail =
             Path::new(role, &[(latest, PURPLE)], 1.3, output).fading(role, past, PURPLE, output);
-        if !is_free {
-            // The name stays at the start of the path, which a travelling top leaves.
-            trail = trail.named(role, "scene/trail/name", text, PURPLE);
-        }
         let below = (!is_free).then(|| Path::new(role, &[(TRAIL_BELOW, PURPLE)], 1.0, output));
         let [slides, rolls, flies] = CONTACT_PATHS;
         let colors = [(slides, SKY), (rolls, GREEN), (flies, VERMILION)];
-        let contact_path = (is_free && identity.has(CONTACT)).then(|| {
-            let text = "path of the contact point";
-            let path = Path::new(role, &colors, 1.6, output);
-            path.named(role, "scene/contact_path/name", text, GREY)
-        });
+        let contact_path =
+            (is_free && identity.has(CONTACT)).then(|| Path::new(role, &colors, 1.6, output));
+        let arrows = Arrow::all(identity, role, output);
+        if is_alone {
+            let (text, color) = match contact_path {
+                Some(_) => ("contact path: blue slides, green rolls, red flies", GREY),
+                None => ("path of the symmetry axis", PURPLE),
+            };
+            let row = Row::new(role, arrows.len(), proportions.size(), "path", color);
+            row.send(text, output);
+        }
         Self {
             measured: identity
                 .measurement
@@ -95,7 +98,7 @@ impl Scene {
             trail_radius: 1.13 * proportions.tip,
             below,
             contact_path,
-            arrows: Arrow::all(identity, role, output),
+            arrows,
             focus,
             orientation: None,
             peg: geometry.top.peg_radius * Vector3::z(),

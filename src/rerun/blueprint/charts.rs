@@ -2,6 +2,7 @@
 
 use rerun::blueprint::components::Corner2D::{self, LeftBottom, LeftTop, RightBottom, RightTop};
 
+use super::views::titled;
 use crate::telemetry::fields::{
     Plot, acceleration, center_of_mass, contact, energy, free_peg, momentum, nutation, precession,
     state, torque,
@@ -12,20 +13,16 @@ pub(super) struct Chart {
     pub(super) name: &'static str,
     /// The plots that are shown of each run.
     pub(super) plots: &'static [Plot],
-    /// The corner of the legend. Comparisons have few legends, because colours mean the same everywhere.
+    /// The corner of the legend until the run has ended. Comparisons have few legends, because colours mean the same everywhere.
     pub(super) legend: Option<Corner2D>,
     /// The plots that are subtracted.
     pub(super) differences: &'static [Plot],
 }
 
 impl Chart {
-    /// The corner of the legend for a ball or another top.
-    pub(super) fn corner(&self, is_ball: bool) -> Option<Corner2D> {
-        // A tippe top turns from small angles to large ones, other tops rise to small ones.
-        if is_ball && self.plots.contains(&state::THETA.plot()) {
-            return self.legend.map(|_| LeftTop);
-        }
-        self.legend
+    /// The title, with the unit.
+    pub(super) fn title(&self) -> String {
+        titled(self.name, self.plots[0].unit())
     }
 }
 
@@ -90,10 +87,10 @@ const JELLETT: &[Plot] = &[free_peg::JELLETT.plot()];
 const ROUTH: &[Plot] = &[free_peg::ROUTH.plot()];
 const PERIOD: &[Plot] = &[nutation::PERIOD.plot()];
 
-const MOMENTUM_NAME: &str = "Angular momentum, vertical and axial";
-pub(super) const GAP_NAME: &str = "Height of the peg above the table";
-pub(super) const REGIME_NAME: &str = "Regime: 1 slides, 0 rolls or sticks, 2 flies";
-const PHI_DOT_NAME: &str = "dφ/dt and the slow root of regular precession";
+const MOMENTUM_NAME: &str = "Angular momentum";
+pub(super) const GAP_NAME: &str = "Height of the peg";
+pub(super) const REGIME_NAME: &str = "0 rolls, 1 slides, 2 flies";
+const PHI_DOT_NAME: &str = "dφ/dt, precession";
 const TORQUE_NAME: &str = "Friction torque, node frame";
 
 const INCLINATION: Chart = chart("θ, inclination", THETA, RightTop);
@@ -102,7 +99,7 @@ const PHI_RATE: Chart = chart(PHI_DOT_NAME, PHI_DOT_AND_ROOT, LeftTop);
 const PSI_RATE: Chart = chart("dψ/dt, spin", PSI_DOT, RightTop);
 const FRICTION_TORQUE: Chart = chart(TORQUE_NAME, TORQUE, LeftBottom);
 const THETA_TERMS: Chart = chart("Terms of d²θ/dt²", THETA_DDOT, RightBottom);
-const SLIP_VELOCITY: Chart = chart("Slip velocity at the contact, world axes", SLIP, RightTop);
+const SLIP_VELOCITY: Chart = chart("Slip velocity, world axes", SLIP, RightTop);
 const ENERGIES: Chart = chart("Total and kinetic energy", ENERGY, LeftBottom);
 const ANGULAR_MOMENTUM: Chart = chart(MOMENTUM_NAME, MOMENTUM, RightTop);
 
@@ -135,8 +132,8 @@ pub(super) const TRAVEL: [Chart; 8] = [
 pub(super) const TABLE: [Chart; 6] = [
     chart("Normal force", NORMAL_FORCE, RightTop),
     chart("Energy lost since the start", LOST, LeftTop),
-    chart("Velocity of the peg's centre", PEG_VELOCITY, RightTop),
-    chart("Velocity of the centre of mass", CENTER_VELOCITY, RightTop),
+    chart("Velocity of the peg", PEG_VELOCITY, RightTop),
+    chart("Velocity, centre of mass", CENTER_VELOCITY, RightTop),
     chart("Jellett's integral", JELLETT, RightTop),
     chart("Routh's integral", ROUTH, RightTop),
 ];
@@ -221,4 +218,21 @@ pub(crate) fn compares(plot: Plot) -> bool {
         .chain(&TABLE_CONTRASTS)
         .chain(&MORE_CONTRASTS);
     shown.any(|contrast| contrast.differences.contains(&plot))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Maximum length of a title: what the viewer has room for in a window of 1366 points.
+    const MAX_TITLE: usize = 33;
+
+    #[test]
+    fn titles_are_not_cut() {
+        let pages = [&RISE[..], &TRAVEL, &TABLE, &RATES, &MORE];
+        for chart in pages.into_iter().flatten() {
+            let title = chart.title();
+            assert!(title.chars().count() <= MAX_TITLE, "{title}");
+        }
+    }
 }

@@ -11,6 +11,7 @@ use super::charts::{
     Chart, FRICTION_CONTRASTS, MORE_CONTRASTS, MOTION_CONTRASTS, RATE_CONTRASTS, TABLE_CONTRASTS,
     TRAVEL_CONTRASTS,
 };
+use super::corner::corner_for;
 use super::views::{
     SceneView, events, playback_speed, scene, set_value_range, target, time_panel, time_series,
     titled, window,
@@ -22,7 +23,6 @@ use crate::rerun::plots::Plots;
 use crate::rerun::role::Role;
 use crate::telemetry::Topic;
 use crate::telemetry::fields::{EVENTS, NUTATION, POSE, Plot};
-use crate::telemetry::proportions::Proportions;
 use crate::telemetry::side::Side;
 
 /// Shortest value axis of a difference, relative to the typical magnitude of the quantity: shorter ones would show the
@@ -222,18 +222,24 @@ impl Charts<'_> {
                 &identity.role(side),
             )
         });
-        let name = titled(contrast.name, contrast.plots[0].unit());
-        let is_ball =
-            Side::BOTH.map(|side| Proportions::new(&identity.run(side).geometry.top).is_ball);
-        let legend = contrast
-            .corner(is_ball.contains(&true))
-            .or_else(|| legend_of_parts(contrast.plots));
-        let view = self.curves(&name, &contents.concat(), legend)?;
-        if let Some(extent) = self.extent {
-            let magnitudes = &self.identity.a.magnitudes;
-            if let Some(range) = axis_range(contrast.plots, &extent.runs, magnitudes, MIN_SPAN) {
-                set_value_range(self.layout, &view, range);
-            }
+        let range = self.extent.and_then(|extent| {
+            let magnitudes = &identity.a.magnitudes;
+            axis_range(contrast.plots, &extent.runs, magnitudes, MIN_SPAN)
+        });
+        let mut legend = contrast.legend.or_else(|| legend_of_parts(contrast.plots));
+        if let (Some(preferred), Some(extent)) = (legend, self.extent) {
+            let corner = corner_for(
+                preferred,
+                contrast.plots,
+                &extent.runs,
+                range,
+                extent.duration,
+            );
+            legend = Some(corner);
+        }
+        let view = self.curves(&contrast.title(), &contents.concat(), legend)?;
+        if let Some(range) = range {
+            set_value_range(self.layout, &view, range);
         }
         Some(view)
     }

@@ -1,6 +1,6 @@
 //! The layout for one run: the scene at the left with the events below, the main charts at the right.
 
-use rerun::blueprint::components::{ContainerKind, LinkAxis};
+use rerun::blueprint::components::{ContainerKind, Corner2D, LinkAxis};
 use rerun::blueprint::datatypes::TextLogColumnKind;
 use rerun::components::Name;
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
@@ -8,10 +8,11 @@ use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 use super::axis::{MIN_SPAN, axis_range};
 use super::builder::{Child, Layout, Messages, column, tabs};
 use super::charts::{Chart, MORE, RATES, RISE, TABLE, TRAVEL};
+use super::corner::corner_for;
 use super::fit;
 use super::views::{
     SceneView, events, playback_speed, scene, set_value_range, target, time_panel, time_series,
-    titled, window,
+    window,
 };
 use crate::rerun::entity::{self, ABOUT, EACH_EVENT, FIT_REPORT};
 use crate::rerun::identity::{Geometry, Identity, Playback};
@@ -65,7 +66,7 @@ fn complete(
         // Only charts move. The viewer would place the camera of a new scene differently.
         layout.start_new_parts();
     }
-    let right = right_side(layout, identity, ended.map(|ended| ended.plots));
+    let right = right_side(layout, identity, ended);
     // Without a scene the left side has only text.
     let shares = if identity.has(POSE) {
         [42.0, 58.0]
@@ -203,8 +204,13 @@ fn bounds_of_tippe_top(unit: &str, geometry: &Geometry) -> Option<[f64; 2]> {
     Some([-greatest, greatest])
 }
 
-/// Pages of charts, with axes that fit the values if they are known.
-fn right_side(layout: &mut Layout, identity: &Identity, plots: Option<&Plots>) -> Option<Child> {
+/// Pages of charts, with axes and legends that fit the values of a run that has ended.
+fn right_side(
+    layout: &mut Layout,
+    identity: &Identity,
+    ended: Option<&EndedRun<'_>>,
+) -> Option<Child> {
+    let plots = ended.map(|ended| ended.plots);
     let mut grids = Vec::new();
     if let Some(measurement) = &identity.measurement {
         grids.push(fit::page(layout, measurement, plots));
@@ -212,15 +218,11 @@ fn right_side(layout: &mut Layout, identity: &Identity, plots: Option<&Plots>) -
     for page in pages(identity, plots) {
         let mut views = Vec::new();
         for chart in page.charts {
-            let unit = chart.plots[0].unit();
             let contents: Vec<_> = chart.plots.iter().map(Plot::to_string).collect();
-            let name = titled(chart.name, unit);
             let link = LinkAxis::Independent;
-            let corner = chart.corner(Proportions::new(&identity.geometry.top).is_ball);
-            let view = time_series(layout, &name, &contents, corner, link);
-            // The peaks of a tippe top would flatten the rest of the curve.
-            let range = bounds_of_tippe_top(unit, &identity.geometry)
-                .or_else(|| axis_range(chart.plots, &[plots?], &identity.magnitudes, MIN_SPAN));
+            let range = value_range(chart, identity, plots);
+            let corner = legend(chart, identity, ended, range);
+            let view = time_series(layout, &chart.title(), &contents, corner, link);
             if let Some(range) = range {
                 set_value_range(layout, &view, range);
             }
@@ -232,6 +234,39 @@ fn right_side(layout: &mut Layout, identity: &Identity, plots: Option<&Plots>) -
         grids.extend(layout.contain_any(grid, &views));
     }
     layout.contain_any(tabs(), &grids)
+}
+
+/// The range of a chart's axis; `None` if the viewer's choice is as good.
+fn value_range(chart: &Chart, identity: &Identity, plots: Option<&Plots>) -> Option<[f64; 2]> {
+    // The peaks of a tippe top would flatten the rest of the curve.
+    bounds_of_tippe_top(chart.plots[0].unit(), &identity.geometry)
+        .or_else(|| axis_range(chart.plots, &[plots?], &identity.magnitudes, MIN_SPAN))
+}
+
+/// The corner of a chart's legend, where the curves of a run that has ended are not. The title names a single curve.
+fn legend(
+    chart: &Chart,
+    identity: &Identity,
+    ended: Option<&EndedRun<'_>>,
+    range: Option<[f64; 2]>,
+) -> Option<Corner2D> {
+    let plots = chart.plots.iter().filter(|plot| identity.has(plot.topic()));
+    let lines = plots.flat_map(|plot| plot.numbers()).count();
+    if lines < 2 {
+        return None;
+    }
+    match ended {
+        Some(EndedRun {
+            plots, duration, ..
+        }) => Some(corner_for(
+            chart.legend?,
+            chart.plots,
+            &[plots],
+            range,
+            *duration,
+        )),
+        None => chart.legend,
+    }
 }
 
 #[cfg(test)]

@@ -1,9 +1,10 @@
-//! The arrows of the scene, each with its name beyond its tip.
+//! The arrows of the scene.
 
 use nalgebra::{UnitQuaternion, Vector3};
-use rerun::archetypes::{Arrows3D, Points3D};
+use rerun::archetypes::Arrows3D;
 use rerun::{Color, Radius};
 
+use super::legend::Row;
 use crate::rerun::identity::Identity;
 use crate::rerun::output::{Columns, Output};
 use crate::rerun::palette;
@@ -14,9 +15,6 @@ use crate::telemetry::Message;
 use crate::telemetry::fields::{CONTACT, VectorField, contact, momentum, torque};
 use crate::telemetry::proportions::Proportions;
 
-/// Time between two positions of a label, in ns.
-const LABEL_NS: u64 = 10_000_000;
-
 /// A kind of arrow.
 struct Kind {
     name: &'static str,
@@ -26,9 +24,6 @@ struct Kind {
     vector: VectorField,
     /// Quantity per metre.
     scale: fn(&Scales) -> f64,
-    /// Distance by which its label is moved up, in heights of the top. The distances differ, so that labels don't overlap
-    /// when arrows are short.
-    lift: f64,
 }
 
 /// All kinds of arrows.
@@ -38,35 +33,30 @@ static KINDS: [Kind; 5] = [
         color: palette::SKY,
         vector: contact::SLIP_WORLD,
         scale: |scales| scales.slip,
-        lift: 0.0,
     },
     Kind {
         name: "friction force",
         color: palette::ORANGE,
         vector: contact::FRICTION_FORCE,
         scale: |scales| scales.force,
-        lift: -0.13,
     },
     Kind {
         name: "gravity torque",
         color: palette::GREEN,
         vector: torque::GRAVITY_BODY,
         scale: |scales| scales.gravity_torque,
-        lift: 0.13,
     },
     Kind {
         name: "friction torque",
         color: palette::VERMILION,
         vector: torque::FRICTION_BODY,
         scale: |scales| scales.friction_torque,
-        lift: 0.26,
     },
     Kind {
         name: "angular momentum",
         color: palette::YELLOW,
         vector: momentum::WORLD,
         scale: |scales| scales.momentum,
-        lift: 0.13,
     },
 ];
 
@@ -105,64 +95,67 @@ pub(super) fn explanation(identity: &Identity, role: &Role) -> String {
     for DrawnKind { kind, legend, .. } in drawn(identity, role) {
         text += &format!("| {} | {legend} |\n", kind.name);
     }
+    if Proportions::new(&identity.geometry.top).is_ball {
+        text += "\nThe ball would hide the starts of torques and of the angular momentum: they start at its surface.\n";
+    }
     text
 }
 
-/// Distance of a label from the tip of its arrow, in heights of the top.
-const LABEL_GAP: f64 = 0.12;
-/// Length of the shortest arrow with a label, in heights of the top. Labels of shorter ones would overlap.
-const MIN_LABELED: f64 = 0.1;
-
-/// An arrow at the origin of a quantity, with a label beyond its tip.
+/// An arrow at the origin of a quantity, with a row in the legend.
 pub(super) struct Arrow {
     vector: VectorField,
     /// Quantity per metre.
     scale: f64,
     /// Height of the top, m.
     height: f64,
-    /// Distance by which the label is moved up from the tip, m.
-    lift: f64,
+    /// Distance of the arrow's start from its origin, m.
+    gap: f64,
     arrows: Track<[[f32; 3]; 2]>,
-    labels: Track<Option<[f32; 3]>>,
-    /// The labels of the arrow where it is cut off, because it would leave the view.
-    cut_labels: Track<Option<[f32; 3]>>,
-    next_label_ns: u64,
+    row: Row,
+    /// The texts of the row where the arrow is drawn in its length, and where it is cut off, because it would leave the view.
+    texts: [Track<Option<[f32; 3]>>; 2],
+    /// Whether the arrow was cut off at its last message.
+    was_cut: Option<bool>,
 }
 
 impl Arrow {
     /// The arrows with data to draw; sends colours, thickness and names.
     pub(super) fn all(identity: &Identity, role: &Role, output: &mut Output) -> Vec<Self> {
-        let size = Proportions::new(&identity.geometry.top).size();
+        let proportions = Proportions::new(&identity.geometry.top);
+        let size = proportions.size();
         let mut arrows = Vec::new();
-        for DrawnKind {
-            kind,
-            scale,
-            legend,
-        } in drawn(identity, role)
+        for (
+            index,
+            DrawnKind {
+                kind,
+                scale,
+                legend,
+            },
+        ) in drawn(identity, role).into_iter().enumerate()
         {
-            let entity = role.entity(&format!("scene/{}", kind.name.replace(' ', "_")));
-            let color = Color::from_u32(role.color(kind.color, 0));
+            let name = kind.name.replace(' ', "_");
+            let entity = role.entity(&format!("scene/{name}"));
+            let color = role.color(kind.color, 0);
             let radius = 0.017 * size * role.thickness();
             let arrow = Arrows3D::update_fields()
-                .with_colors([color])
+                .with_colors([Color::from_u32(color)])
                 .with_radii([Radius::new_scene_units(radius as f32)]);
             output.send_static(entity.as_str(), &arrow);
+            let row = Row::new(role, index, size, &name, color);
             let name = role.short_name(kind.name);
-            let label = format!("{entity}/label");
-            let cut_label = format!("{entity}/cut_label");
-            let text = format!("{name} ({legend})");
-            let cut_text = format!("{name} (longer than drawn; {legend})");
-            send_label(&label, text, color, output);
-            send_label(&cut_label, cut_text, color, output);
+            let texts = [
+                ("whole", format!("{name} ({legend})")),
+                ("cut", format!("{name} (longer than drawn; {legend})")),
+            ];
             arrows.push(Self {
                 vector: kind.vector,
                 scale,
                 height: size,
-                lift: (kind.lift + role.lift()) * size,
+                gap: gap(kind.vector, &proportions),
                 arrows: Track::new(entity, arrow_columns, output),
-                labels: Track::new(label, label_columns, output),
-                cut_labels: Track::new(cut_label, label_columns, output),
-                next_label_ns: 0,
+                texts: texts.map(|(part, text)| row.open(part, &text, output)),
+                row,
+                was_cut: None,
             });
         }
         arrows
@@ -190,23 +183,29 @@ impl Arrow {
             None => return,
         };
         let (arrow, is_cut) = clip_to_view(vector / self.scale, self.height);
-        let row = [origin, arrow].map(|part| part.cast::<f32>().into());
+        let start = match arrow.try_normalize(0.0) {
+            Some(direction) => origin + self.gap * direction,
+            None => origin,
+        };
+        let row = [start, arrow].map(|part| part.cast::<f32>().into());
         self.arrows.push(output, time_ns, [row]);
-        if time_ns >= self.next_label_ns {
-            self.next_label_ns = time_ns.saturating_add(LABEL_NS);
-            let place = self
-                .label_offset(arrow)
-                .map(|offset| (origin + offset).cast::<f32>().into());
-            let (label, cut_label) = if is_cut { (None, place) } else { (place, None) };
-            self.labels.push(output, time_ns, [label]);
-            self.cut_labels.push(output, time_ns, [cut_label]);
+        if self.was_cut != Some(is_cut) {
+            self.was_cut = Some(is_cut);
+            let place = Some(self.row.place());
+            let places = if is_cut { [None, place] } else { [place, None] };
+            for (text, place) in self.texts.iter().zip(places) {
+                text.push(output, time_ns, [place]);
+            }
         }
     }
+}
 
-    /// Position of the label of an arrow relative to the arrow's origin, m; none for a short arrow.
-    fn label_offset(&self, arrow: Vector3<f64>) -> Option<Vector3<f64>> {
-        let direction = arrow.try_normalize(MIN_LABELED * self.height)?;
-        Some(arrow + LABEL_GAP * self.height * direction + self.lift * Vector3::z())
+/// Distance of an arrow's start from its origin, m: a ball would hide a short arrow that starts at its centre.
+fn gap(vector: VectorField, proportions: &Proportions) -> f64 {
+    if proportions.is_ball && !is_at_contact(vector) {
+        proportions.peg
+    } else {
+        0.0
     }
 }
 
@@ -224,17 +223,6 @@ fn clip_to_view(arrow: Vector3<f64>, height: f64) -> (Vector3<f64>, bool) {
     }
 }
 
-/// Sends the text and the style of a label, which gets its places later.
-fn send_label(entity: &str, text: String, color: Color, output: &mut Output) {
-    let label = Points3D::update_fields()
-        .with_colors([color])
-        // Rerun draws text in a scene only as the label of a point: this one can't be seen.
-        .with_radii([Radius::new_ui_points(0.0)])
-        .with_labels([text])
-        .with_show_labels(true);
-    output.send_static(entity, &label);
-}
-
 /// Whether an arrow begins at the point of contact, or the lowest point of a peg in the air; others begin at the centre of
 /// the peg.
 fn is_at_contact(vector: VectorField) -> bool {
@@ -246,12 +234,6 @@ fn arrow_columns(rows: &[[[f32; 3]; 2]]) -> Columns {
         .with_origins(rows.iter().map(|[origin, _]| *origin))
         .with_vectors(rows.iter().map(|[_, vector]| *vector));
     Ok(arrows.columns_of_unit_batches()?.collect())
-}
-
-fn label_columns(rows: &[Option<[f32; 3]>]) -> Columns {
-    let points = Points3D::update_fields().with_positions(rows.iter().copied().flatten());
-    let lengths = rows.iter().map(|row| usize::from(row.is_some()));
-    Ok(points.columns(lengths)?.collect())
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Paths in the scene: of the symmetry axis, and of the contact point of a free peg.
 
 use nalgebra::Vector3;
-use rerun::archetypes::{LineStrips3D, Points3D};
+use rerun::archetypes::LineStrips3D;
 use rerun::{Color, Radius};
 
 use crate::rerun::output::{Columns, Output};
@@ -30,12 +30,10 @@ pub(super) struct Path {
     kind: usize,
     next_point_ns: u64,
     next_piece_ns: u64,
-    /// The name and entity, until the name has been placed at the start of the path.
-    name: Option<(&'static str, Points3D)>,
 }
 
 impl Path {
-    /// An empty path without a name, of these colours, each with its entity.
+    /// An empty path of these colours, each with its entity.
     pub(super) fn new(
         role: &Role,
         colors: &[(&str, u32)],
@@ -54,7 +52,6 @@ impl Path {
             kind: 0,
             next_point_ns: 0,
             next_piece_ns: PIECE_NS,
-            name: None,
         }
     }
 
@@ -68,23 +65,6 @@ impl Path {
     ) -> Self {
         let color = darkened(role.color(color, 0));
         self.faded = Some(track(role.entity(entity), color, FADED_WIDTH, output));
-        self
-    }
-
-    /// The same path with a name in this colour, if it is the only one in its scene.
-    pub(super) fn named(
-        mut self,
-        role: &Role,
-        entity: &'static str,
-        text: &str,
-        color: u32,
-    ) -> Self {
-        let name = Points3D::update_fields()
-            .with_colors([Color::from_u32(color)])
-            .with_radii([Radius::new_ui_points(0.0)])
-            .with_labels([text])
-            .with_show_labels(true);
-        self.name = role.is_alone().then_some((entity, name));
         self
     }
 
@@ -103,9 +83,6 @@ impl Path {
         }
         self.next_point_ns = time_ns.saturating_add(POINT_NS);
         let point: [f32; 3] = point.cast().into();
-        if let Some((entity, name)) = self.name.take() {
-            output.send_static(entity, &name.with_positions([point]));
-        }
         self.piece.push(point);
         if (time_ns >= self.next_piece_ns || is_changed) && self.piece.len() > 1 {
             self.next_piece_ns = time_ns.saturating_add(PIECE_NS);

@@ -1,0 +1,73 @@
+//! The legend of the scene: the names of its arrows and paths in rows below the top.
+//!
+//! Names beside the tips of arrows would lie across each other and the top.
+
+use rerun::archetypes::Points3D;
+use rerun::{Color, Radius};
+
+use crate::rerun::output::{Columns, Output};
+use crate::rerun::role::Role;
+use crate::rerun::track::Track;
+
+/// Height of the first row above the table, and of each row above the next one, in heights of the top. The rows are on the
+/// vertical through the peg, so that they stay below each other when the view is turned.
+const FIRST: f64 = -0.5;
+const STEP: f64 = 0.17;
+
+/// A row of the legend.
+pub(super) struct Row {
+    entity: String,
+    place: [f32; 3],
+    color: Color,
+}
+
+impl Row {
+    /// The row with this index, for a top of this height in m. `name` is that of its entity.
+    pub(super) fn new(role: &Role, index: usize, height: f64, name: &str, color: u32) -> Self {
+        let row = (role.first_legend_row() + index) as f64;
+        Self {
+            // A free peg takes the legend along, as it does the camera.
+            entity: role.entity(&format!("scene/focus/legend/{}", name.replace(' ', "_"))),
+            place: [0.0, 0.0, (height * (FIRST - STEP * row)) as f32],
+            color: Color::from_u32(color),
+        }
+    }
+
+    /// Sends a text that stays.
+    pub(super) fn send(&self, text: &str, output: &mut Output) {
+        let label = self.label(text).with_positions([self.place]);
+        output.send_static(self.entity.as_str(), &label);
+    }
+
+    /// Sends a text that is shown at some times: those at which the track has a place.
+    pub(super) fn open(
+        &self,
+        part: &str,
+        text: &str,
+        output: &mut Output,
+    ) -> Track<Option<[f32; 3]>> {
+        let entity = format!("{}/{part}", self.entity);
+        output.send_static(entity.as_str(), &self.label(text));
+        Track::new(entity, columns, output)
+    }
+
+    /// The place of the row, relative to the table below the peg, m.
+    pub(super) fn place(&self) -> [f32; 3] {
+        self.place
+    }
+
+    fn label(&self, text: &str) -> Points3D {
+        Points3D::update_fields()
+            .with_colors([self.color])
+            // Rerun draws text in a scene only as the label of a point: this one can't be seen.
+            .with_radii([Radius::new_ui_points(0.0)])
+            .with_labels([text])
+            .with_show_labels(true)
+    }
+}
+
+fn columns(rows: &[Option<[f32; 3]>]) -> Columns {
+    let points = Points3D::update_fields().with_positions(rows.iter().copied().flatten());
+    let lengths = rows.iter().map(|row| usize::from(row.is_some()));
+    Ok(points.columns(lengths)?.collect())
+}
