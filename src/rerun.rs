@@ -28,6 +28,7 @@ mod palette;
 mod plots;
 mod preview;
 mod properties;
+mod recorded_fit;
 mod role;
 mod rrd;
 mod scale;

@@ -236,6 +236,13 @@ fn status(report: &Report) -> Status {
     }
 }
 
+/// The report that is attached to the recording of a fit, in Markdown; `None` if it isn't one of this program.
+#[cfg(feature = "rerun")]
+pub(super) fn attached_report(json: &[u8]) -> Option<String> {
+    let report: Report = serde_json::from_slice(json).ok()?;
+    Some(markdown(&page::page(&report, &[], false)))
+}
+
 fn show(progress: &Progress, state: fit::Progress) {
     if state.chi2.is_finite() {
         progress.set_text(state.to_string());

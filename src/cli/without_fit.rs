@@ -20,6 +20,12 @@ pub(super) fn schemas() -> Vec<(String, String)> {
     Vec::new()
 }
 
+/// No report can be read.
+#[cfg(feature = "rerun")]
+pub(super) fn attached_report(_json: &[u8]) -> Option<String> {
+    None
+}
+
 /// No error is one of a fit.
 pub(super) fn wrong_key<'a>(_cause: &'a (dyn std::error::Error + 'static)) -> Option<&'a str> {
     None

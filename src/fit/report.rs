@@ -2,10 +2,10 @@
 
 use super::model::Loss;
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The result of a fit as a whole.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// The model describes the data and, if laws were compared, one of them is clearly best.
@@ -20,7 +20,7 @@ pub enum Verdict {
 }
 
 /// Result of fitting a scenario to data.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Report {
     /// The result as a whole.
     pub verdict: Verdict,
@@ -58,7 +58,7 @@ pub struct Report {
 }
 
 /// A signal and its residuals.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SignalReport {
     /// The field of the simulation.
     pub field: String,
@@ -105,7 +105,7 @@ pub struct SignalReport {
 }
 
 /// What makes an estimated standard deviation meaningless.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Oddity {
     /// All values are equal: they have no noise.
@@ -123,7 +123,7 @@ pub enum Oddity {
 }
 
 /// A parameter and its uncertainty.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Estimate {
     /// Name of the parameter.
     pub name: String,
@@ -145,7 +145,7 @@ pub struct Estimate {
 }
 
 /// A one-sided limit.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Limit {
     /// The parameter is below this.
@@ -159,7 +159,7 @@ pub enum Limit {
 }
 
 /// A correlation of two parameters.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Correlation {
     /// Names of the parameters.
     pub parameters: [String; 2],
@@ -168,7 +168,7 @@ pub struct Correlation {
 }
 
 /// Goodness of a fit.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Quality {
     /// Sum of the squared residuals, in σ²; with Huber's loss, that loss.
     pub chi2: f64,
@@ -186,7 +186,7 @@ pub struct Quality {
 }
 
 /// Another minimum.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Mode {
     /// χ² above that of the best minimum.
     pub delta_chi2: f64,
@@ -197,7 +197,7 @@ pub struct Mode {
 }
 
 /// The profile likelihood of a parameter: χ² minimised over all others.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Profile {
     /// The parameter.
     pub parameter: String,
@@ -216,7 +216,7 @@ pub struct Profile {
 }
 
 /// Comparison of laws.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Comparison {
     /// The laws by BIC, lowest first. If it is decided, the first one is preferred.
     pub laws: Vec<LawFit>,
@@ -230,7 +230,7 @@ pub struct Comparison {
 }
 
 /// The fit of one law.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LawFit {
     /// The law.
     pub law: String,
@@ -258,7 +258,7 @@ pub struct LawFit {
 }
 
 /// An extension of the data.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Extension {
     /// What is extended.
     pub kind: ExtensionKind,
@@ -269,7 +269,7 @@ pub struct Extension {
 }
 
 /// Kind of an extension of the data.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ExtensionKind {
     /// A longer measurement.

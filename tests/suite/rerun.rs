@@ -1,8 +1,6 @@
 //! The Rerun stream, as far as it can be tested without a viewer.
 
-#[cfg(feature = "fit")]
-use crate::support::scenario;
-use crate::support::{Folder, assert_contains, printed};
+use crate::support::{Folder, assert_contains, printed, scenario};
 use rerun::external::re_log_encoding::DecoderApp;
 use rerun::external::re_log_types::LogMsg;
 use rerun::log::Chunk;
@@ -337,17 +335,133 @@ fn fits_show_data_over_the_curve() {
         .iter()
         .filter(|chunk| chunk.entity_path().to_string() == "/scene/measured" && !chunk.is_static());
     assert_eq!(poses.map(Chunk::num_rows).sum::<usize>(), rows.len());
-    let reports = chunks
-        .iter()
-        .filter(|chunk| chunk.entity_path().to_string() == "/fit/report");
-    let texts = reports.flat_map(|chunk| {
-        let texts = chunk.iter_slices::<String>("TextDocument:text".into());
-        texts
-            .flatten()
-            .map(|text| text.to_string())
-            .collect::<Vec<_>>()
-    });
-    assert_contains(&texts.last().unwrap(), "friction.k");
+    assert_contains(&text(&chunks, "/fit/report"), "friction.k");
+}
+
+/// The last text of an entity.
+#[cfg(feature = "fit")]
+fn text(chunks: &[Chunk], entity: &str) -> String {
+    let chunks = chunks.iter();
+    let texts = chunks
+        .filter(|chunk| chunk.entity_path().to_string() == entity)
+        .flat_map(|chunk| {
+            chunk
+                .iter_slices::<String>("TextDocument:text".into())
+                .flatten()
+                .map(|text| text.to_string())
+                .collect::<Vec<_>>()
+        });
+    texts.last().unwrap()
+}
+
+#[cfg(feature = "fit")]
+#[test]
+fn view_shows_a_recorded_fit_as_fit_does() {
+    let folder = Folder::new();
+    let mut csv = "t,theta,phi\n".to_owned();
+    for [time, theta, phi] in measured_motion() {
+        csv += &format!("{time},{theta},{phi}\n");
+    }
+    fs::write(folder.at("data.csv"), csv).unwrap();
+    let line = "fit full-coulomb data.csv --set friction.k=0.04 --free friction.k --signal theta:1mrad \
+        --signal phi:1mrad --holdout 0.2 -o fit.mcap --rrd fit.rrd";
+    folder.toprise(line, 0);
+    folder.toprise("view fit.mcap --rrd view.rrd", 0);
+    let [expected, found] = ["fit.rrd", "view.rrd"].map(|file| chunks(&folder.read(file)));
+    for kind in ["data", "residual"] {
+        for name in ["theta", "phi", "theta/held_out", "phi/held_out"] {
+            let entity = format!("/fit/{kind}/top/state/{name}");
+            let rows = numbers(&expected, &entity);
+            assert!(!rows.is_empty(), "{entity}");
+            assert_eq!(numbers(&found, &entity), rows, "{entity}");
+        }
+    }
+    assert_eq!(text(&found, "/fit/report"), text(&expected, "/fit/report"));
+    let part = folder.toprise("view fit.mcap --to 0.1 --rrd part.rrd", 0);
+    assert_eq!(part.stderr, "");
+    let part = numbers(
+        &chunks(&folder.read("part.rrd")),
+        "/fit/data/top/state/theta",
+    );
+    assert_eq!(part.len(), 11);
+}
+
+fn length(vector: [f64; 3]) -> f64 {
+    vector.iter().map(|part| part * part).sum::<f64>().sqrt()
+}
+
+/// The vectors of a component of an entity, in all rows.
+fn positions(chunks: &[Chunk], entity: &str, component: &'static str) -> Vec<[f32; 3]> {
+    let mut positions = Vec::new();
+    for chunk in chunks {
+        if chunk.entity_path().to_string() == entity {
+            let rows = chunk.iter_slices::<[f32; 3]>(component.into());
+            positions.extend(rows.flatten().copied());
+        }
+    }
+    positions
+}
+
+#[test]
+fn rows_of_the_legend_do_not_overlap() {
+    let folder = Folder::new();
+    for preset in ["paper", "free-paper", "tippe-top"] {
+        let line = format!("run {preset} --set stop.duration=0.1 -o a.mcap --rrd a.rrd --force");
+        folder.toprise(&line, 0);
+        let chunks = chunks(&folder.read("a.rrd"));
+        let mut heights: Vec<f32> = Vec::new();
+        for name in [
+            "slip_velocity",
+            "friction_force",
+            "gravity_torque",
+            "friction_torque",
+            "angular_momentum",
+        ] {
+            let entity = format!("/scene/focus/legend/{name}/whole");
+            let places = positions(&chunks, &entity, "Points3D:positions");
+            assert_eq!(
+                places.len(),
+                1,
+                "{preset}: {name} has one place for the whole run"
+            );
+            heights.push(places[0][2]);
+        }
+        heights.push(positions(&chunks, "/scene/focus/legend/path", "Points3D:positions")[0][2]);
+        let steps: Vec<f32> = heights.windows(2).map(|pair| pair[0] - pair[1]).collect();
+        for step in &steps {
+            assert!(
+                *step > 0.0 && (step / steps[0] - 1.0).abs() < 1e-4,
+                "{preset}: {steps:?}"
+            );
+        }
+        assert!(heights[0] < 0.0, "{preset}: below the table");
+    }
+}
+
+#[test]
+fn balls_do_not_hide_their_arrows() {
+    let folder = Folder::new();
+    folder.toprise(
+        "run tippe-top --set stop.duration=0.1 -o a.mcap --rrd a.rrd",
+        0,
+    );
+    let chunks = chunks(&folder.read("a.rrd"));
+    let radius = scenario("tippe-top", &[]).model.top.peg_radius;
+    let arrow = "/scene/angular_momentum";
+    let starts = positions(&chunks, arrow, "Arrows3D:origins");
+    let vectors = positions(&chunks, arrow, "Arrows3D:vectors");
+    let pegs = positions(&chunks, "/scene/top", "Transform3D:translation");
+    assert_eq!((starts.len(), vectors.len()), (pegs.len(), pegs.len()));
+    for ((start, vector), peg) in starts.iter().zip(vectors).zip(pegs) {
+        let from_peg = [0, 1, 2].map(|axis| f64::from(start[axis] - peg[axis]));
+        let along: f64 = (0..3)
+            .map(|axis| from_peg[axis] * f64::from(vector[axis]))
+            .sum();
+
+        // Single precision.
+        assert!((length(from_peg) / radius - 1.0).abs() < 1e-4);
+        assert!((along / (radius * length(vector.map(f64::from))) - 1.0).abs() < 1e-4);
+    }
 }
 
 #[cfg(feature = "fit")]

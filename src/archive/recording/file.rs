@@ -219,6 +219,19 @@ impl Recording {
             .map(|attachment| (attachment.header.name.as_str(), attachment.data_length))
     }
 
+    /// The data of the first intact attachment with this name and at most this size in bytes, if it can be read.
+    pub fn attachment(&self, name: &str, max_size: u64) -> Option<Vec<u8>> {
+        let mut attachments = self.layout.attachments.iter();
+        attachments
+            .find(|attachment| {
+                attachment.header.name == name
+                    && attachment.is_intact
+                    && attachment.data_length <= max_size
+            })?
+            .data(&self.source)
+            .ok()
+    }
+
     /// All channels, in the order of the file.
     pub fn channels(&self) -> &[FileChannel] {
         self.layout.channels.list()

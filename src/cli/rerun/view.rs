@@ -8,6 +8,7 @@ use crate::archive::recording::{Condition, Recording, Selection};
 use crate::archive::replay::{Replayed, replay};
 use crate::cli::arguments::OUTPUT;
 use crate::cli::file_kind::FileKind;
+use crate::cli::fit;
 use crate::cli::interrupt;
 use crate::cli::output;
 use crate::cli::page::Section;
@@ -15,16 +16,18 @@ use crate::cli::progress::Progress;
 use crate::cli::report::{self, WrittenFile};
 use crate::cli::status::Status;
 use crate::cli::table::Table;
-use crate::rerun::{Destinations, ExplainedSink, Identity, Live, Playback};
+use crate::rerun::{Destinations, ExplainedSink, Identity, Live, Measurement, Playback};
 use crate::run::outcome;
 use crate::run::outcome::Outcome;
 use crate::telemetry::Topics;
+use crate::telemetry::supplement::SUPPLEMENTARY_ATTACHMENTS;
 use anyhow::{Context as _, Error, bail};
 use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::Arc;
 
 /// Arguments of `toprise view`.
 #[derive(Args, Debug, PartialEq)]
@@ -298,7 +301,10 @@ fn show(
         .scenario()
         .context("the scene can't be drawn without the scenario")
         .with_context(|| path.display().to_string())?;
-    let identity = Identity::new(name, &scenario, recording.topics(), Playback::FromStart);
+    let identity = Identity {
+        measurement: measurement(recording, &plan.selection).map(Arc::new),
+        ..Identity::new(name, &scenario, recording.topics(), Playback::FromStart)
+    };
     let mut draft = None;
     if let Some(rrd) = rrd {
         draft = Some(Draft::new_in(drafts, rrd, plan.existing)?);
@@ -342,6 +348,18 @@ fn show(
         rrd: completed.file,
         is_viewer_lost: was_viewer_lost || completed.is_viewer_lost,
     })
+}
+
+/// Maximum size of the attached report of a fit, bytes: hundreds of times the usual one.
+const MAX_REPORT: u64 = 1 << 24;
+
+/// The data of the fit, if the recording is of one.
+fn measurement(recording: &Recording, selection: &Selection) -> Option<Measurement> {
+    let [_, report] = SUPPLEMENTARY_ATTACHMENTS;
+    let text = recording
+        .attachment(report.name, MAX_REPORT)
+        .and_then(|json| fit::attached_report(&json));
+    Measurement::from_recording(recording, selection, text.unwrap_or_default())
 }
 
 /// Outcome of the run, if the complete recording is shown and the scenario's outcome agrees with the recorded end.
