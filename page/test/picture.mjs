@@ -6,7 +6,6 @@ const browser = await chromium.launch({ executablePath: "/usr/bin/chromium", arg
 const page = await browser.newPage({ viewport: { width: 1500, height: 800 } });
 await page.goto(url);
 await page.waitForSelector("body.ready");
-await page.waitForSelector("#comparison td");
 await page.click("#play"); // pauses
 await page.locator("#time").evaluate((slider, seconds) => {
   slider.value = seconds;
