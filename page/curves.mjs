@@ -6,6 +6,8 @@ import { degrees, fixed, imagined, written } from "./numbers.mjs";
 
 const LEFT = 58;
 const RIGHT = 12;
+const LABEL = 12; // start of a panel's label
+const GAP = 14; // between the values of runs
 const HEAD = 18; // above each panel, for its label and values
 const FOOT = 30;
 const NUMBER_HEIGHT = 11;
@@ -27,6 +29,8 @@ const HEIGHT = { name: "height", label: "height of the peg above the table", uni
 const ENERGY = { name: "mechanical", label: "energy, zero at the table", unit: "J" };
 const FIXED = [TILT, PRECESSION, NUTATION, SPIN, SLIP, ENERGY];
 const FREE = [TILT, FREE_NUTATION, AXIAL, SLIP, HEIGHT, ENERGY];
+
+const panelLabel = ({ label, unit, axisUnit = unit }) => `${label} (${axisUnit})`;
 
 export const quantities = (run) => (run.is_free ? FREE : FIXED).filter((quantity) => quantity !== HEIGHT || run.flies);
 
@@ -58,8 +62,13 @@ function envelope(run, name, [from, to], width) {
 /** Whether there is nothing to draw over time: each run has a single sample. */
 export const isMoment = (runs) => runs.every(({ run }) => run.columns.time.length < 2);
 
-/** A value in its unit and in the one that people imagine; a constant has one digit more. */
-function valueText(value, { unit, inDegrees }, { isShort, isConstant }) {
+/** How much of a value is written: its number only where the rest would lie across the panel's label, which has the unit. */
+const FORMS = ["whole", "short", "number"];
+
+/** A value in its unit and, as a whole, in the one that people imagine; a constant has one digit more. */
+function valueText(value, { unit, inDegrees }, form, isConstant) {
+  const isShort = form !== "whole";
+  if (form === "number") return unit === "rad" ? imagined(value, unit) : written(value, 3);
   const also = inDegrees ? `${written(degrees(value), 3)}°/s` : imagined(value, unit);
   if (unit === "rad") return `${isConstant ? "constant: " : ""}${also}${isShort ? "" : ` = ${fixed(value, 4)} rad`}`;
   return `${isConstant ? "constant: " : ""}${written(value, isConstant ? 5 : 4)} ${unit}${also && !isShort ? ` = ${also}` : ""}`;
@@ -166,15 +175,21 @@ export class Curves extends TimeCanvas {
     if (isMoment(runs)) return;
     pen.textAlign = "right";
     this.panelsOf(runs, height).forEach(({ quantity, ends: [top] }) => {
-      let x = width - RIGHT;
-      for (const { run, color } of [...runs].reverse()) {
+      const shown = [...runs].reverse().flatMap(({ run, color }) => {
         const constant = seen < run.end ? null : constantOf(run, quantity);
-        if (time > run.end && constant === null) continue;
+        if (time > run.end && constant === null) return [];
         const value = constant ?? run.columns[quantity.name][indexAt(run.columns.time, time)];
-        const text = valueText(value, quantity, { isShort: runs.length > 1, isConstant: constant !== null });
+        return [{ color, text: (form) => valueText(value, quantity, form, constant !== null) }];
+      });
+      const room = width - RIGHT - LABEL - pen.measureText(panelLabel(quantity)).width;
+      const widthIn = (form) => shown.reduce((sum, { text }) => sum + pen.measureText(text(form)).width + GAP, 0);
+      const forms = runs.length > 1 ? FORMS.slice(1) : FORMS;
+      const form = forms.find((form) => widthIn(form) <= room) ?? FORMS.at(-1);
+      let x = width - RIGHT;
+      for (const { color, text } of shown) {
         pen.fillStyle = color;
-        pen.fillText(text, x, top - 5);
-        x -= pen.measureText(text).width + 14;
+        pen.fillText(text(form), x, top - 5);
+        x -= pen.measureText(text(form)).width + GAP;
       }
     });
   }
@@ -203,7 +218,7 @@ export class Curves extends TimeCanvas {
   }
 
   panel(pen, runs, quantity, [top, bottom], times, style) {
-    const { name, label, unit, axisUnit = unit, ofAxis = (value) => value } = quantity;
+    const { name, ofAxis = (value) => value } = quantity;
     const { across } = this;
     const envelopes = runs.map(({ run }) => envelope(run, name, this.window, across));
     const scale = Math.max(...runs.map(({ run }) => scaleOf(run, quantity)));
@@ -235,7 +250,7 @@ export class Curves extends TimeCanvas {
     pen.restore();
     pen.fillStyle = style.color;
     pen.textAlign = "left";
-    pen.fillText(`${label} (${axisUnit})`, LEFT - 46, top - 5);
+    pen.fillText(panelLabel(quantity), LABEL, top - 5);
   }
 
   /** A band of the samples' values, and a line of the averages over nutations. */

@@ -22,6 +22,12 @@ const KNOBS = [
     ends: ["slow", "fast"],
     range: [0, 300],
     text: (value) => [`${fixed(revolutions(value), 1)} rev/s`, `${written(value)} rad/s`],
+    // The picture shows the spin about the axis, which contains a part of the precession.
+    note: (scenario) => {
+      const [psi, phi, theta] = ["psi_dot", "phi_dot", "theta"].map((name) => scenario.number(`initial.${name}`));
+      const rate = psi + phi * Math.cos(theta);
+      return Number.isFinite(rate) ? `ω·n = ψ̇ + φ̇ cos θ = ${fixed(revolutions(rate), 1)} rev/s` : "";
+    },
   },
   {
     path: "initial.theta",
@@ -55,10 +61,12 @@ export class Knobs {
     const value = element("output", { htmlFor: id });
     const slider = element("input", { type: "range", id, min: 0, max: KNOB_STEPS, ariaLabel: knob.name });
     const name = element("span", { className: "name" }, element("label", { htmlFor: id }, `${knob.name} `, element("i", { textContent: knob.symbol })));
-    const ends = element("span", { className: "ends" }, ...knob.ends.map((textContent) => element("small", { textContent })));
+    const note = element("small", { title: "Spin about the axis at the start, as in the picture" });
+    const [low, high] = knob.ends.map((textContent) => element("small", { textContent }));
+    const ends = element("span", { className: "ends" }, low, note, high);
     const row = element("div", { className: "knob" }, name, value, slider, ends);
     row.dataset.knob = knob.path;
-    const made = { ...knob, row, slider, value, key: null, sent: null };
+    const made = { ...knob, row, slider, value, noted: note, key: null, sent: null };
     slider.oninput = () => {
       const text = validText(made.key, valueAt(made.key, slider.value / KNOB_STEPS));
       made.sent = Number(text);
@@ -82,6 +90,7 @@ export class Knobs {
       knob.key = key && { ...key, typical: spanOf(knob, value) };
       knob.slider.disabled = !key;
       this.print(knob, value);
+      knob.noted.textContent = knob.note?.(scenario) ?? "";
       // A slider that is being moved stays where the finger is: its text is rounded.
       if (key && value !== knob.sent) knob.slider.value = KNOB_STEPS * placeOf(knob.key, value);
       knob.sent = value;

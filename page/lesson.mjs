@@ -3,7 +3,8 @@
 import { element } from "./elements.mjs";
 
 /**
- * The steps. `ours` is the scenario that is edited (B), `theirs` the pinned one (A), `arrows` those that are shown.
+ * The steps. `ours` is the scenario that is edited (B), `theirs` the pinned one (A), `arrows` those that are shown,
+ * `watches` the graphs that a small screen shows before the sliders.
  * The numbers in the answers are checked against the runs in page/test/runs.mjs.
  */
 export const STEPS_OF_LESSON = [
@@ -14,6 +15,7 @@ export const STEPS_OF_LESSON = [
     theirs: "full-coulomb",
     arrows: ["slip", "force"],
     question: "A slips on the table with friction, B without. Guess first: which of them rises?",
+    watches: "curves",
     watch: "the tilt θ, in the two pictures and in the uppermost curve.",
     answer:
       "Only A. Without friction the tilt stays at 28.6°, to a hundredth of a degree, for as long as you like: the top only goes round. With friction it rises from 28.6° to 1.1° in 24.7 s.",
@@ -25,13 +27,14 @@ export const STEPS_OF_LESSON = [
     question: "Friction acts on the peg, along the table. How can it turn the axis upright?",
     watch: "the angular momentum L (green), its horizontal part, and the friction torque τ beside the tip of that.",
     answer:
-      "The friction torque is horizontal and points against the horizontal part of L. So it shortens that part, from 5.90 to 0.22 mN m s, and leaves the vertical part at 10.95 mN m s. L becomes vertical; a fast top's axis stays near L, so the axis becomes vertical too. Gravity only turns L about the vertical.",
+      "The friction torque is horizontal and points against the horizontal part of L. So it shortens that part, from 5.90 to 0.22 mN m s, and leaves the vertical part at 10.95 mN m s (1 mN m s = 0.001 kg m²/s). L becomes vertical; a fast top's axis stays near L, so the axis becomes vertical too. Gravity only turns L about the vertical.",
   },
   {
     title: "Where does the energy come from?",
     ours: "full-coulomb",
     arrows: ["slip", "force"],
     question: "The centre of mass rises, although friction takes energy away. What pays for it?",
+    watches: "energy",
     watch: "the energy areas, and the numbers below them near the end of the run.",
     answer:
       "The spin. It loses 239.7 mJ: 2.6 mJ of them lift the top, 237.1 mJ become heat. The spin ω·n falls from 27.3 to 24.0 rev/s. To rise by 2.4 mm is cheap, to do it by slipping is not.",
@@ -70,6 +73,7 @@ export class Lesson {
     this.step = STEPS_OF_LESSON[number - 1] ? number : 0;
     this.place.hidden = this.step === 0;
     document.body.classList.toggle("in-lesson", this.step > 0);
+    document.body.dataset.watches = STEPS_OF_LESSON[this.step - 1]?.watches ?? "";
     if (this.step === 0) return;
     const { title, question, watch, answer } = STEPS_OF_LESSON[this.step - 1];
     const steps = STEPS_OF_LESSON.map(({ title }, index) =>

@@ -17,6 +17,7 @@ import { showWorksheet } from "./worksheet.mjs";
 
 /** The presets that have buttons. */
 const TITLES = { paper: "The paper's rise", "tippe-top": "Tippe top", frictionless: "No friction", drop: "Dropped on the table" };
+const HINTS = { paper: "V. Tanrıverdi, How does a heavy symmetric top rise? (arXiv:2204.14060)" };
 const LEAST_PLAYBACK = 2; // s, of a run at the speed that nobody has chosen
 const PAUSE_AT_END = 1.5; // s, before playback starts again
 const DEFAULT = "paper";
@@ -409,7 +410,7 @@ const hasFollowers = (key, value) => key.words || value === "" || state.scenario
 const controls = new Controls(at("controls"), (key, value) => (hasFollowers(key, value) ? change(key, value) : put(key, value)));
 
 at("presets").replaceChildren(
-  ...Object.entries(TITLES).map(([value, textContent]) => element("button", { type: "button", value, textContent, onclick: () => startPreset(value) })),
+  ...Object.entries(TITLES).map(([value, textContent]) => element("button", { type: "button", value, textContent, title: HINTS[value] ?? "", onclick: () => startPreset(value) })),
 );
 at("preset").replaceChildren(
   ...tables.presets.map(({ name, description }) => element("option", { value: name, textContent: TITLES[name] ?? name, title: description })),

@@ -9,9 +9,11 @@ import { isHidden, spinRing } from "./ring.mjs";
 import { orientationOf, shadowOf, stripeContrast, turned, visibleFaces } from "./shape.mjs";
 
 const TRAIL = 3; // s, shown of the axis's path
+const MAX_TRAIL = 3000; // samples of it; fewer would draw a fast axis's circles as polygons
 const FAINT = 0.25; // opacity of what is behind the body
 const STRIPED = 2 / 9; // part of a turn that the stripes cover
 const START = { azimuth: -0.6, elevation: 0.35, closeness: 1 };
+const MIN_WORDS = 250; // px, width of a picture with words beside symbols
 const FONT = "system-ui, sans-serif";
 const TITLE_FONT = `600 13px ${FONT}`;
 
@@ -97,7 +99,8 @@ export class View {
       pen.clip();
       this.one(pen, run, color, Math.min(time, run.end), exposure, { size, width, height });
       const parts = runs.length > 1 ? nameParts(run, all[1 - index].scenario) : [];
-      this.title(run, color, { letter, parts }, time, width);
+      const box = this.title(run, color, { letter, parts }, time, width);
+      this.nameAngle(box);
       if (index === runs.length - 1) this.bar(pen, all, width, height);
       pen.restore();
     });
@@ -190,7 +193,7 @@ export class View {
   path(run, last, color) {
     const c = run.columns;
     const first = indexAt(c.time, c.time[last] - TRAIL);
-    const step = Math.max(Math.floor((last - first) / 600), 1);
+    const step = Math.max(Math.floor((last - first) / MAX_TRAIL), 1);
     const tips = [];
     const feet = [];
     for (let i = last; i >= first; i -= step) {
@@ -248,8 +251,13 @@ export class View {
       return along(peg, [(axis[0] / flat) * Math.sin(angle), (axis[1] / flat) * Math.sin(angle), Math.cos(angle)], radius);
     });
     this.line(arc, ink, 2);
-    const [x, y] = this.camera.project(arc[12]);
-    this.text("θ", [x, y - 8], ink, `italic 600 16px ${FONT}`, "center");
+    const [middle, top] = [arc[12], arc[0]].map(this.camera.project);
+    this.angleNames = [[middle[0], middle[1] - 8], [top[0] + 14, top[1] + 4]];
+  }
+
+  /** Names the arc of θ above its middle, or beside the vertical. */
+  nameAngle(corner) {
+    this.text("θ", freePlace(this.angleNames, corner), this.colors.ink, `italic 600 16px ${FONT}`, "center");
   }
 
   /** An arc about the axis with an arrowhead, in the sense of the spin; faint where the body or the table hides it. */
@@ -321,23 +329,32 @@ export class View {
     this.text(label, [place[0], place[1] + 5], labelColor(color, this.colors.ink), `600 14px ${FONT}`, ux < -0.3 ? "right" : "left");
   }
 
-  /** The tilt and the spin at this moment, in the upper left corner; after the end of the run, those at its end. */
+  /**
+   * The tilt and the spin at this moment, in the upper left corner; after the end of the run, those at its end. Returns
+   * the right and the lower end of the text.
+   */
   title(run, color, { letter, parts }, time, width) {
     const i = indexAt(run.columns.time, Math.min(time, run.end));
     const { ink, soft } = this.colors;
     const { theta, axial_rate: rate, flying } = run.columns;
     const isNarrow = width < 420;
     const widthOf = (words) => this.widthOf(words, TITLE_FONT);
-    const names = parts.length > 0 ? nameLines(letter, parts, { widthOf, width: width - 16 }) : [];
+    const names = parts.length > 0 ? nameLines(letter, parts, { widthOf, width: width - 16, most: width < MIN_WORDS ? 1 : 2 }) : [];
+    const [tilt, spin] = [`${fixed(degrees(theta[i]), 1)}°`, `${fixed(revolutions(rate[i]), 1)} rev/s`];
+    // Two pictures on a phone are low, too.
+    const values =
+      width < MIN_WORDS
+        ? [`θ ${tilt}, ω·n ${spin}`]
+        : [`tilt θ ${tilt}${isNarrow ? "" : ` (${fixed(theta[i], 3)} rad)`}`, `spin ω·n ${spin}${isNarrow ? "" : ` (${fixed(rate[i], 1)} rad/s)`}`];
     const lines = [
       ...names.map((words) => [words, color]),
-      [`tilt θ ${fixed(degrees(theta[i]), 1)}°${isNarrow ? "" : ` (${fixed(theta[i], 3)} rad)`}`, ink],
-      [`spin ω·n ${fixed(revolutions(rate[i]), 1)} rev/s${isNarrow ? "" : ` (${fixed(rate[i], 1)} rad/s)`}`, ink],
+      ...values.map((words) => [words, ink]),
       [flying[i] ? "in the air" : "", soft],
       [time > run.end ? `ended at ${fixed(run.end, 2)} s` : "", soft],
       ...(this.isSunk ? sunkNote(isNarrow) : []).map((words) => [words, soft]),
     ].filter(([words]) => words);
     lines.forEach(([words, paint], row) => this.text(words, [8, 18 + 18 * row], paint, TITLE_FONT));
+    return [8 + Math.max(...lines.map(([words]) => widthOf(words))), 18 * lines.length + 4];
   }
 
   /** A scale bar, to which the arrows' scales refer. */
@@ -361,6 +378,12 @@ export class View {
     const { unit } = ARROWS[name];
     return `${lengthName(length)} = ${unit === "m/s" ? `${written(value)} m/s` : prefixed(value, unit)}`;
   }
+}
+
+/** The first of some places of a letter that is not on the text in the upper left corner, whose ends are given; otherwise a place below that. */
+export function freePlace(places, [right, bottom]) {
+  const [x, y] = places.find(([x, y]) => x - 10 > right || y - 16 > bottom) ?? [places[0][0], bottom + 16];
+  return [x, Math.max(y, 16)];
 }
 
 /** The lines of the note on a body that reaches below the table. */

@@ -3,6 +3,7 @@
 use serde_json::{Value as Json, json};
 use std::cell::Cell;
 use std::error::Error;
+use std::f64::consts::FRAC_PI_2;
 use std::rc::Rc;
 use toprise::archive::format::end_entries;
 use toprise::archive::writer::{Form, McapWriter};
@@ -177,7 +178,7 @@ impl Run {
                 progress["events"] = json!(self.events);
                 progress["cycles"] = json!(self.cycles);
                 let title = self.scenario.title();
-                progress["sentence"] = json!(format!("{title}: {}", outcome.sentence()));
+                progress["sentence"] = json!(format!("{title}: {}", headline(outcome)));
             }
             Some(End::Failed(error)) => progress["error"] = json!(error.to_string()),
             Some(End::TooLong) => {
@@ -190,6 +191,39 @@ impl Run {
             None => {}
         }
         progress
+    }
+}
+
+/// How a run ends, for a reader who sees it from the start: in the present tense, with few digits.
+fn headline(outcome: &Outcome) -> String {
+    let end = match outcome.end.stop {
+        StopReason::Risen => "upright after",
+        StopReason::Fallen => "fallen after",
+        StopReason::Duration => "shown until the time limit,",
+        StopReason::SlipStopped => "stops slipping after",
+        StopReason::Rest => "at rest after",
+        StopReason::Singular => "exactly upright, which its formulation can't describe, after",
+        StopReason::Jam => "jams after",
+        StopReason::Pivot => "only turns about the vertical after",
+        StopReason::Interrupted | StopReason::Failed => "ends after",
+    };
+    let inversion = match outcome.end.inversion_time {
+        Some(time) if outcome.end.motion.angles.theta >= FRAC_PI_2 => {
+            format!("turns over at {}; ", rounded(time))
+        }
+        // It swings, and comes back.
+        Some(time) => format!("passes the horizontal at {}; ", rounded(time)),
+        None => String::new(),
+    };
+    format!("{inversion}{end} {}", rounded(outcome.end.time))
+}
+
+/// A time in s, with three decimals where two would be few.
+fn rounded(time: f64) -> String {
+    if time < 1.0 {
+        format!("{time:.3} s")
+    } else {
+        format!("{time:.2} s")
     }
 }
 

@@ -79,7 +79,7 @@ const tests = {
     await tab.waitForFunction((before) => parseFloat(document.getElementById("clock").textContent) > before + 0.1, before);
   },
   async "a slider changes the run, its curves and the top"(tab) {
-    assert.match(await summary(tab), /^paper: risen at t = 24\.719386 s$/);
+    assert.match(await summary(tab), /^paper: upright after 24\.72 s$/);
     await pause(tab);
     const before = [await picture(tab, "curves"), await picture(tab, "top")];
     await tab.fill("#knob-k", "400");
@@ -92,6 +92,7 @@ const tests = {
   async "spin and tilt are shown in turns and degrees"(tab) {
     assert.equal(await tab.textContent('[data-knob="initial.psi_dot"] output'), "27.1 rev/s 170 rad/s");
     assert.equal(await tab.textContent('[data-knob="initial.theta"] output'), "28.6° 0.5 rad");
+    assert.match(await tab.textContent('[data-knob="initial.psi_dot"] .ends'), /ω·n = ψ̇ \+ φ̇ cos θ = 27\.3 rev\/s/);
     await tab.fill("#knob-theta", "250");
     await becomes(tab, "initial.theta = 0.755");
     assert.equal(await tab.textContent('[data-knob="initial.theta"] output'), "43.3° 0.755 rad");
@@ -103,11 +104,11 @@ const tests = {
     await becomes(tab, "keys changed");
     assert.ok(await tab.isDisabled("#knob-k"));
     await tab.check("#friction");
-    await becomes(tab, "paper, friction.k = 0.0475: risen");
+    await becomes(tab, "paper, friction.k = 0.0475: upright");
     await tab.click('#presets [value="frictionless"]');
     await becomes(tab, "frictionless:");
     await tab.check("#friction");
-    await becomes(tab, "risen");
+    await becomes(tab, "upright");
   },
   async "presets have buttons"(tab) {
     for (const preset of ["tippe-top", "frictionless", "drop", "paper"]) {
@@ -255,7 +256,7 @@ const tests = {
       slider.value = slider.max;
       slider.dispatchEvent(new Event("input"));
     });
-    await becomes(second, "full-coulomb: risen");
+    await becomes(second, "full-coulomb: upright");
     for (const name of ["torque", "momentum"]) assert.ok(await second.isChecked(`#show-${name}`));
     await second.fill("#knob-k", "300");
     await becomes(second, "friction.k = 0.0475");
@@ -271,7 +272,7 @@ const tests = {
       await tab.click(link);
       await tab.waitForFunction(() => scrollY === 0 && !document.getElementById("worksheet-answers").open);
     }
-    await becomes(tab, "friction.k = 0.02: risen");
+    await becomes(tab, "friction.k = 0.02: upright");
   },
   async "the changes of energy stand below its areas"(tab) {
     const other = await open("#full-coulomb&at=24.73");
@@ -302,7 +303,7 @@ const tests = {
       else assert.match(await summary(other), /^paper:/);
       // A click on a preset leads back.
       await other.click('#presets [value="paper"]');
-      await becomes(other, "paper: risen");
+      await becomes(other, "paper: upright");
       await other.close();
     }
   },
@@ -406,7 +407,7 @@ const tests = {
   },
   async "a run of one sample says that it has no curves"() {
     const other = await open("#paper&stop.duration=1e-9");
-    assert.match(await summary(other), /stopped at the time limit/);
+    assert.match(await summary(other), /until the time limit/);
     await other.waitForTimeout(200);
     assert.match(await other.getAttribute("#curves", "aria-label"), /ends at its start/);
     await shot(other, "moment");
@@ -447,6 +448,20 @@ const tests = {
     const [top, slider] = [await tab.locator("#top").boundingBox(), await tab.locator("#knob-theta").boundingBox()];
     assert.ok(top.y >= 0 && top.y + top.height <= slider.y && slider.y + slider.height <= 844, JSON.stringify([top, slider]));
     await shot(tab, "phone-slider");
+  },
+  async "a phone shows a question of the lesson with what is to be watched"(tab) {
+    await tab.setViewportSize({ width: 390, height: 844 });
+    for (const [step, watched] of [[1, "#curves"], [3, "#energy"], [3, "#energy-numbers"], [4, "#knob-k"]]) {
+      await tab.goto(`${url}#lesson=${step}`);
+      await tab.waitForFunction((step) => document.querySelector("#lesson [aria-current]")?.textContent === step, String(step));
+      await tab.waitForTimeout(500);
+      for (const id of ["#lesson .watch", "#top", watched]) {
+        const { y } = await tab.locator(id).boundingBox();
+        // Of the curves, the uppermost is to be watched: a sixth of them.
+        assert.ok(y >= 0 && y + 60 <= 844, `${id} in step ${step}: ${y}`);
+      }
+      await shot(tab, `phone-lesson-${step}`);
+    }
   },
   async "a narrow phone has no sideways scroll, a time slider of full width and all boxes of arrows"(tab) {
     for (const width of [320, 360, 390]) {

@@ -14,6 +14,7 @@ import { degrees, fixed, imagined, prefixed, revolutions, typed, written } from 
 import { isHidden, spinRing } from "../ring.mjs";
 import { Scenario, linkOf, parseLink, scenarioFrom } from "../scenario.mjs";
 import { orientationOf, stripeContrast, turned, visibleFaces } from "../shape.mjs";
+import { freePlace } from "../top.mjs";
 import { load, simulated } from "../toprise.mjs";
 import { RISE_TIMES } from "../worksheet.mjs";
 
@@ -109,7 +110,7 @@ const tests = {
       assert.equal((k * end).toFixed(3), "0.742");
     }
     assert.ok(Math.abs((await runOf("full-coulomb&friction.k=0.01&stop.duration=100")).end - 74) < 0.5);
-    assert.match((await runOf("full-coulomb&friction.k=0.01")).sentence, /60\.000000 s/);
+    assert.match((await runOf("full-coulomb&friction.k=0.01")).sentence, /until the time limit, 60\.00 s/);
   },
   async "arrows have round scales, and stay in the picture in every preset"() {
     for (const { name: preset } of tables.presets) {
@@ -120,6 +121,20 @@ const tests = {
         const longest = run.columns.time.reduce((most, _, i) => Math.max(most, Math.hypot(...vectorAt(run, ARROWS[name], i))), 0);
         assert.ok(longest <= 1.2 * run.shape.size * scale, `${preset} ${name}`);
       }
+    }
+  },
+  "the name of the angle is not on the text in the corner"() {
+    const corner = [160, 40];
+    assert.deepEqual(freePlace([[200, 30], [230, 50]], corner), [200, 30]);
+    assert.deepEqual(freePlace([[120, 30], [230, 50]], corner), [230, 50]);
+    assert.deepEqual(freePlace([[120, 30], [150, 50]], corner), [120, 56]);
+    assert.deepEqual(freePlace([[200, 5]], corner), [200, 16], "it is in the picture");
+  },
+  async "the start's spin about the axis is that of the picture"() {
+    for (const preset of ["paper", "tippe-top", "drop"]) {
+      const run = await runOf(preset);
+      const [psi, phi] = ["psi_dot", "phi_dot"].map((name) => run.columns[name][0]);
+      assert.ok(Math.abs(psi + phi * Math.cos(run.columns.theta[0]) - run.columns.axial_rate[0]) < 1e-9, preset);
     }
   },
   async "runs of a top have one scale of arrows"() {
