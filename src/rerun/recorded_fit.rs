@@ -15,7 +15,7 @@ const MAX_VALUES: usize = 1_000_000;
 
 /// A message of [`FIT_DATA`].
 #[derive(Deserialize)]
-struct Data {
+struct DataMessage {
     field: String,
     value: f64,
     sigma: f64,
@@ -23,7 +23,7 @@ struct Data {
 
 /// A message of [`FIT_RESIDUAL`].
 #[derive(Deserialize)]
-struct Residual {
+struct ResidualMessage {
     field: String,
     residual: f64,
     held_out: f64,
@@ -39,8 +39,8 @@ impl Measurement {
         selection: &Selection,
         report: String,
     ) -> Option<Self> {
-        let data = read::<Data>(recording, selection, FIT_DATA);
-        let residuals = read::<Residual>(recording, selection, FIT_RESIDUAL);
+        let data = read::<DataMessage>(recording, selection, FIT_DATA);
+        let residuals = read::<ResidualMessage>(recording, selection, FIT_RESIDUAL);
         let mut signals: Vec<MeasuredSignal> = Vec::new();
         for (sequence, (time_ns, data)) in data {
             let Some((residual_ns, residual)) = residuals.get(&sequence) else {
