@@ -84,7 +84,7 @@ impl Scene {
                 Some(_) => ("contact path: blue slides, green rolls, red flies", GREY),
                 None => ("path of the symmetry axis", PURPLE),
             };
-            let row = Row::new(role, arrows.len(), proportions.size(), "path", color);
+            let row = Row::new(identity, role, arrows.len(), "path", color);
             row.send(text, output);
         }
         Self {

@@ -141,7 +141,7 @@ impl Arrow {
                 .with_colors([Color::from_u32(color)])
                 .with_radii([Radius::new_scene_units(radius as f32)]);
             output.send_static(entity.as_str(), &arrow);
-            let row = Row::new(role, index, size, &name, color);
+            let row = Row::new(identity, role, index, &name, color);
             let name = role.short_name(kind.name);
             let texts = [
                 ("whole", format!("{name} ({legend})")),

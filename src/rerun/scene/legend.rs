@@ -5,14 +5,17 @@
 use rerun::archetypes::Points3D;
 use rerun::{Color, Radius};
 
+use crate::rerun::identity::Identity;
 use crate::rerun::output::{Columns, Output};
 use crate::rerun::role::Role;
 use crate::rerun::track::Track;
+use crate::telemetry::proportions::Proportions;
 
 /// Height of the first row above the table, and of each row above the next one, in heights of the top. The rows are on the
 /// vertical through the peg, so that they stay below each other when the view is turned.
-const FIRST: f64 = -0.5;
-const STEP: f64 = 0.17;
+const HIGH_VIEW: [f64; 2] = [-0.5, 0.17];
+/// The same in a view that has half of the window's height, where a height of the top is fewer points.
+const LOW_VIEW: [f64; 2] = [-0.25, 0.24];
 
 /// A row of the legend.
 pub(super) struct Row {
@@ -22,13 +25,25 @@ pub(super) struct Row {
 }
 
 impl Row {
-    /// The row with this index, for a top of this height in m. `name` is that of its entity.
-    pub(super) fn new(role: &Role, index: usize, height: f64, name: &str, color: u32) -> Self {
+    /// The row with this index. `name` is that of its entity.
+    pub(super) fn new(
+        identity: &Identity,
+        role: &Role,
+        index: usize,
+        name: &str,
+        color: u32,
+    ) -> Self {
+        let height = Proportions::new(&identity.geometry.top).size();
         let row = (role.first_legend_row() + index) as f64;
+        let [first, step] = if role.is_alone() && identity.measurement.is_none() {
+            HIGH_VIEW
+        } else {
+            LOW_VIEW
+        };
         Self {
             // A free peg takes the legend along, as it does the camera.
             entity: role.entity(&format!("scene/focus/legend/{}", name.replace(' ', "_"))),
-            place: [0.0, 0.0, (height * (FIRST - STEP * row)) as f32],
+            place: [0.0, 0.0, (height * (first - step * row)) as f32],
             color: Color::from_u32(color),
         }
     }
