@@ -125,7 +125,12 @@ fn note(report: &Report) -> String {
     match report.loss {
         _ if is_about_laws(report) => String::new(),
         // χ²/ν is then about 1, whatever the fit.
-        Loss::Squares if report.signals.iter().any(|signal| signal.is_sigma_estimated) => {
+        Loss::Squares
+            if report
+                .signals
+                .iter()
+                .any(|signal| signal.is_sigma_estimated) =>
+        {
             "χ² can't be tested, because σ is estimated".to_owned()
         }
         Loss::Squares => goodness(&report.quality),
