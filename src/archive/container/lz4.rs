@@ -8,17 +8,17 @@ use std::io::{self, Chain, Read};
 /// The mark that ends a frame.
 const END_MARK: &[u8] = &[0; 4];
 
-/// The numbers with which a frame starts: data, and data that decoders skip, of which the last four bits are free.
+/// The magic numbers of a frame with data, and of one that decoders skip; the last four bits of the latter are free.
 const DATA: u32 = 0x184d_2204;
 const SKIPPED: u32 = 0x184d_2a50;
 
-/// Behind the data there is an end mark, which is read only if the last frame has none.
+/// An end mark follows the data; it is read only if the last frame has none.
 type Decoder<'a> = FrameDecoder<Chain<&'a [u8], &'static [u8]>>;
 
 /// Reads the content of LZ4 frames that follow each other.
 ///
-/// Frames that decoders skip may stand among them. Some writers pad the last frame; what starts with none of the numbers is
-/// ignored, as behind Zstandard frames.
+/// Frames that decoders skip may stand among them. Some writers pad the last frame: bytes that start with neither
+/// magic number are ignored, as after Zstandard frames.
 pub(crate) struct Lz4Frames<'a> {
     rest: &'a [u8],
     decoder: Option<Decoder<'a>>,
@@ -123,7 +123,7 @@ impl Decompressor for Lz4Decompressor {
         let mut consumed = 0;
         if self.returned == self.content.len() {
             let mut frames = Lz4Frames::new(src);
-            // One frame: behind the last there may be padding, which the reader leaves. If a part of a frame is missing, it
+            // One frame: after the last there may be padding, which the reader leaves. If a part of a frame is missing, it
             // calls again with more.
             if let Ok(content) = frames.read_frame() {
                 consumed = src.len() - frames.rest.len();

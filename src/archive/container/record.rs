@@ -43,8 +43,8 @@ pub(crate) fn is_specified(opcode: u8) -> bool {
 /// Rejects records with invalid lengths first, because the `mcap` crate allocates up to 4 GiB for a string before
 /// checking its length, and panics on truncated attachments.
 pub(crate) fn parse(opcode: u8, body: &[u8]) -> McapResult<Record<'_>> {
-    let is_there = fields_length(opcode, body).is_ok_and(|length| length <= body.len() as u64);
-    if !is_there {
+    let is_complete = fields_length(opcode, body).is_ok_and(|length| length <= body.len() as u64);
+    if !is_complete {
         return Err(McapError::UnexpectedEof);
     }
     mcap::parse_record(opcode, body)

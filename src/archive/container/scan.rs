@@ -66,7 +66,7 @@ pub(crate) struct Scanner<'a> {
     prefix: Vec<u8>,
     /// Bytes read by searches so far.
     searched: u64,
-    done: bool,
+    is_done: bool,
 }
 
 impl<'a> Scanner<'a> {
@@ -77,17 +77,17 @@ impl<'a> Scanner<'a> {
             position: MAGIC.len() as u64,
             prefix: Vec::new(),
             searched: 0,
-            done: false,
+            is_done: false,
         }
     }
 
     /// The next scan result; `None` at the end.
     pub(crate) fn next(&mut self) -> io::Result<Option<Found>> {
-        if self.done {
+        if self.is_done {
             return Ok(None);
         }
         if self.at_end_magic(self.position)? {
-            self.done = true;
+            self.is_done = true;
             return Ok(Some(Found::End));
         }
         if let Some(place) = self.record_at(self.position)? {
@@ -105,7 +105,7 @@ impl<'a> Scanner<'a> {
             self.position = next;
             Found::Damage(from..next, Damage::Unreadable)
         } else {
-            self.done = true;
+            self.is_done = true;
             Found::Cut(from..self.source.length())
         }))
     }
@@ -135,14 +135,14 @@ impl<'a> Scanner<'a> {
             offset,
             length: HEAD + body_length,
         };
-        let deciding = HEAD + deciding(opcode, body_length);
-        if deciding > MAX_LENGTH {
+        let length = HEAD + checked_length(opcode, body_length);
+        if length > MAX_LENGTH {
             return Ok(None);
         }
-        if deciding > PREFIX {
-            self.source.read(offset, deciding, &mut self.prefix)?;
+        if length > PREFIX {
+            self.source.read(offset, length, &mut self.prefix)?;
         }
-        self.prefix.truncate(deciding as usize);
+        self.prefix.truncate(length as usize);
         let body = self.prefix.get(HEAD as usize..).unwrap_or_default();
         let fields = fields_length(opcode, body).ok();
         let is_readable = match opcode {
@@ -174,11 +174,10 @@ impl<'a> Scanner<'a> {
         if opcode == op::CHUNK || body_length == 0 || end > self.source.length() {
             return Ok(None);
         }
-        let deciding = deciding(opcode, body_length);
+        let length = checked_length(opcode, body_length);
         let mut damage = Damage::Unreadable;
-        if is_specified(opcode) && deciding <= MAX_LENGTH {
-            self.source
-                .read(offset + HEAD, deciding, &mut self.prefix)?;
+        if is_specified(opcode) && length <= MAX_LENGTH {
+            self.source.read(offset + HEAD, length, &mut self.prefix)?;
             if fields_length(opcode, &self.prefix) == Err(FieldFault::Repeated) {
                 damage = Damage::Repeated(opcode);
             }
@@ -260,7 +259,7 @@ impl<'a> Scanner<'a> {
             let Some((opcode, length)) = head(&self.prefix) else {
                 return Ok(false);
             };
-            self.searched += PREFIX + deciding(opcode, length.min(self.source.length()));
+            self.searched += PREFIX + checked_length(opcode, length.min(self.source.length()));
             // No record of the specification is empty, but zeros in a length are common.
             let Some(place) = self.record_at(position)?.filter(|p| p.length > HEAD) else {
                 return Ok(false);
@@ -271,8 +270,8 @@ impl<'a> Scanner<'a> {
     }
 }
 
-/// The number of bytes of a record's body needed to recognise it as a record.
-fn deciding(opcode: u8, length: u64) -> u64 {
+/// The number of bytes of a body that are checked to recognise a record.
+fn checked_length(opcode: u8, length: u64) -> u64 {
     let most = match opcode {
         op::CHUNK | op::MESSAGE_INDEX | op::MESSAGE => PREFIX - HEAD,
         op::ATTACHMENT => MAX_NAMES,
@@ -301,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn a_record_may_end_where_the_file_ends_but_not_behind_it() {
+    fn accepts_a_record_up_to_the_end_of_the_file_and_none_beyond() {
         let record = RecordSpan {
             opcode: op::MESSAGE,
             offset: 8,

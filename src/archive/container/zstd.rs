@@ -113,7 +113,7 @@ mod tests {
         let mut wrong = whole.clone();
         *wrong.last_mut().unwrap() ^= 1;
         assert!(content(&wrong).is_err(), "checksum");
-        let cut_behind_another = [&whole[..], &whole[..whole.len() - 1]].concat();
-        assert!(content(&cut_behind_another).is_err());
+        let cut_after_another = [&whole[..], &whole[..whole.len() - 1]].concat();
+        assert!(content(&cut_after_another).is_err());
     }
 }
