@@ -163,6 +163,16 @@ pub enum DataError {
         /// Allowed units.
         allowed: Vec<&'static str>,
     },
+    /// A column of timestamps is read as another quantity.
+    #[error("{}: column {column} has times, by its type; expected: {quantity}", path.display())]
+    Timestamps {
+        /// The file.
+        path: PathBuf,
+        /// Column.
+        column: String,
+        /// What should be measured.
+        quantity: &'static str,
+    },
     /// A signal can't be parsed.
     #[error("--signal {text}: {reason}; write FIELD=COLUMN:SIGMA, e.g. theta=\"tilt (deg)\":2mrad")]
     Signal {

@@ -2,7 +2,7 @@
 
 use super::data_error::{DataError, ParquetError};
 use super::signal::{FileSignals, SignalSpec};
-use super::table::{MAX_ROWS, Rows, Table, is_needed};
+use super::table::{MAX_ROWS, NumberColumn, Rows, Table, is_needed};
 use crate::archive::caught::catch;
 use crate::archive::input::open_file;
 use arrow_array::cast::AsArray as _;
@@ -30,7 +30,7 @@ pub(super) fn read(
     let table = catch(|| read_columns(source, specs, time)).unwrap_or(Err(ParquetError::Damaged));
     let Columns {
         names,
-        cells,
+        columns,
         count,
     } = table.map_err(|reason| DataError::Parquet {
         path: path.to_owned(),
@@ -45,10 +45,7 @@ pub(super) fn read(
     let table = Table {
         path,
         columns: names,
-        rows: Rows::Numbers {
-            columns: cells,
-            count,
-        },
+        rows: Rows::Numbers { columns, count },
     };
     table.signals(file, specs, time)
 }
@@ -56,8 +53,7 @@ pub(super) fn read(
 /// The columns of numbers of a file.
 struct Columns {
     names: Vec<String>,
-    /// Cells of each column; none of a column that is not needed.
-    cells: Vec<Vec<Option<f64>>>,
+    columns: Vec<NumberColumn>,
     count: usize,
 }
 
@@ -72,7 +68,8 @@ fn read_columns(
     if count > MAX_ROWS {
         return Err(ParquetError::TooLong { limit: MAX_ROWS });
     }
-    let (mut names, mut needed, mut roots) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut names, mut columns) = (Vec::new(), Vec::new());
+    let (mut needed, mut roots) = (Vec::new(), Vec::new());
     for (root, field) in opened.schema().fields().iter().enumerate() {
         if !is_number(field.data_type()) {
             continue;
@@ -82,28 +79,45 @@ fn read_columns(
             roots.push(root);
         }
         names.push(field.name().clone());
+        columns.push(NumberColumn {
+            cells: Vec::new(),
+            is_time: per_second(field.data_type()).is_some(),
+        });
     }
     let projection = ProjectionMask::roots(opened.parquet_schema(), roots);
-    let mut cells: Vec<Vec<Option<f64>>> = vec![Vec::new(); names.len()];
     let mut epochs = vec![None; needed.len()];
     for batch in opened.with_projection(projection).build()? {
         let batch: RecordBatch = batch?;
         for (at, column) in needed.iter().enumerate() {
-            append(&mut cells[*column], batch.column(at), &mut epochs[at])?;
+            append(
+                &mut columns[*column].cells,
+                batch.column(at),
+                &mut epochs[at],
+            )?;
         }
     }
     Ok(Columns {
         names,
-        cells,
+        columns,
         count,
     })
 }
 
 /// Whether the values of a type are numbers or times.
 fn is_number(kind: &DataType) -> bool {
+    per_second(kind).is_some() || kind.is_numeric()
+}
+
+/// Ticks per second of a type of times; `None` for other types.
+fn per_second(kind: &DataType) -> Option<f64> {
     match kind {
-        DataType::Timestamp(..) | DataType::Duration(_) => true,
-        kind => kind.is_numeric(),
+        DataType::Timestamp(unit, _) | DataType::Duration(unit) => Some(match unit {
+            TimeUnit::Second => 1.0,
+            TimeUnit::Millisecond => 1e3,
+            TimeUnit::Microsecond => 1e6,
+            TimeUnit::Nanosecond => 1e9,
+        }),
+        _ => None,
     }
 }
 
@@ -114,15 +128,12 @@ fn append(
     column: &dyn Array,
     epoch: &mut Option<i64>,
 ) -> Result<(), ArrowError> {
-    let per_second = match column.data_type() {
-        DataType::Timestamp(unit, _) | DataType::Duration(unit) => per_second(*unit),
-        _ => {
-            let numbers = cast(column, &DataType::Float64)?;
-            for number in numbers.as_primitive::<Float64Type>() {
-                cells.push(number.filter(|number| number.is_finite()));
-            }
-            return Ok(());
+    let Some(per_second) = per_second(column.data_type()) else {
+        let numbers = cast(column, &DataType::Float64)?;
+        for number in numbers.as_primitive::<Float64Type>() {
+            cells.push(number.filter(|number| number.is_finite()));
         }
+        return Ok(());
     };
     let ticks = cast(column, &DataType::Int64)?;
     for tick in ticks.as_primitive::<Int64Type>() {
@@ -134,35 +145,21 @@ fn append(
     Ok(())
 }
 
-fn per_second(unit: TimeUnit) -> f64 {
-    match unit {
-        TimeUnit::Second => 1.0,
-        TimeUnit::Millisecond => 1e3,
-        TimeUnit::Microsecond => 1e6,
-        TimeUnit::Nanosecond => 1e9,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::data;
     use super::*;
     use crate::telemetry::fields::state;
-    use arrow_array::{Float32Array, StringArray, TimestampMicrosecondArray};
+    use arrow_array::{
+        DurationMillisecondArray, Float32Array, Float64Array, StringArray,
+        TimestampMicrosecondArray, TimestampMillisecondArray,
+    };
     use parquet::arrow::ArrowWriter;
     use std::sync::Arc;
 
-    #[test]
-    fn reads_numbers_and_timestamps() {
-        let start = 1_700_000_000_000_000;
-        let times = TimestampMicrosecondArray::from(vec![start, start + 100_000, start + 200_000]);
-        let angles = Float32Array::from(vec![Some(500.0), None, Some(250.0)]);
-        let names = StringArray::from(vec!["a", "b", "c"]);
-        let columns: [(&str, Arc<dyn Array>); 3] = [
-            ("name", Arc::new(names)),
-            ("timestamp", Arc::new(times)),
-            ("theta (mrad)", Arc::new(angles)),
-        ];
+    type Column<'a> = (&'a str, Arc<dyn Array>);
+
+    fn write(columns: Vec<Column<'_>>) -> tempfile::NamedTempFile {
         let batch = RecordBatch::try_from_iter(columns).unwrap();
         let file = tempfile::Builder::new()
             .suffix(".parquet")
@@ -172,6 +169,59 @@ mod tests {
             ArrowWriter::try_new(file.reopen().unwrap(), batch.schema(), None).unwrap();
         writer.write(&batch).unwrap();
         writer.close().unwrap();
+        file
+    }
+
+    #[test]
+    fn types_of_times_prevail_over_units_in_names() {
+        let start = 1_764_158_400_000;
+        let ticks = vec![start, start + 100, start + 200];
+        let stamps: Arc<dyn Array> = Arc::new(TimestampMillisecondArray::from(ticks));
+        let durations: Arc<dyn Array> = Arc::new(DurationMillisecondArray::from(vec![0, 100, 200]));
+        let numbers: Arc<dyn Array> = Arc::new(Float64Array::from(vec![0.0, 100.0, 200.0]));
+        let angles: Arc<dyn Array> = Arc::new(Float64Array::from(vec![0.5, 0.4, 0.3]));
+        for (name, column, values, time) in [
+            ("timestamps", "time", &stamps, None),
+            ("timestamps in ms", "time_ms", &stamps, None),
+            ("a unit in brackets", "timestamp (ms)", &stamps, None),
+            ("no unit", "timestamp (UTC)", &stamps, None),
+            ("a unit added", "t", &stamps, Some("t (ms)")),
+            ("durations in ms", "time_ms", &durations, None),
+            ("numbers in ms", "time_ms", &numbers, None),
+            ("numbers, unit added", "t", &numbers, Some("t (ms)")),
+        ] {
+            let file = write(vec![(column, values.clone()), ("theta", angles.clone())]);
+            let [signal] = &read(file.path(), 0, &[], time).unwrap().signals[..] else {
+                panic!("{name}: not one signal");
+            };
+            assert_eq!(signal.times, [0.0, 0.1, 0.2], "{name}");
+            assert_eq!(signal.unitless_clock, None, "{name}");
+        }
+        let file = write(vec![("t", numbers), ("theta", angles), ("phi", stamps)]);
+        let theta = SignalSpec::parse("theta").unwrap();
+        let found = read(file.path(), 0, &[theta], None).unwrap();
+        assert_eq!(found.signals[0].unitless_clock.as_deref(), Some("t"));
+        let phi = SignalSpec::parse("phi").unwrap();
+        let error = read(file.path(), 0, &[phi], None).err().unwrap();
+        assert!(
+            error
+                .to_string()
+                .contains("column phi has times, by its type; expected: angle"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn reads_numbers_and_timestamps() {
+        let start = 1_700_000_000_000_000;
+        let times = TimestampMicrosecondArray::from(vec![start, start + 100_000, start + 200_000]);
+        let angles = Float32Array::from(vec![Some(500.0), None, Some(250.0)]);
+        let names = StringArray::from(vec!["a", "b", "c"]);
+        let file = write(vec![
+            ("name", Arc::new(names)),
+            ("timestamp", Arc::new(times)),
+            ("theta (mrad)", Arc::new(angles)),
+        ]);
         let [signal] = &read(file.path(), 0, &[], None).unwrap().signals[..] else {
             panic!("not one signal");
         };

@@ -27,12 +27,22 @@ pub(super) enum Rows {
         lines: Vec<Line>,
         has_decimal_comma: bool,
     },
-    /// Cells of numbers, by column. Columns that are not needed are empty.
+    /// Cells of numbers, by column.
     #[cfg(feature = "sweep")]
     Numbers {
-        columns: Vec<Vec<Option<f64>>>,
+        columns: Vec<NumberColumn>,
         count: usize,
     },
+}
+
+/// A column of numbers.
+#[cfg(feature = "sweep")]
+#[derive(Default)]
+pub(super) struct NumberColumn {
+    /// None of a column that is not needed.
+    pub cells: Vec<Option<f64>>,
+    /// Whether the cells are times in seconds because the type of the column says so.
+    pub is_time: bool,
 }
 
 /// A line of a text table.
@@ -57,6 +67,15 @@ impl Rows {
             Self::Text { lines, .. } => lines[row].number,
             #[cfg(feature = "sweep")]
             Self::Numbers { .. } => row as u64 + 1,
+        }
+    }
+
+    /// Whether the type of a column says that its cells are times, in seconds.
+    fn is_typed_time(&self, column: usize) -> bool {
+        match self {
+            Self::Text { .. } => false,
+            #[cfg(feature = "sweep")]
+            Self::Numbers { columns, .. } => columns[column].is_time,
         }
     }
 }
@@ -176,12 +195,7 @@ impl Table<'_> {
 
     /// The name of the column of times if nothing says their unit.
     fn unitless_clock(&self, clock: &Cells<'_>) -> Option<String> {
-        let is_unitless = match &self.rows {
-            Rows::Text { .. } => clock.unit.is_empty() && !is_unit(clock.name),
-            // The times of Parquet files may have a type that says it.
-            #[cfg(feature = "sweep")]
-            Rows::Numbers { .. } => false,
-        };
+        let is_unitless = clock.unit.is_empty() && !is_unit(clock.name);
         is_unitless.then(|| clock.name.to_owned())
     }
 
@@ -243,10 +257,26 @@ impl Table<'_> {
         })
     }
 
-    /// The column with a name. Its unit is that of the header, or else that of the name.
+    /// The column with a name. Its unit is that of its type, or else of the header, or else of the name.
     fn cells<'a>(&'a self, name: &'a str, dimension: Dimension) -> Result<Cells<'a>, DataError> {
         let at = self.position(name).ok_or_else(|| self.missing(name))?;
         let column = &self.columns[at];
+        if self.rows.is_typed_time(at) {
+            // A unit in the name can be that of the ticks, which the type has already turned into seconds.
+            if dimension != Dimension::Time {
+                return Err(DataError::Timestamps {
+                    path: self.path.to_owned(),
+                    column: column.clone(),
+                    quantity: dimension.meaning(),
+                });
+            }
+            return Ok(Cells {
+                at,
+                name: column,
+                unit: "s",
+                factor: 1.0,
+            });
+        }
         let unit = match split_header(column).1 {
             "" => split_header(name).1,
             unit => unit,
@@ -283,7 +313,7 @@ impl Table<'_> {
                 }
             }
             #[cfg(feature = "sweep")]
-            Rows::Numbers { columns, .. } => columns[column.at].get(row).copied().flatten(),
+            Rows::Numbers { columns, .. } => columns[column.at].cells.get(row).copied().flatten(),
         };
         Ok(number.map(|number| number * column.factor))
     }

@@ -69,7 +69,8 @@ impl Dimension {
         }
     }
 
-    fn meaning(self) -> &'static str {
+    /// The quantity in words.
+    pub(super) fn meaning(self) -> &'static str {
         match self {
             Self::Time => "time",
             Self::Angle => "angle",
