@@ -4,6 +4,7 @@
 //! checks what the data can determine, then lets the window of data grow from 0.1 s to all of them.
 
 mod cell;
+mod column;
 mod compare;
 mod data;
 mod data_error;
@@ -13,6 +14,7 @@ mod estimate;
 mod extension;
 mod first;
 mod fitted;
+mod header;
 mod identify;
 mod law;
 mod model;

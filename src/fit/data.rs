@@ -115,10 +115,7 @@ fn check_found(
 ) -> Result<(), DataError> {
     // A file without a signal may be the one that a misspelt signal is in, so these come first.
     for spec in specs {
-        let is_found = signals
-            .iter()
-            .any(|signal| signal.field == spec.field && signal.name == spec.source);
-        if !is_found {
+        if !signals.iter().any(|signal| spec.describes(signal)) {
             return Err(DataError::NotFound {
                 source_name: spec.source.clone(),
                 files,

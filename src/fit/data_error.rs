@@ -1,6 +1,8 @@
 //! Errors of measured data.
 
+use super::unit::split_header;
 use crate::archive::recording::RecordingError;
+use crate::run::suggestion::{did_you_mean, most_similar, similarity};
 use crate::telemetry::fields::state;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -91,7 +93,7 @@ pub enum DataError {
         limit: u64,
     },
     /// There is no such column or topic.
-    #[error("{}: no {what} {name}; there {}", path.display(), listed(known))]
+    #[error("{}: no {what} {name}; there {}{}", path.display(), listed(known), similar(name, known))]
     Missing {
         /// The file.
         path: PathBuf,
@@ -138,6 +140,20 @@ pub enum DataError {
         column: String,
         /// The text.
         text: String,
+    },
+    /// The marks in a number may separate thousands.
+    #[error("{}:{line}: column {column}: {text:?} {}: write numbers without separators of thousands", path.display(), decimal.map_or_else(|| "has separators of thousands".to_owned(), |number| format!("can be {number} or {}", 1e3 * number)))]
+    Thousands {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: u64,
+        /// Column.
+        column: String,
+        /// The text.
+        text: String,
+        /// The number if its only mark is decimal.
+        decimal: Option<f64>,
     },
     /// A standard deviation is not positive.
     #[error("{}:{line}: column {column}: the standard deviation {value} is not positive", path.display())]
@@ -255,8 +271,9 @@ fn not_found(name: &str, files: &[Contents]) -> String {
     if let [file] = files {
         let path = file.path.display();
         return format!(
-            "{path}: no column or topic {name}; there {}",
-            listed(&file.known)
+            "{path}: no column or topic {name}; there {}{}",
+            listed(&file.known),
+            similar(name, &file.known)
         );
     }
     let mut sentence = format!("no column or topic {name} in any file");
@@ -264,7 +281,33 @@ fn not_found(name: &str, files: &[Contents]) -> String {
         let path = file.path.display();
         sentence += &format!("; in {path} there {}", listed(&file.known));
     }
-    sentence
+    let mut known = Vec::new();
+    for file in files {
+        known.extend(file.known.iter().cloned());
+    }
+    sentence + &similar(name, &known)
+}
+
+/// The hint for the columns or topics that are most like a name, or an empty string. Case and units don't count, and a
+/// topic is compared with that of the name.
+fn similar(name: &str, known: &[String]) -> String {
+    let mut similarities = Vec::new();
+    let wrong = split_header(name).0.to_lowercase();
+    for known_name in known {
+        let bare = split_header(known_name).0.to_lowercase();
+        // The name of a field of a topic, `/top/state.theta`, is longer than that of the topic.
+        let topic = wrong.rsplit_once('.').map_or("", |(topic, _)| topic);
+        let likeness = if bare.starts_with('/') {
+            similarity(topic, &bare)
+        } else {
+            similarity(&wrong, &bare)
+        };
+        // A topic that is right is none to be meant instead.
+        if bare != topic {
+            similarities.push((likeness, known_name.as_str()));
+        }
+    }
+    did_you_mean(&most_similar(similarities.into_iter()))
 }
 
 /// Reason why a Parquet file can't be read.

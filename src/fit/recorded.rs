@@ -75,22 +75,29 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
     }
     let mut places = Vec::new();
     for spec in specs {
-        if let Some(place) = find_place(&recording, spec) {
-            // Messages have no columns: the text after the colon can only be meant as a number.
-            if let SigmaSpec::Column(sigma) = &spec.sigma {
-                return Err(DataError::Signal {
-                    text: spec.source.clone(),
-                    reason: SignalError::Sigma(sigma.clone()),
-                });
-            }
-            if places.iter().any(|(_, known)| place.has_values_of(known)) {
-                return Err(DataError::Duplicate {
-                    path: path.to_owned(),
-                    source_name: spec.source.clone(),
-                });
-            }
-            places.push((spec, place));
+        let unsplit = spec.unsplit();
+        // Members are not known before messages are read: a colon belongs to a topic only if there is no other one.
+        let found = [Some(spec), unsplit.as_ref()]
+            .into_iter()
+            .flatten()
+            .find_map(|spec| Some((spec.clone(), find_place(&recording, spec)?)));
+        let Some((spec, place)) = found else {
+            continue;
+        };
+        // Messages have no columns: the text after the colon can only be meant as a number.
+        if let SigmaSpec::Column(sigma) = &spec.sigma {
+            return Err(DataError::Signal {
+                text: spec.source.clone(),
+                reason: SignalError::Sigma(sigma.clone()),
+            });
         }
+        if places.iter().any(|(_, known)| place.has_values_of(known)) {
+            return Err(DataError::Duplicate {
+                path: path.to_owned(),
+                source_name: spec.source.clone(),
+            });
+        }
+        places.push((spec, place));
     }
     let mut signals = Vec::new();
     let mut losses = Vec::new();
@@ -127,7 +134,7 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
         };
         signals.push(Signal {
             is_unit_known,
-            ..Signal::new(spec, file, found, missing, None)?
+            ..Signal::new(&spec, file, found, missing, None)?
         });
     }
     Ok(Read {

@@ -75,6 +75,8 @@ pub struct SignalSpec {
     /// Name of the column, or topic and path.
     pub source: String,
     pub(super) sigma: SigmaSpec,
+    /// Column of the signal if the colon belongs to its name: `Latest: Angle (rad)`.
+    whole: Option<String>,
 }
 
 impl SignalSpec {
@@ -93,15 +95,38 @@ impl SignalSpec {
         let (rest, sigma) = split_sigma(text)?;
         // A name alone is both that of the field and that of the column.
         let (field, column) = rest.split_once('=').unwrap_or((rest, rest));
-        let (field, source) = (field.trim(), column.trim().trim_matches('"'));
+        let (field, source) = (field.trim(), unquoted(column));
         if field.is_empty() || source.is_empty() {
             return Err(SignalError::Empty);
         }
         Ok(Self {
             field: find_field(field)?,
             source: source.to_owned(),
+            whole: match &sigma {
+                SigmaSpec::Estimate => None,
+                SigmaSpec::Number(..) | SigmaSpec::Column(_) => text
+                    .split_once('=')
+                    .map(|(_, column)| unquoted(column).to_owned()),
+            },
             sigma,
         })
+    }
+
+    /// The description if the colon belongs to the name of the column.
+    pub(super) fn unsplit(&self) -> Option<Self> {
+        let whole = self.whole.as_ref()?;
+        Some(Self {
+            field: self.field,
+            source: whole.clone(),
+            sigma: SigmaSpec::Estimate,
+            whole: None,
+        })
+    }
+
+    /// Whether a signal is the one that is described.
+    pub(super) fn describes(&self, signal: &Signal) -> bool {
+        signal.field == self.field
+            && (signal.name == self.source || self.whole.as_ref() == Some(&signal.name))
     }
 
     /// A column that is named like a field.
@@ -110,8 +135,14 @@ impl SignalSpec {
             field: field_named(name)?,
             source: header.to_owned(),
             sigma: SigmaSpec::Estimate,
+            whole: None,
         })
     }
+}
+
+/// A name without spaces and quotes around it.
+fn unquoted(name: &str) -> &str {
+    name.trim().trim_matches('"')
 }
 
 /// Splits the standard deviation off. A colon within a name stays.
@@ -152,8 +183,9 @@ pub(super) fn field_named(name: &str) -> Option<NumberField> {
 /// The field with this name: `theta`, `/top/pose.omega_body.z` or one of [`NAMES`].
 fn find_field(name: &str) -> Result<NumberField, SignalError> {
     let known = field_named(name);
+    let lower = name.to_lowercase();
     let mut fields = measurable();
-    let exact = fields.find(|field| field.to_string() == name || field.path() == name);
+    let exact = fields.find(|field| field.to_string() == lower || field.path() == lower);
     known.or(exact).ok_or_else(|| SignalError::UnknownField {
         name: format!(
             "{name}{}",
@@ -209,6 +241,7 @@ impl Signal {
                 }
                 None => SigmaSpec::Estimate,
             },
+            whole: None,
         };
         let mut rows = Vec::new();
         let mut missing = 0;

@@ -1,6 +1,7 @@
 //! Tables of measured values: their columns as signals.
 
-use super::cell;
+use super::cell::{Cell, Mark};
+use super::column;
 use super::data_error::DataError;
 use super::signal::{FileSignals, Row, SigmaSpec, Signal, SignalSpec};
 use super::unit::{Dimension, is_unit, split_header};
@@ -25,7 +26,8 @@ pub(super) enum Rows {
     /// Cells of text.
     Text {
         lines: Vec<Line>,
-        has_decimal_comma: bool,
+        /// Decimal mark of each column; `None` if it is not certain.
+        marks: Vec<Option<Mark>>,
     },
     /// Cells of numbers, by column.
     #[cfg(feature = "sweep")]
@@ -92,12 +94,7 @@ impl Table<'_> {
         let named: Vec<SignalSpec> = if specs.is_empty() {
             self.named_signals()
         } else {
-            // A signal is in one of several files: which one, its name says.
-            specs
-                .iter()
-                .filter(|spec| self.position(&spec.source).is_some())
-                .cloned()
-                .collect()
+            specs.iter().filter_map(|spec| self.find(spec)).collect()
         };
         if named.is_empty() && specs.is_empty() {
             return Err(DataError::NoSignals {
@@ -116,25 +113,25 @@ impl Table<'_> {
         })
     }
 
+    /// A signal if it is in this table: which one of several files it is in, its name says. A colon may belong to the
+    /// name of a column, and is tried as a part of it first.
+    fn find(&self, spec: &SignalSpec) -> Option<SignalSpec> {
+        let unsplit = spec.unsplit();
+        [unsplit.as_ref(), Some(spec)]
+            .into_iter()
+            .flatten()
+            .find(|spec| self.position(&spec.source).is_some())
+            .cloned()
+    }
+
     /// The column with a name; the first one if there are several.
     fn position(&self, name: &str) -> Option<usize> {
         self.positions(name).first().copied()
     }
 
-    /// The columns with a name: with their unit, or else without, or else without the unit that the name adds.
+    /// The columns with a name.
     fn positions(&self, name: &str) -> Vec<usize> {
-        for is_match in [is_column, is_column_with_unit, is_column_without_unit] {
-            let mut found = Vec::new();
-            for (at, column) in self.columns.iter().enumerate() {
-                if is_match(column, name) {
-                    found.push(at);
-                }
-            }
-            if !found.is_empty() {
-                return found;
-            }
-        }
-        Vec::new()
+        column::positions(&self.columns, name)
     }
 
     /// Refuses columns that would count twice, and names that stand for several columns.
@@ -183,12 +180,8 @@ impl Table<'_> {
         if let Some(name) = name {
             return self.cells(name, Dimension::Time);
         }
-        let found = self
-            .columns
-            .iter()
-            .find(|column| is_time(split_header(column).0));
-        match found {
-            Some(column) => self.cells(column, Dimension::Time),
+        match column::clock(&self.columns, None) {
+            Some(at) => self.cells(&self.columns[at], Dimension::Time),
             None => Err(self.missing("of times (name it with --time)")),
         }
     }
@@ -295,13 +288,17 @@ impl Table<'_> {
     /// The value of a cell in SI units; `None` if it is missing.
     fn cell(&self, column: &Cells<'_>, row: usize) -> Result<Option<f64>, DataError> {
         let number = match &self.rows {
-            Rows::Text {
-                lines,
-                has_decimal_comma,
-            } => {
+            Rows::Text { lines, marks } => {
                 let text = lines[row].record.get(column.at).unwrap_or_default();
-                match cell::parse_number(text, *has_decimal_comma) {
-                    None if !cell::is_missing(text) => {
+                match Cell::parse(text) {
+                    Cell::Missing => None,
+                    Cell::Number(number, _) => Some(number),
+                    Cell::Unclear(number, mark) if marks[column.at] == Some(mark) => Some(number),
+                    Cell::Unclear(number, _) => {
+                        return Err(self.thousands(column, row, text, Some(number)));
+                    }
+                    Cell::Grouped => return Err(self.thousands(column, row, text, None)),
+                    Cell::Text => {
                         return Err(DataError::NotANumber {
                             path: self.path.to_owned(),
                             line: self.rows.line(row),
@@ -309,13 +306,28 @@ impl Table<'_> {
                             text: text.chars().take(MAX_SHOWN).collect(),
                         });
                     }
-                    number => number,
                 }
             }
             #[cfg(feature = "sweep")]
             Rows::Numbers { columns, .. } => columns[column.at].cells.get(row).copied().flatten(),
         };
         Ok(number.map(|number| number * column.factor))
+    }
+
+    fn thousands(
+        &self,
+        column: &Cells<'_>,
+        row: usize,
+        text: &str,
+        decimal: Option<f64>,
+    ) -> DataError {
+        DataError::Thousands {
+            path: self.path.to_owned(),
+            line: self.rows.line(row),
+            column: column.name.to_owned(),
+            text: text.chars().take(MAX_SHOWN).collect(),
+            decimal,
+        }
     }
 
     fn check_sigma(&self, column: &Cells<'_>, row: usize, value: f64) -> Result<f64, DataError> {
@@ -339,47 +351,22 @@ struct Cells<'a> {
     factor: f64,
 }
 
-/// Whether a name is that of a column.
-fn is_column(column: &str, name: &str) -> bool {
-    column == name
-}
-
-/// Whether a name is that of a column without its unit.
-fn is_column_with_unit(column: &str, name: &str) -> bool {
-    split_header(column).0 == name
-}
-
-/// Whether a name adds a unit to that of a column.
-fn is_column_without_unit(column: &str, name: &str) -> bool {
-    column == split_header(name).0
-}
-
-/// Whether a name can stand for a column.
-#[cfg(feature = "sweep")]
-fn can_mean(column: &str, name: &str) -> bool {
-    is_column(column, name)
-        || is_column_with_unit(column, name)
-        || is_column_without_unit(column, name)
-}
-
-/// Whether a column of this name, without unit, has the times.
-fn is_time(name: &str) -> bool {
-    ["t", "time", "timestamp", "zeit", "seconds"].contains(&&*name.to_lowercase())
-}
-
 /// Whether a column is needed for these signals.
 #[cfg(feature = "sweep")]
-pub(super) fn is_needed(column: &str, specs: &[SignalSpec], time: Option<&str>) -> bool {
-    let (name, _) = split_header(column);
+pub(super) fn is_needed(header: &str, specs: &[SignalSpec], time: Option<&str>) -> bool {
+    let (name, _) = split_header(header);
     let is_clock = match time {
-        Some(time) => can_mean(column, time),
-        None => is_time(name),
+        Some(time) => column::can_mean(header, time),
+        None => column::is_time(name),
     };
-    let mut is_named = specs.is_empty() && SignalSpec::from_column(column, name).is_some();
+    let mut is_named = specs.is_empty() && SignalSpec::from_column(header, name).is_some();
     for spec in specs {
-        is_named |= can_mean(column, &spec.source);
+        is_named |= column::can_mean(header, &spec.source);
+        if let Some(unsplit) = spec.unsplit() {
+            is_named |= column::can_mean(header, &unsplit.source);
+        }
         if let SigmaSpec::Column(sigma) = &spec.sigma {
-            is_named |= can_mean(column, sigma);
+            is_named |= column::can_mean(header, sigma);
         }
     }
     is_clock || is_named

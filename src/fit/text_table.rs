@@ -1,10 +1,10 @@
 //! Text tables: CSV as video trackers, phones, loggers and spreadsheets write it.
 
-use super::cell::{is_missing, parse_number};
+use super::cell::{Cell, Mark, Marks};
 use super::data_error::DataError;
+use super::header::{self, Header, is_blank, is_comment};
 use super::signal::{FileSignals, SignalSpec};
-use super::table::{Line, MAX_ROWS, MAX_SHOWN, Rows, Table};
-use super::unit::is_unit;
+use super::table::{Line, MAX_ROWS, Rows, Table};
 use crate::archive::input::{read_file, text_of};
 use csv::StringRecord;
 use std::path::Path;
@@ -47,7 +47,7 @@ fn read_text(
     specs: &[SignalSpec],
     time: Option<&str>,
 ) -> Result<FileSignals, DataError> {
-    parse(path, text.trim_start_matches('\u{feff}'))?.signals(file, specs, time)
+    parse(path, text.trim_start_matches('\u{feff}'), time)?.signals(file, specs, time)
 }
 
 /// Reads the signals of the only file of a fit, whose content is in memory.
@@ -64,31 +64,17 @@ pub(super) fn read_bytes(
     read_text(path, &text, 0, specs, None)
 }
 
-/// Parses a table: lines before the first row of numbers are its header.
-fn parse<'a>(path: &'a Path, text: &str) -> Result<Table<'a>, DataError> {
+/// Parses a table: its header, and the rows below it.
+fn parse<'a>(path: &'a Path, text: &str, time: Option<&str>) -> Result<Table<'a>, DataError> {
     let delimiter = delimiter(text);
-    // Where commas separate columns, they can't also be in numbers.
-    let has_decimal_comma = delimiter != b',' && has_decimal_comma(text);
-    let mut reader = csv::ReaderBuilder::new()
-        .delimiter(delimiter)
-        .has_headers(false)
-        // Titles and comments have other numbers of cells than the rows.
-        .flexible(true)
-        .trim(csv::Trim::All)
-        .from_reader(text.as_bytes());
+    let header = header::find(reader(text, delimiter).records(), time);
+    let Header { names, first_row } = header.map_err(|error| unreadable(path, error))?;
     let mut lines: Vec<Line> = Vec::new();
-    // The last two lines of text before the first row of numbers.
-    let mut titles = [StringRecord::new(), StringRecord::new()];
-    for read in reader.records() {
-        let record = read.map_err(|error| DataError::Io {
-            path: path.to_owned(),
-            reason: error.into(),
-        })?;
-        if is_comment(&record) {
-            continue;
-        }
-        if lines.is_empty() && !is_numeric(&record, has_decimal_comma) {
-            titles = [std::mem::take(&mut titles[1]), record];
+    let mut marks: Vec<Marks> = Vec::new();
+    let mut width = names.len();
+    for read in reader(text, delimiter).records().skip(first_row) {
+        let record = read.map_err(|error| unreadable(path, error))?;
+        if is_comment(&record) || is_blank(&record) {
             continue;
         }
         if lines.len() == MAX_ROWS {
@@ -98,11 +84,9 @@ fn parse<'a>(path: &'a Path, text: &str) -> Result<Table<'a>, DataError> {
             });
         }
         let number = line_of(&record);
-        // A single cell is a title, and names no column.
-        let width = match titles[1].len() {
-            0 | 1 => lines.first().map_or(record.len(), |line| line.record.len()),
-            named => named,
-        };
+        if width == 0 {
+            width = record.len();
+        }
         if record.iter().skip(width).any(|cell| !cell.is_empty()) {
             return Err(DataError::Width {
                 path: path.to_owned(),
@@ -112,22 +96,47 @@ fn parse<'a>(path: &'a Path, text: &str) -> Result<Table<'a>, DataError> {
                 has_commas: delimiter == b',',
             });
         }
+        marks.resize(width, Marks::default());
+        for (marks, cell) in marks.iter_mut().zip(&record) {
+            marks.add(Cell::parse(cell));
+        }
         lines.push(Line { number, record });
     }
-    let Some(first) = lines.first() else {
+    if lines.is_empty() {
         return Err(DataError::Empty {
             path: path.to_owned(),
-            refused: refused_cell(&titles, has_decimal_comma),
+            refused: None,
         });
-    };
+    }
+    let unnamed = names.len() + 1..=width;
     Ok(Table {
         path,
-        columns: headers(&titles, first.record.len()),
+        columns: names
+            .into_iter()
+            .chain(unnamed.map(|number| number.to_string()))
+            .collect(),
         rows: Rows::Text {
             lines,
-            has_decimal_comma,
+            marks: decimal_marks(&marks, delimiter),
         },
     })
+}
+
+fn reader(text: &str, delimiter: u8) -> csv::Reader<&[u8]> {
+    csv::ReaderBuilder::new()
+        .delimiter(delimiter)
+        .has_headers(false)
+        // Titles and comments have other numbers of cells than the rows.
+        .flexible(true)
+        .trim(csv::Trim::All)
+        .from_reader(text.as_bytes())
+}
+
+fn unreadable(path: &Path, error: csv::Error) -> DataError {
+    DataError::Io {
+        path: path.to_owned(),
+        reason: error.into(),
+    }
 }
 
 /// The line of a record in the file, from 1.
@@ -135,59 +144,20 @@ fn line_of(record: &StringRecord) -> u64 {
     record.position().map_or(0, csv::Position::line)
 }
 
-/// The first cell of the last line that is no number, if a header is before that line.
-fn refused_cell(titles: &[StringRecord; 2], has_decimal_comma: bool) -> Option<(u64, String)> {
-    let [before, last] = titles;
-    if before.is_empty() {
-        return None;
+/// The decimal mark of each column: that which its own numbers prove, or else those of the table.
+fn decimal_marks(columns: &[Marks], delimiter: u8) -> Vec<Option<Mark>> {
+    let mut table = Marks::default();
+    for marks in columns {
+        table = table.union(*marks);
     }
-    for cell in last {
-        if parse_number(cell, has_decimal_comma).is_none() && !is_missing(cell) {
-            return Some((line_of(last), cell.chars().take(MAX_SHOWN).collect()));
-        }
+    // Whoever separates columns with commas hardly writes them into numbers, which need quotes then.
+    table.has_point |= delimiter == b',' && !table.has_comma;
+    let mut decimal = Vec::new();
+    for marks in columns {
+        let is_proved = marks.has_point || marks.has_comma;
+        decimal.push(if is_proved { *marks } else { table }.single());
     }
-    None
-}
-
-/// Whether the cells are numbers, at least one of them present.
-fn is_numeric(record: &StringRecord, has_decimal_comma: bool) -> bool {
-    let mut has_number = false;
-    for cell in record {
-        match parse_number(cell, has_decimal_comma) {
-            Some(_) => has_number = true,
-            None if is_missing(cell) => {}
-            None => return false,
-        }
-    }
-    has_number
-}
-
-/// The names of the columns from the lines before the numbers: header, or header and units.
-fn headers(titles: &[StringRecord; 2], width: usize) -> Vec<String> {
-    let [before, last] = titles;
-    let is_unit_row = before.len() == last.len()
-        && last.iter().any(is_unit)
-        && last.iter().all(|cell| cell.is_empty() || is_unit(cell));
-    let mut names = Vec::new();
-    for at in 0..width.max(last.len()) {
-        let name = match (is_unit_row, last.get(at).unwrap_or_default()) {
-            (true, "") => before.get(at).unwrap_or_default().to_owned(),
-            (true, unit) => format!("{} ({unit})", before.get(at).unwrap_or_default()),
-            (false, name) => name.to_owned(),
-        };
-        if name.is_empty() {
-            names.push((at + 1).to_string());
-        } else {
-            names.push(name);
-        }
-    }
-    names
-}
-
-fn is_comment(record: &StringRecord) -> bool {
-    // `#N/A` is a missing value.
-    let first = record.get(0).unwrap_or_default();
-    first.starts_with(['#', '%']) && !is_missing(first) || record.iter().all(str::is_empty)
+    decimal
 }
 
 /// The delimiter of the first lines: tab or semicolon if they have any, else comma.
@@ -200,15 +170,6 @@ fn delimiter(text: &str) -> u8 {
     } else {
         b','
     }
-}
-
-/// Whether numbers are written with a comma.
-fn has_decimal_comma(text: &str) -> bool {
-    beginning(text).any(|line| {
-        line.as_bytes()
-            .windows(3)
-            .any(|bytes| bytes[1] == b',' && bytes[0].is_ascii_digit() && bytes[2].is_ascii_digit())
-    })
 }
 
 /// The first lines that are not comments.
@@ -253,6 +214,24 @@ mod tests {
                 "comments",
                 "# made by hand\nt, theta\n# start\n0, 0.5\n\n0.1, 0.25\n",
             ),
+            (
+                "NumPy",
+                "# t,theta\n0.000e+00,5.000e-01\n1.000e-01,2.500e-01\n",
+            ),
+            (
+                "units in brackets",
+                "Time,Theta\n(s),[mrad]\n0,500\n0.1,250\n",
+            ),
+            ("a column of text", "t,theta,state\n0,0.5,ok\n0.1,0.25,ok\n"),
+            (
+                "a text and an error in the first row",
+                "t,theta,note,rate\n0,0.5,released,#DIV/0!\n0.1,0.25,,1\n",
+            ),
+            ("typographic minus", "t,theta,x\n0,0.5,−1\n1e−1,0.25,−2\n"),
+            (
+                "decimal commas in quotes",
+                "t,theta\n\"0,000\",\"0,500\"\n\"0,100\",\"0,250\"\n",
+            ),
         ] {
             let [signal] = &signals_of(text, &[]).unwrap()[..] else {
                 panic!("{name}: not one signal");
@@ -260,6 +239,66 @@ mod tests {
             assert_eq!(signal.field, state::THETA, "{name}");
             assert_eq!(signal.times, [0.0, 0.1], "{name}");
             assert_eq!(signal.values, [0.5, 0.25], "{name}");
+        }
+    }
+
+    #[test]
+    fn reads_decimals_that_look_like_thousands() {
+        for (name, text, times) in [
+            (
+                "proved by another row",
+                "t\ttheta\n0.900\t0.5\n1.000\t0.5\n",
+                [0.9, 1.0],
+            ),
+            (
+                "proved by another column",
+                "t;theta\n1,000;0,5\n2,000;0,5\n",
+                [1.0, 2.0],
+            ),
+            (
+                "proved by the delimiter",
+                "t,theta\n1.000,2.000\n2.000,2.000\n",
+                [1.0, 2.0],
+            ),
+        ] {
+            let signals = signals_of(text, &[]).unwrap();
+            assert_eq!(signals[0].times, times, "{name}");
+        }
+    }
+
+    #[test]
+    fn finds_columns_by_names_in_another_case_or_with_colons() {
+        for (name, text, signal) in [
+            ("another case", "Time,Theta\n0,0.5\n", "theta:1mrad"),
+            ("another case, unit", "t,Theta (rad)\n0,0.5\n", "theta"),
+            (
+                "a unit added",
+                "t,Tilt\n0,500\n",
+                "theta=\"tilt (mrad)\":2mrad",
+            ),
+            (
+                "a colon, no deviation",
+                "t,Latest: Angle (rad)\n0,0.5\n",
+                "theta=Latest: Angle (rad)",
+            ),
+            (
+                "a colon and a deviation",
+                "t,Latest: Angle (rad)\n0,0.5\n",
+                "theta=Latest: Angle (rad):1mrad",
+            ),
+            (
+                "a colon and a number",
+                "t,Run:1,Run\n0,0.5,7\n",
+                "theta=Run:1",
+            ),
+            (
+                "exact before another case",
+                "t,THETA,theta\n0,7,0.5\n",
+                "theta",
+            ),
+        ] {
+            let signals = signals_of(text, &[signal]).unwrap();
+            assert_eq!(signals[0].values, [0.5], "{name}");
         }
     }
 
@@ -320,7 +359,42 @@ mod tests {
             (
                 "t,theta\n0,abc\n1,0.5 rad\n",
                 "theta",
-                "no rows of numbers; line 3: \"0.5 rad\" is not a number",
+                ":2: column theta: \"abc\" is not a number",
+            ),
+            (
+                "t,theta\n0,#DIV/0!\n1,0.5\n",
+                "theta",
+                ":2: column theta: \"#DIV/0!\" is not a number",
+            ),
+            (
+                "t,theta\n0,0.5\n#REF!,0.5\n",
+                "theta",
+                ":3: column t: \"#REF!\" is not a number",
+            ),
+            (
+                "t;theta\n0;0,5\n1.000;0,5\n",
+                "theta",
+                ":3: column t: \"1.000\" can be 1 or 1000: write",
+            ),
+            (
+                "t\ttheta\n0\t0.5\n1,000\t0.5\n",
+                "theta",
+                ":3: column t: \"1,000\" can be 1 or 1000: write",
+            ),
+            (
+                "t,theta\n0,0.5\n\"1,000\",0.5\n",
+                "theta",
+                ":3: column t: \"1,000\" can be 1 or 1000: write",
+            ),
+            (
+                "t;theta\n0;0,5\n\"1.234,5\";0,5\n",
+                "theta",
+                ":3: column t: \"1.234,5\" has separators of thousands",
+            ),
+            (
+                "t,Theta\n0,0.5\n",
+                "theta=thetta",
+                "no column or topic thetta; there are: t, Theta (did you mean Theta?)",
             ),
             (
                 "t,theta (rpm)\n0,0.5\n",

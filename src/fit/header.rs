@@ -1,0 +1,399 @@
+//! The header of a text table: the line that names the columns, and the first row below it.
+
+use super::cell::{Cell, is_missing, is_spreadsheet_error};
+use super::column::clock;
+use super::unit::is_unit;
+use csv::StringRecord;
+
+/// A header.
+#[derive(Debug, PartialEq)]
+pub(super) struct Header {
+    /// Names of the columns, with their units; empty if no line names them.
+    pub names: Vec<String>,
+    /// Index of the first record that can be a row.
+    pub first_row: usize,
+}
+
+/// Finds the header: the last line that names the column of times before the first row with a time. All below it are
+/// rows, also those with cells that are no numbers. If no line names the times, the header is the last line of text
+/// before the first row of numbers.
+pub(super) fn find(
+    records: impl Iterator<Item = csv::Result<StringRecord>>,
+    time: Option<&str>,
+) -> csv::Result<Header> {
+    let mut search = Search {
+        time,
+        named: None,
+        titles: Titles::default(),
+        before_numbers: None,
+        has_rows: false,
+    };
+    for (index, record) in records.enumerate() {
+        let record = record?;
+        if is_blank(&record) {
+            continue;
+        }
+        if is_comment(&record) {
+            search.read_comment(index, &record);
+        } else {
+            search.read_line(index, record);
+        }
+        if search.has_rows {
+            break;
+        }
+    }
+    Ok(search.header())
+}
+
+/// The state of a search.
+struct Search<'a> {
+    /// Name of the column of times, if it is given.
+    time: Option<&'a str>,
+    /// The last line that names the column of times.
+    named: Option<Named>,
+    titles: Titles,
+    /// The titles before the first line that has any number.
+    before_numbers: Option<Titles>,
+    /// Whether the first row was read: one with a time, or one of numbers only if no line names the times.
+    has_rows: bool,
+}
+
+/// A line that names the column of times.
+struct Named {
+    header: Header,
+    /// Index of the column of times.
+    clock: usize,
+    is_comment: bool,
+    /// Whether no other line was read below it: that may have the units.
+    is_last: bool,
+}
+
+/// The last two lines that have no numbers.
+#[derive(Clone, Default)]
+struct Titles {
+    lines: [StringRecord; 2],
+    /// Index of the record after the last one.
+    end: usize,
+}
+
+impl Search<'_> {
+    /// A comment is a header only where no other line is one: `# t,theta` as NumPy writes it.
+    fn read_comment(&mut self, index: usize, record: &StringRecord) {
+        let has_header = self.named.as_ref().is_some_and(|named| !named.is_comment);
+        if !has_header {
+            self.name_columns(index, &uncommented(record), true);
+        }
+    }
+
+    fn read_line(&mut self, index: usize, record: StringRecord) {
+        if let Some(named) = &mut self.named {
+            if std::mem::take(&mut named.is_last) && named.add_units(index, &record) {
+                return;
+            }
+            let cell = record.get(named.clock).unwrap_or_default();
+            if Cell::parse(cell).is_number() {
+                self.has_rows = true;
+                return;
+            }
+        }
+        if self.name_columns(index, &record, false) || self.named.is_some() {
+            return;
+        }
+        let (mut numbers, mut texts) = (0, 0);
+        for cell in &record {
+            match Cell::parse(cell) {
+                Cell::Number(..) | Cell::Unclear(..) | Cell::Grouped => numbers += 1,
+                Cell::Text => texts += 1,
+                Cell::Missing => {}
+            }
+        }
+        if numbers > 0 {
+            self.before_numbers
+                .get_or_insert_with(|| self.titles.clone());
+            self.has_rows = texts == 0 && record.len() > 1;
+        } else if record.len() > 1 {
+            // A single cell is a title, and names no column.
+            self.titles.add(index, record);
+        }
+    }
+
+    /// Whether a line is a header that names the column of times.
+    fn name_columns(&mut self, index: usize, record: &StringRecord, is_comment: bool) -> bool {
+        let names = names(record);
+        let Some(clock) = clock(&names, self.time) else {
+            return false;
+        };
+        // In a table without header, a number is no name, and `--time 1` means the first column.
+        let has_text = record.iter().any(|cell| Cell::parse(cell) == Cell::Text);
+        let is_number = Cell::parse(record.get(clock).unwrap_or_default()).is_number();
+        if record.len() < 2 || is_number || !has_text {
+            return false;
+        }
+        self.named = Some(Named {
+            header: Header {
+                names,
+                first_row: index + 1,
+            },
+            clock,
+            is_comment,
+            is_last: true,
+        });
+        true
+    }
+
+    fn header(self) -> Header {
+        match (self.named, self.before_numbers) {
+            (Some(named), _) => named.header,
+            (None, Some(_)) if self.has_rows => self.titles.header(),
+            (None, Some(titles)) => titles.header(),
+            (None, None) => Titles::default().header(),
+        }
+    }
+}
+
+impl Named {
+    /// Adds the units of a line below the header, if it is one of units.
+    fn add_units(&mut self, index: usize, record: &StringRecord) -> bool {
+        let of_times = record.get(self.clock).unwrap_or_default();
+        let is_clock_unit = is_missing(of_times) || is_unit(bare_unit(of_times));
+        if !is_clock_unit || !is_unit_line(record) {
+            return false;
+        }
+        add_units(&mut self.header.names, record);
+        self.header.first_row = index + 1;
+        true
+    }
+}
+
+impl Titles {
+    fn add(&mut self, index: usize, record: StringRecord) {
+        let [_, last] = std::mem::take(&mut self.lines);
+        self.lines = [last, record];
+        self.end = index + 1;
+    }
+
+    fn header(&self) -> Header {
+        let [before, last] = &self.lines;
+        let names = if before.len() == last.len() && is_unit_line(last) {
+            let mut names = names(before);
+            add_units(&mut names, last);
+            names
+        } else {
+            names(last)
+        };
+        Header {
+            names,
+            first_row: self.end,
+        }
+    }
+}
+
+/// The names in a line; numbers from 1 where a cell is empty.
+fn names(record: &StringRecord) -> Vec<String> {
+    let mut names = Vec::new();
+    for (at, cell) in record.iter().enumerate() {
+        if cell.is_empty() {
+            names.push((at + 1).to_string());
+        } else {
+            names.push(cell.to_owned());
+        }
+    }
+    names
+}
+
+/// Whether a line has units and no numbers.
+fn is_unit_line(record: &StringRecord) -> bool {
+    record.iter().any(|cell| is_unit(bare_unit(cell)))
+        && !record.iter().any(|cell| Cell::parse(cell).is_number())
+}
+
+fn add_units(names: &mut [String], units: &StringRecord) {
+    for (name, unit) in names.iter_mut().zip(units) {
+        if !is_missing(unit) {
+            *name = format!("{name} ({})", bare_unit(unit));
+        }
+    }
+}
+
+/// A unit without its brackets.
+fn bare_unit(cell: &str) -> &str {
+    for (open, close) in [('(', ')'), ('[', ']')] {
+        let inner = cell.strip_prefix(open);
+        if let Some(unit) = inner.and_then(|inner| inner.strip_suffix(close)) {
+            return unit.trim();
+        }
+    }
+    cell
+}
+
+/// Whether a line is a comment. `#N/A` is a missing value, `#REF!` a cell to complain about.
+pub(super) fn is_comment(record: &StringRecord) -> bool {
+    let first = record.get(0).unwrap_or_default();
+    first.starts_with(['#', '%']) && !is_missing(first) && !is_spreadsheet_error(first)
+}
+
+pub(super) fn is_blank(record: &StringRecord) -> bool {
+    record.iter().all(str::is_empty)
+}
+
+/// The cells of a comment. NumPy separates names by spaces, whatever separates the numbers.
+fn uncommented(record: &StringRecord) -> StringRecord {
+    let mut cells = record.iter();
+    let first = cells.next().unwrap_or_default();
+    let first = first.trim_start_matches(['#', '%']).trim();
+    if record.len() == 1 {
+        return first.split_whitespace().collect();
+    }
+    std::iter::once(first).chain(cells).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finds_headers() {
+        for (name, text, time, names, first_row) in [
+            ("plain", "t,theta\n0,1", None, &["t", "theta"][..], 1),
+            (
+                "a text in all rows",
+                "t,theta,x\n0,1,ok\n1,2,ok",
+                None,
+                &["t", "theta", "x"],
+                1,
+            ),
+            (
+                "an error in the first row",
+                "t,theta\n0,#REF!\n1,2",
+                None,
+                &["t", "theta"],
+                1,
+            ),
+            (
+                "no time in the first row",
+                "t,theta\nabc,1\n1,2",
+                None,
+                &["t", "theta"],
+                1,
+            ),
+            (
+                "no number in the first row",
+                "t,theta\nabc,def\n1,2",
+                None,
+                &["t", "theta"],
+                1,
+            ),
+            (
+                "no row with a time",
+                "t,theta\nabc,def",
+                None,
+                &["t", "theta"],
+                1,
+            ),
+            (
+                "titles",
+                "Time,12:00\nDate,2026\nt,theta\n0,1",
+                None,
+                &["t", "theta"],
+                3,
+            ),
+            (
+                "numbers before",
+                "3\n501\nt,theta\n0,1",
+                None,
+                &["t", "theta"],
+                3,
+            ),
+            (
+                "units",
+                "Time,Tilt,x\ns,deg,kg\n0,1,2",
+                None,
+                &["Time (s)", "Tilt (deg)", "x (kg)"],
+                2,
+            ),
+            (
+                "units in brackets",
+                "t,θ\n(s),[°]\n0,1",
+                None,
+                &["t (s)", "θ (°)"],
+                2,
+            ),
+            (
+                "names of units",
+                "Time,θ\nseconds,\n0,1",
+                None,
+                &["Time (seconds)", "θ"],
+                2,
+            ),
+            ("NumPy", "# t,theta\n0,1", None, &["t", "theta"], 1),
+            ("NumPy, spaces", "# t theta\n0,1", None, &["t", "theta"], 1),
+            (
+                "comments",
+                "# t,theta\nt,phi\n# t,psi\n0,1",
+                None,
+                &["t", "phi"],
+                3 - 1,
+            ),
+            (
+                "given time",
+                "t,frame,x\n0,1,ok",
+                Some("Frame"),
+                &["t", "frame", "x"],
+                1,
+            ),
+            ("no clock", "a,theta\n0,1", None, &["a", "theta"], 1),
+            (
+                "no clock, units",
+                "a,theta\ns,deg\n0,1",
+                None,
+                &["a (s)", "theta (deg)"],
+                2,
+            ),
+            (
+                "no clock, a text in all rows",
+                "a,theta\n0,ok\n1,ok\nend,end",
+                None,
+                &["a", "theta"],
+                1,
+            ),
+            (
+                "no clock, an error in the first row",
+                "a,b\n0,#REF!\n1,2",
+                None,
+                &["a", "b"],
+                1,
+            ),
+            ("no header", "0,1\n1,2", Some("1"), &[], 0),
+            (
+                "no header, a number like the name",
+                "1,0,ok\n2,1,ok",
+                Some("1"),
+                &[],
+                0,
+            ),
+            (
+                "an index without a name",
+                ",theta\n0,1",
+                Some("1"),
+                &["1", "theta"],
+                1,
+            ),
+            (
+                "numbers as names",
+                "t,3,2\n0,1,2",
+                None,
+                &["t", "3", "2"],
+                1,
+            ),
+            ("nothing", "", None, &[], 0),
+        ] {
+            let mut reader = csv::ReaderBuilder::new()
+                .has_headers(false)
+                .flexible(true)
+                .from_reader(text.as_bytes());
+            let header = find(reader.records(), time).unwrap();
+            let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+            assert_eq!(header, Header { names, first_row }, "{name}");
+        }
+    }
+}
