@@ -8,6 +8,7 @@ use crate::run::plural::counted;
 use crate::run::scenario::ScenarioError;
 use crate::run::simulation::SimulationError;
 use std::fmt::{self, Display, Formatter};
+use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// Error of a fit.
@@ -57,7 +58,7 @@ pub enum FitError {
     #[error("nothing to fit: none of the free parameters changes any signal")]
     NothingFree,
     /// A signal has no value in the time that is fitted.
-    #[error("{field} has no value from t = {origin} s{}: its times are {first} to {last} s; see --start and --until", until.map_or(String::new(), |until| format!(" to {until} s")))]
+    #[error("{field} has no value from t = {} s{}: its times are {} to {} s; see --start and --until", short(*origin), until.map_or(String::new(), |until| format!(" to {} s", short(until))), short(*first), short(*last))]
     OutOfRange {
         /// The field.
         field: String,
@@ -72,7 +73,10 @@ pub enum FitError {
     },
     /// The data have a gap that is long compared with all of them.
     #[error(
-        "the data have no values from t = {from} to {to} s, and are only {rest} s long without this gap; is a time wrong ({stray} {} {}{})? Remove {}, or leave {} out with {remedy}",
+        "the data have no values from t = {} to {} s, and are only {} s long without this gap; is a time wrong ({stray} {} {}{})? Remove {}, or leave {} out with {remedy}",
+        short(*from),
+        short(*to),
+        short(*rest),
         if *stray == 1 { "row" } else { "rows" },
         remedy.side(),
         place.as_ref().map_or_else(String::new, |place| if *stray == 1 { format!(": {place}") } else { format!(", next to it {place}") }),
@@ -95,7 +99,8 @@ pub enum FitError {
     },
     /// A value is too large for a sum of squares.
     #[error(
-        "{place}: the value {value:e} at t = {time} s, with the standard deviation {sigma:e}, is too large to be fitted: remove it"
+        "{place}: the value {value:e} at t = {} s, with the standard deviation {sigma:e}, is too large to be fitted: remove it",
+        short(*time)
     )]
     Size {
         /// The value.
@@ -135,15 +140,19 @@ pub enum FitError {
         /// Name of the column without its unit, or topic and path.
         name: String,
     },
-    /// Times without a unit that are too long in seconds.
-    #[error(
-        "the times in column {name} span {duration} s if they are in seconds: write the unit into the header, or --time \"{name} (ms)\", \"{name} (us)\" or \"{name} (s)\""
-    )]
+    /// Times without a unit that are too long or too rare in seconds.
+    #[error("{}", likely_time_unit(path.as_deref(), name, *duration, *step, *may_be_frames))]
     LikelyTimeUnit {
+        /// The file.
+        path: Option<PathBuf>,
         /// Name of the column of times.
         name: String,
-        /// Time from the start to the first value that is too late, s.
+        /// Time from the first to the last value, s.
         duration: f64,
+        /// Usual time between values, s.
+        step: f64,
+        /// Whether all times are whole numbers.
+        may_be_frames: bool,
     },
     /// All values of a signal are equal, and no standard deviation is given.
     #[error(
@@ -169,7 +178,12 @@ pub enum FitError {
     },
     /// No offset within its bounds brings half of a file's samples into the motion.
     #[error(
-        "{name}: no offset from {low} to {high} s brings half of its file's samples ({first} to {last} s) into the motion (0 to {end} s)"
+        "{name}: no offset from {} to {} s brings half of its file's samples ({} to {} s) into the motion (0 to {} s); are the times of both files in the unit that is stated, or else in s?",
+        short(*low),
+        short(*high),
+        short(*first),
+        short(*last),
+        short(*end)
     )]
     NoOverlap {
         /// The offset.
@@ -268,6 +282,49 @@ impl FitError {
     }
 }
 
+/// A sentence about times whose unit is missing.
+fn likely_time_unit(
+    path: Option<&Path>,
+    name: &str,
+    duration: f64,
+    step: f64,
+    may_be_frames: bool,
+) -> String {
+    /// Frames per second of usual cameras.
+    const FRAME_RATE: f64 = 30.0;
+    let mut sentence = path.map_or_else(String::new, |path| format!("{}: ", path.display()));
+    sentence += &format!(
+        "the times in column {name} have no unit: in s they span {} s with a value every {} s, in ms {} s. Write the unit into the header, or --time \"{name} (ms)\", \"{name} (us)\" or \"{name} (s)\"",
+        short(duration),
+        short(step),
+        short(duration / 1e3)
+    );
+    if may_be_frames {
+        sentence += &format!(
+            ". If they are frame numbers, divide them by the frame rate: at {FRAME_RATE} frames per second they span {} s",
+            rounded(duration / FRAME_RATE, 3)
+        );
+    }
+    sentence
+}
+
+/// A number to the 15 digits that each double keeps of a decimal fraction.
+fn short(number: f64) -> String {
+    rounded(number, 15)
+}
+
+/// A number to this many digits, with an exponent if it is very large or small.
+fn rounded(number: f64, digits: usize) -> String {
+    let text = format!("{number:.*e}", digits - 1);
+    let rounded: f64 = text.parse().unwrap_or(number);
+    let size = rounded.abs();
+    if size == 0.0 || (1e-6..1e15).contains(&size) {
+        rounded.to_string()
+    } else {
+        format!("{rounded:e}")
+    }
+}
+
 /// An option that leaves out a part of the data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cut {
@@ -292,6 +349,27 @@ impl Display for Cut {
         match self {
             Self::Start(time) => write!(f, "--start {time}"),
             Self::Until(time) => write!(f, "--until {time}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn prints_times_in_short_form() {
+        for (time, expected) in [
+            (0.7 + 1e-16, "0.7"),
+            (0.1 + 0.2, "0.3"),
+            (1_764_158_407.200_001, "1764158407.2"),
+            (20_000.0, "20000"),
+            (-5.0, "-5"),
+            (0.0, "0"),
+            (1e300, "1e300"),
+            (2e-9, "2e-9"),
+        ] {
+            assert_eq!(short(time), expected);
         }
     }
 }

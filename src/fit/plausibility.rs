@@ -51,23 +51,51 @@ fn check_inclination(signal: &Signal, values: &[f64]) -> Result<(), FitError> {
     Ok(())
 }
 
-/// Refuses times without a unit that are too long for a top: they are in milliseconds, or less.
+/// Refuses times without a unit that are too long or too rare for a top: they are frame numbers, or in milliseconds or
+/// less. Simulations of such times would take hours.
 pub(super) fn check_times(problem: &Problem) -> Result<(), FitError> {
     /// Tops spin for minutes, s. More than a second of milliseconds would be longer.
     const MAX_DURATION: f64 = 1000.0;
-    for point in &problem.points {
-        let signal = &problem.signals[point.signal];
-        if let Some(clock) = &signal.unitless_clock
-            && signal.file == 0
-            && point.time > MAX_DURATION
-        {
+    /// Time between values, s. Sensors and cameras take more than one in a second, and tops nutate faster.
+    const MAX_STEP: f64 = 1.0;
+    for signal in &problem.signals {
+        let Some(clock) = &signal.unitless_clock else {
+            continue;
+        };
+        // Signals of one file share its rows, but not each has a value in all of them.
+        let mut times = Vec::new();
+        for point in &problem.points {
+            if problem.signals[point.signal].file == signal.file {
+                times.push(point.time);
+            }
+        }
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        let (Some(first), Some(last)) = (times.first(), times.last()) else {
+            continue;
+        };
+        // The scenario starts with the first file, before or at its first value. Others may have been recorded for long.
+        let is_long = signal.file == 0 && *last > MAX_DURATION;
+        let step = median_step(&times);
+        let is_rare = times.len() >= FEWEST && step >= MAX_STEP;
+        if is_long || is_rare {
             return Err(FitError::LikelyTimeUnit {
-                name: clock.clone(),
-                duration: point.time,
+                path: signal.lines.as_ref().map(|lines| lines.path.clone()),
+                name: split_header(clock).0.to_owned(),
+                duration: last - first,
+                step,
+                may_be_frames: signal.times.iter().all(|time| time.fract() == 0.0),
             });
         }
     }
     Ok(())
+}
+
+/// Median of the steps between ascending times; 0 for fewer than two.
+fn median_step(times: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    steps.sort_by(f64::total_cmp);
+    steps.get(steps.len() / 2).copied().unwrap_or_default()
 }
 
 /// Refuses signals without a unit that differ by a factor from the motion at the start, but agree with it in another usual unit.
@@ -144,8 +172,88 @@ fn distance(values: &[f64], motion: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::model::Loss;
     use super::*;
+    use crate::run::scenario::Preset;
     use std::f64::consts::TAU;
+
+    #[test]
+    fn refuses_times_that_cannot_be_seconds() {
+        let scenario = Preset::find("full-coulomb").unwrap().scenario().unwrap();
+        for (name, file, count, step, is_unitless, expected) in [
+            (
+                "frames",
+                0,
+                501,
+                1.0,
+                true,
+                Some("at 30 frames per second they span 16.7 s"),
+            ),
+            (
+                "every other frame",
+                0,
+                51,
+                2.0,
+                true,
+                Some("in s they span 100 s with a value every 2 s, in ms 0.1 s"),
+            ),
+            (
+                "milliseconds",
+                0,
+                501,
+                10.0,
+                true,
+                Some("in s they span 5000 s with a value every 10 s, in ms 5 s"),
+            ),
+            (
+                "long",
+                0,
+                2003,
+                0.5,
+                true,
+                Some("in s they span 1001 s with a value every 0.5 s"),
+            ),
+            (
+                "frames of the second file",
+                1,
+                501,
+                1.0,
+                true,
+                Some("divide them by the frame rate"),
+            ),
+            (
+                "a second file that began long before",
+                1,
+                2003,
+                0.5,
+                true,
+                None,
+            ),
+            ("seconds", 0, 501, 0.01, true, None),
+            ("few", 0, 9, 1.0, true, None),
+            ("stated", 0, 501, 1.0, false, None),
+        ] {
+            let times: Vec<f64> = (0..count).map(|at| step * f64::from(at)).collect();
+            let values = vec![0.5; times.len()];
+            let signal = Signal::from_values(state::THETA, &times, &values, Some(1e-3)).unwrap();
+            let signal = Signal {
+                file,
+                unitless_clock: is_unitless.then(|| "t".to_owned()),
+                ..signal
+            };
+            let problem =
+                Problem::new(&scenario, Vec::new(), vec![signal], Loss::Squares, 0.0).unwrap();
+            let error = check_times(&problem).err().map(|error| error.to_string());
+            match (&error, expected) {
+                (None, None) => {}
+                (Some(message), Some(part)) => {
+                    assert!(message.contains(part), "{name}: {message}");
+                    assert!(message.contains("or \"t (s)\""), "{name}: {message}");
+                }
+                (Some(_) | None, Some(_) | None) => panic!("{name}: {error:?}"),
+            }
+        }
+    }
 
     #[test]
     fn recognises_units_by_the_motion() {
