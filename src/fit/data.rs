@@ -45,7 +45,8 @@ impl Data {
     }
 }
 
-/// Reads the signals of files. Each of `specs` must be in at least one of them. `time` is the name of the columns of times.
+/// Reads the signals of files. Each of `specs` must be in at least one of them. `time` is the name of the
+/// columns of times; the messages of recordings have times of their own.
 ///
 /// # Errors
 /// [`DataError`] with the file, line and column.
@@ -60,6 +61,7 @@ pub fn read(
         starts_with_run: false,
         losses: Vec::new(),
     };
+    check_time(files, time)?;
     let mut contents = Vec::new();
     for (index, path) in files.iter().enumerate() {
         if files[..index].iter().any(|known| is_same_file(known, path)) {
@@ -105,6 +107,20 @@ pub fn read_bytes(name: &Path, bytes: Vec<u8>, specs: &[SignalSpec]) -> Result<D
     };
     check_found(&data.signals, specs, vec![contents])?;
     Ok(data)
+}
+
+/// Refuses a name of columns of times if no file has columns.
+fn check_time(files: &[PathBuf], time: Option<&str>) -> Result<(), DataError> {
+    let has_columns = files.iter().any(|path| match Format::from_name(path) {
+        Format::Text | Format::Parquet => true,
+        Format::Recording => false,
+    });
+    match time {
+        Some(name) if !has_columns => Err(DataError::NoTimeColumn {
+            name: name.to_owned(),
+        }),
+        Some(_) | None => Ok(()),
+    }
 }
 
 /// Refuses signals that are in no file, and files without a signal.
@@ -162,5 +178,23 @@ impl Format {
             Some("parquet" | "pq") => Self::Parquet,
             Some(_) | None => Self::Text,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refuses_a_column_of_times_without_tables() {
+        let [mcap, csv] = ["a.mcap", "b.csv"].map(PathBuf::from);
+        let error = check_time(std::slice::from_ref(&mcap), Some("stamp")).unwrap_err();
+        let message = error.to_string();
+        assert!(
+            message.contains("no column of times stamp in MCAP files"),
+            "{message}"
+        );
+        check_time(std::slice::from_ref(&mcap), None).unwrap();
+        check_time(&[mcap, csv], Some("stamp")).unwrap();
     }
 }

@@ -229,6 +229,14 @@ pub enum DataError {
         /// The file.
         path: PathBuf,
     },
+    /// The column of times is named, but no file has columns.
+    #[error(
+        "there is no column of times {name} in MCAP files: the times are those of their messages; leave the name out"
+    )]
+    NoTimeColumn {
+        /// Name of the column.
+        name: String,
+    },
     /// All values of a signal are missing.
     #[error("{}: {what} {name} has no values", path.display())]
     NoValues {
