@@ -44,7 +44,7 @@ mod unit;
 pub mod words;
 
 pub use data::{Data, read, read_bytes};
-pub use data_error::{Contents, DataError, SignalError};
+pub use data_error::{Contents, DataError, MemberError, SignalError};
 pub use degeneracy::{Combination, Degeneracy};
 pub use error::FitError;
 pub use law::usual_parameters;

@@ -176,16 +176,21 @@ pub(crate) fn text_of(bytes: Vec<u8>) -> io::Result<String> {
         [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [_, 0, ..] | [0, _, ..]
     );
     let reason = if is_utf32 {
-        "it is UTF-32 text: save it as UTF-8"
+        "it is UTF-32 text: save it as UTF-8".to_owned()
     } else if is_utf16 {
-        "it is UTF-16 text: save it as UTF-8"
+        "it is UTF-16 text: save it as UTF-8".to_owned()
     } else {
-        "it is not UTF-8 text"
+        match String::from_utf8(bytes) {
+            Ok(text) => return Ok(text),
+            Err(error) => {
+                let end = error.utf8_error().valid_up_to();
+                let breaks = error.as_bytes()[..end].iter();
+                let line = breaks.filter(|byte| **byte == b'\n').count() + 1;
+                format!("it is not UTF-8 text (line {line}): save it as UTF-8")
+            }
+        }
     };
-    match String::from_utf8(bytes) {
-        Ok(text) if !is_utf16 && !is_utf32 => Ok(text),
-        Ok(_) | Err(_) => Err(io::Error::new(io::ErrorKind::InvalidData, reason)),
-    }
+    Err(io::Error::new(io::ErrorKind::InvalidData, reason))
 }
 
 /// Whether an argument is the name of a preset.

@@ -229,6 +229,17 @@ pub enum DataError {
         /// The file.
         path: PathBuf,
     },
+    /// No JSON message has a number.
+    #[error("{}: member {name} has no values: {reason}", path.display())]
+    NoMember {
+        /// The file.
+        path: PathBuf,
+        /// Topic and path.
+        name: String,
+        /// The reason.
+        #[source]
+        reason: MemberError,
+    },
     /// The column of times is named, but no file has columns.
     #[error(
         "there is no column of times {name} in MCAP files: the times are those of their messages; leave the name out"
@@ -299,21 +310,17 @@ fn not_found(name: &str, files: &[Contents]) -> String {
 /// The hint for the columns or topics that are most like a name, or an empty string. Case and units don't count, and a
 /// topic is compared with that of the name.
 fn similar(name: &str, known: &[String]) -> String {
-    let mut similarities = Vec::new();
     let wrong = split_header(name).0.to_lowercase();
+    let topic = wrong.rsplit_once('.').map_or("", |(topic, _)| topic);
+    let mut similarities = Vec::new();
     for known_name in known {
         let bare = split_header(known_name).0.to_lowercase();
-        // The name of a field of a topic, `/top/state.theta`, is longer than that of the topic.
-        let topic = wrong.rsplit_once('.').map_or("", |(topic, _)| topic);
-        let likeness = if bare.starts_with('/') {
-            similarity(topic, &bare)
-        } else {
-            similarity(&wrong, &bare)
-        };
-        // A topic that is right is none to be meant instead.
-        if bare != topic {
-            similarities.push((likeness, known_name.as_str()));
+        if bare == topic {
+            // The topic is right: no other one is meant.
+            return String::new();
         }
+        let compared = if bare.starts_with('/') { topic } else { &wrong };
+        similarities.push((similarity(compared, &bare), known_name.as_str()));
     }
     did_you_mean(&most_similar(similarities.into_iter()))
 }
@@ -337,6 +344,26 @@ pub enum ParquetError {
     /// A column can't be converted.
     #[error(transparent)]
     Arrow(#[from] arrow_schema::ArrowError),
+}
+
+/// Reason why a member of a JSON message is no number.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum MemberError {
+    /// There is no such member, or it has members itself.
+    #[error("the messages have: {}", known.join(", "))]
+    Absent {
+        /// Paths of the members where it should be.
+        known: Vec<String>,
+    },
+    /// The value is text.
+    #[error("they are texts, e.g. {0:?}, not numbers")]
+    Text(String),
+    /// The value is null.
+    #[error("they are null")]
+    Null,
+    /// The value is true or false.
+    #[error("they are true or false, not numbers")]
+    Boolean,
 }
 
 /// Reason why the description of a signal can't be used.

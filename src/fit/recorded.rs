@@ -1,13 +1,14 @@
 //! Measured values from MCAP files: recordings of toprise, and JSON messages of other software.
 
-use super::data_error::{DataError, SignalError};
+use super::data_error::{DataError, MemberError, SignalError};
 use super::signal::{FileSignals, Row, SigmaSpec, Signal, SignalSpec};
-use super::table::MAX_ROWS;
+use super::table::{MAX_ROWS, MAX_SHOWN};
 use super::unit::{Dimension, split_header};
 use crate::archive::recording::{Condition, FileChannel, Recording, Selection};
+use crate::run::plural::counted;
 use crate::run::time::seconds;
 use crate::telemetry::fields::NumberField;
-use crate::telemetry::{Numbers as _, Topics};
+use crate::telemetry::{Numbers as _, Topic, Topics};
 use serde_json::Value as Json;
 use std::path::Path;
 
@@ -35,13 +36,6 @@ impl Place {
         match self {
             Self::Field(field) => field.unit(),
             Self::Json(_, names) => names.last().map_or("", |name| split_header(name).1),
-        }
-    }
-
-    fn what(&self) -> &'static str {
-        match self {
-            Self::Field(_) => "field",
-            Self::Json(..) => "member",
         }
     }
 
@@ -102,7 +96,7 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
     let mut signals = Vec::new();
     let mut losses = Vec::new();
     for (spec, place) in places {
-        let rows = rows(&recording, path, &place, &mut losses)?;
+        let PlaceRows { rows, lack } = rows(&recording, path, &place, &mut losses)?;
         let factor = match &place {
             Place::Field(_) => 1.0,
             Place::Json(..) => Dimension::from_si(spec.field.unit())
@@ -122,11 +116,7 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
             }
         }
         if found.is_empty() {
-            return Err(DataError::NoValues {
-                path: path.to_owned(),
-                what: place.what(),
-                name: spec.source.clone(),
-            });
+            return Err(no_values(path, &spec.source, &place, lack));
         }
         let is_unit_known = match &place {
             Place::Field(_) => true,
@@ -147,6 +137,23 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
     })
 }
 
+fn no_values(path: &Path, source: &str, place: &Place, lack: Option<MemberError>) -> DataError {
+    let (path, name) = (path.to_owned(), source.to_owned());
+    match (place, lack) {
+        (Place::Json(..), Some(reason)) => DataError::NoMember { path, name, reason },
+        (Place::Json(..), None) => DataError::NoValues {
+            path,
+            what: "member",
+            name,
+        },
+        (Place::Field(_), _) => DataError::NoValues {
+            path,
+            what: "field",
+            name,
+        },
+    }
+}
+
 /// The place that a source names, if the file has it.
 fn find_place(recording: &Recording, spec: &SignalSpec) -> Option<Place> {
     let source = &spec.source;
@@ -157,7 +164,7 @@ fn find_place(recording: &Recording, spec: &SignalSpec) -> Option<Place> {
         let Some(path) = rest.strip_prefix('.') else {
             continue;
         };
-        match channel.table {
+        match table(recording, channel) {
             Some(topic) => {
                 if let Some(field) = topic.numbers().find(|field| field.path() == path) {
                     return Some(Place::Field(field));
@@ -172,8 +179,17 @@ fn find_place(recording: &Recording, spec: &SignalSpec) -> Option<Place> {
     }
     // A field of toprise may be named by its path alone.
     let field = spec.field;
-    let is_named = *source == field.path() && recording.has(field.topic());
-    is_named.then_some(Place::Field(field))
+    let mut channels = recording.channels().iter();
+    let is_recorded = channels.any(|channel| table(recording, channel) == Some(field.topic()));
+    (*source == field.path() && is_recorded).then_some(Place::Field(field))
+}
+
+/// The topic of toprise that a channel has. Other software may use the same names for JSON messages of its own.
+fn table(recording: &Recording, channel: &FileChannel) -> Option<Topic> {
+    let topic = channel.table?;
+    let schema = channel.schema.as_ref();
+    let is_typed = schema.is_some_and(|schema| schema.name == topic.info().schema);
+    (recording.is_ours() || is_typed || channel.encoding != "json").then_some(topic)
 }
 
 /// Names of the topics that signals can be in.
@@ -188,22 +204,31 @@ fn topics(recording: &Recording) -> Vec<String> {
     known
 }
 
-/// Times (s) and values of a place; no value where it is missing or not a number.
+/// The messages of a place.
+struct PlaceRows {
+    /// Times (s) and values; no value where it is missing or not a number.
+    rows: Vec<(f64, Option<f64>)>,
+    /// Why the first JSON message without a value has none.
+    lack: Option<MemberError>,
+}
+
+/// Reads the messages of a place.
 fn rows(
     recording: &Recording,
     path: &Path,
     place: &Place,
     losses: &mut Vec<String>,
-) -> Result<Vec<(f64, Option<f64>)>, DataError> {
+) -> Result<PlaceRows, DataError> {
     let topic = match place {
         Place::Field(field) => field.topic().name().to_owned(),
         Place::Json(topic, _) => topic.clone(),
     };
     let mut reader = recording.reader(Selection {
-        topics: Topics::Only(vec![topic]),
+        topics: Topics::Only(vec![topic.clone()]),
         ..Selection::default()
     });
     let mut rows: Vec<(f64, Option<f64>)> = Vec::new();
+    let (mut lack, mut undecodable) = (None, 0_u64);
     // Times since the epoch have no fraction of a microsecond as doubles: they count from the file's first message.
     let mut whole = recording.reader(Selection::default());
     let start = whole.next_undecoded().map_or(0, |first| first.log_time);
@@ -224,8 +249,19 @@ fn rows(
             Place::Json(_, names) => match reader.next_undecoded() {
                 None => break,
                 Some(message) => {
+                    let Ok(json) = serde_json::from_slice(message.data) else {
+                        undecodable += 1;
+                        continue;
+                    };
                     let time = i128::from(message.log_time) - i128::from(start);
-                    (time as f64 / 1e9, member(message.data, names))
+                    let value = match member(json, names) {
+                        Ok(number) => Some(number),
+                        Err(error) => {
+                            lack.get_or_insert(error);
+                            None
+                        }
+                    };
+                    (time as f64 / 1e9, value)
                 }
             },
         };
@@ -237,13 +273,17 @@ fn rows(
         }
         rows.push(row);
     }
+    if undecodable > 0 {
+        let messages = counted(undecodable, "message");
+        add_once(losses, format!("{messages} of {topic}, no JSON"));
+    }
     for loss in reader.all_losses().sentences() {
         add_once(losses, loss);
     }
     if recording.condition() == Condition::Interrupted {
         add_once(losses, "the end of the file, which is cut".to_owned());
     }
-    Ok(rows)
+    Ok(PlaceRows { rows, lack })
 }
 
 /// Signals of one file share its losses.
@@ -254,24 +294,188 @@ fn add_once(losses: &mut Vec<String>, loss: String) {
 }
 
 /// The number at a path in a JSON message. A name that no member has may be that of one with a unit added.
-fn member(data: &[u8], names: &[String]) -> Option<f64> {
-    let mut value: Json = serde_json::from_slice(data).ok()?;
-    for name in names {
-        value = match &mut value {
+fn member(mut value: Json, names: &[String]) -> Result<f64, MemberError> {
+    for (depth, name) in names.iter().enumerate() {
+        let bare = split_header(name).0;
+        let found = match &mut value {
             Json::Object(members) => {
                 let key = if members.contains_key(name) {
                     name
                 } else {
-                    split_header(name).0
+                    bare
                 };
-                members.get_mut(key)?.take()
+                members.get_mut(key).map(Json::take)
             }
-            Json::Array(items) => {
-                let index = split_header(name).0.parse::<usize>().ok()?;
-                items.get_mut(index)?.take()
-            }
-            Json::Null | Json::Bool(_) | Json::Number(_) | Json::String(_) => return None,
+            Json::Array(items) => bare
+                .parse::<usize>()
+                .ok()
+                .and_then(|index| items.get_mut(index))
+                .map(Json::take),
+            Json::Null | Json::Bool(_) | Json::Number(_) | Json::String(_) => None,
         };
+        value = found.ok_or_else(|| MemberError::Absent {
+            known: member_names(&value, &names[..depth]),
+        })?;
     }
-    value.as_f64().filter(|number| number.is_finite())
+    match value {
+        Json::Number(number) => number.as_f64().ok_or(MemberError::Null),
+        Json::Null => Err(MemberError::Null),
+        Json::String(text) => Err(MemberError::Text(text.chars().take(MAX_SHOWN).collect())),
+        Json::Bool(_) => Err(MemberError::Boolean),
+        Json::Object(_) | Json::Array(_) => Err(MemberError::Absent {
+            known: member_names(&value, names),
+        }),
+    }
+}
+
+/// Names of the members of a value, below the members `outer`.
+fn member_names(value: &Json, outer: &[String]) -> Vec<String> {
+    /// Maximum number of names: messages may have thousands of members.
+    const MAX_NAMES: usize = 20;
+    let inner: Vec<String> = match value {
+        Json::Object(members) => members.keys().take(MAX_NAMES).cloned().collect(),
+        Json::Array(items) => (0..items.len().min(MAX_NAMES))
+            .map(|index| index.to_string())
+            .collect(),
+        Json::Null | Json::Bool(_) | Json::Number(_) | Json::String(_) => Vec::new(),
+    };
+    inner
+        .into_iter()
+        .map(|name| [outer, &[name]].concat().join("."))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::data::{self, Data};
+    use super::*;
+    use crate::telemetry::fields::state;
+    use std::collections::BTreeMap;
+    use std::path::PathBuf;
+
+    /// Reads a signal from a file with JSON messages of other software, one each 0.1 s.
+    fn read_json(topic: &str, messages: &[&str], signal: &str) -> Result<Data, DataError> {
+        let file = tempfile::Builder::new().suffix(".mcap").tempfile().unwrap();
+        let mut writer = mcap::Writer::new(file.reopen().unwrap()).unwrap();
+        let channel = writer
+            .add_channel(0, topic, "json", &BTreeMap::new())
+            .unwrap();
+        for (at, message) in messages.iter().enumerate() {
+            let header = mcap::records::MessageHeader {
+                channel_id: channel,
+                sequence: 0,
+                log_time: 100_000_000 * at as u64,
+                publish_time: 0,
+            };
+            writer
+                .write_to_known_channel(&header, message.as_bytes())
+                .unwrap();
+        }
+        writer.finish().unwrap();
+        drop(writer);
+        let files: Vec<PathBuf> = vec![file.path().to_owned()];
+        data::read(&files, &[SignalSpec::parse(signal)?], None)
+    }
+
+    #[test]
+    fn says_why_members_have_no_numbers() {
+        let camera = "/camera/pose";
+        for (name, topic, message, signal, expected) in [
+            (
+                "another name",
+                camera,
+                r#"{"az":1,"tilt":2}"#,
+                "theta=/camera/pose.roll",
+                "member /camera/pose.roll has no values: the messages have: az, tilt",
+            ),
+            (
+                "an outer member",
+                camera,
+                r#"{"az":{"deg":1}}"#,
+                "theta=/camera/pose.az",
+                "the messages have: az.deg",
+            ),
+            (
+                "an element",
+                camera,
+                r#"{"v":[1,2]}"#,
+                "theta=/camera/pose.v.7",
+                "the messages have: v.0, v.1",
+            ),
+            (
+                "text",
+                camera,
+                r#"{"tilt":"0.5"}"#,
+                "theta=/camera/pose.tilt",
+                r#"has no values: they are texts, e.g. "0.5", not numbers"#,
+            ),
+            (
+                "null",
+                camera,
+                r#"{"tilt":null}"#,
+                "theta=/camera/pose.tilt",
+                "has no values: they are null",
+            ),
+            (
+                "no JSON",
+                camera,
+                "{bad",
+                "theta=/camera/pose.tilt",
+                "member /camera/pose.tilt has no values",
+            ),
+            (
+                "no topic",
+                "/cam",
+                r#"{"tilt":1}"#,
+                "theta=/camm.tilt",
+                "no column or topic /camm.tilt; there is: /cam (did you mean /cam?)",
+            ),
+            (
+                "a topic without member",
+                "/cam",
+                r#"{"tilt":1}"#,
+                "theta=/cam",
+                "no column or topic /cam; there is: /cam",
+            ),
+        ] {
+            let error = read_json(topic, &[message; 3], signal).unwrap_err();
+            let message = error.to_string();
+            assert!(message.contains(expected), "{name}: {message}");
+        }
+    }
+
+    #[test]
+    fn reads_json_of_other_software_on_topics_of_toprise() {
+        for signal in ["/top/state.theta:1mrad", "theta=/top/state.theta:1mrad"] {
+            let data = read_json("/top/state", &[r#"{"theta":0.5}"#; 3], signal).unwrap();
+            let [found] = &data.signals[..] else {
+                panic!("{signal}: not one signal");
+            };
+            assert_eq!(found.field, state::THETA, "{signal}");
+            assert_eq!(found.values, [0.5; 3], "{signal}");
+        }
+    }
+
+    #[test]
+    fn lists_messages_that_are_no_json_as_losses() {
+        let messages = [
+            r#"{"tilt":0.5}"#,
+            "{bad",
+            r#"{"tilt":null}"#,
+            r#"{"tilt":0.4}"#,
+        ];
+        let data = read_json("/cam", &messages, "theta=/cam.tilt").unwrap();
+        assert_eq!(data.signals[0].values, [0.5, 0.4]);
+        assert_eq!(data.signals[0].missing, 1);
+        let [loss] = &data.losses[..] else {
+            panic!("not one loss: {:?}", data.losses);
+        };
+        assert!(loss.ends_with("1 message of /cam, no JSON"), "{loss}");
+    }
+
+    #[test]
+    fn finds_topics_with_colons() {
+        let data = read_json("/cam:1", &[r#"{"tilt":0.5}"#; 3], "theta=/cam:1.tilt").unwrap();
+        assert_eq!(data.signals[0].values, [0.5; 3]);
+    }
 }

@@ -234,7 +234,10 @@ mod tests {
             assert_eq!(read_file(text).unwrap_err(), message, "{text:?}");
         }
         let message = read_file(b"friction_k\n\xff\n").unwrap_err();
-        assert!(message.ends_with("it is not UTF-8 text"), "{message}");
+        assert!(
+            message.ends_with("it is not UTF-8 text (line 2): save it as UTF-8"),
+            "{message}"
+        );
         let message = read_file(b"\xff\xfef\0r\0").unwrap_err();
         assert!(message.ends_with("save it as UTF-8"), "{message}");
     }
