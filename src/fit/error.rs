@@ -178,9 +178,8 @@ pub enum FitError {
     },
     /// No offset within its bounds brings half of a file's samples into the motion.
     #[error(
-        "{name}: no offset from {} to {} s brings half of its file's samples ({} to {} s) into the motion (0 to {} s); are the times of both files in the unit that is stated, or else in s?",
-        short(*low),
-        short(*high),
+        "{name}: no offset{} brings half of its file's samples ({} to {} s) into the motion (0 to {} s); are the times of both files in the unit that is stated, or else in s?",
+        within(*bounds),
         short(*first),
         short(*last),
         short(*end)
@@ -194,10 +193,8 @@ pub enum FitError {
         last: f64,
         /// End of the motion, s.
         end: f64,
-        /// Lower bound, s.
-        low: f64,
-        /// Upper bound, s.
-        high: f64,
+        /// The bounds of the offset, if it has any, s.
+        bounds: Option<[f64; 2]>,
     },
     /// All samples are at the start of the motion.
     #[error(
@@ -322,6 +319,14 @@ fn rounded(number: f64, digits: usize) -> String {
         rounded.to_string()
     } else {
         format!("{rounded:e}")
+    }
+}
+
+/// The bounds of an offset, as a part of a sentence.
+fn within(bounds: Option<[f64; 2]>) -> String {
+    match bounds {
+        Some([low, high]) => format!(" from {} to {} s", short(low), short(high)),
+        None => String::new(),
     }
 }
 

@@ -1,7 +1,6 @@
 //! From a minimum to estimates with their uncertainties.
 
 use super::model::{Loss, Point, Problem};
-use super::parameter::principal;
 use super::plausibility::{FEWEST, is_constant};
 use super::report::{Correlation, Estimate, Limit, Oddity, Quality, SignalReport, Verdict};
 use super::solve::Solution;
@@ -35,11 +34,8 @@ const DOMINANT: f64 = 0.8;
 pub(super) fn estimates(problem: &Problem, solution: &Solution, rescale: f64) -> Vec<Estimate> {
     let mut all = Vec::new();
     for (at, parameter) in problem.parameters.iter().enumerate() {
-        let mut value = solution.values[at];
-        if parameter.is_turning() {
-            value = principal(value);
-        }
-        let [low, high] = parameter.bounds;
+        let value = parameter.reported(solution.values[at]);
+        let [low, high] = parameter.bounds.map(|bound| bound + parameter.shift);
         let sd = (solution.covariance[(at, at)] * rescale).sqrt();
         let is_known = !solution.held[at] && sd > 0.0 && sd < high - low;
         // An interval that reaches below zero would be meaningless for a magnitude: it gets a limit.
@@ -57,7 +53,7 @@ pub(super) fn estimates(problem: &Problem, solution: &Solution, rescale: f64) ->
         all.push(Estimate {
             name: parameter.name(),
             unit: parameter.unit().to_owned(),
-            start: parameter.start,
+            start: parameter.start + parameter.shift,
             value,
             sd: is_known.then_some(sd),
             interval,

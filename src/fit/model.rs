@@ -381,7 +381,7 @@ impl Problem {
         points: &[Point],
     ) -> Option<Vec<f64>> {
         let parameter = &self.parameters[j];
-        let step = effort.step() * parameter.scale.max(values[j].abs());
+        let step = effort.step() * parameter.change(values[j]);
         let mut column = vec![0.0; points.len()];
         let (up, down) = (
             self.predict_moved(effort, j, step, values, points),

@@ -197,11 +197,11 @@ fn scan(
     if offsets.is_empty() {
         return Err(FitError::NoOverlap {
             name: parameter.name(),
-            first,
-            last,
+            first: first - parameter.shift,
+            last: last - parameter.shift,
             end,
-            low,
-            high,
+            bounds: (low > f64::MIN || high < f64::MAX)
+                .then(|| [low, high].map(|bound| bound + parameter.shift)),
         });
     }
     Ok(Scanned { offsets, step })

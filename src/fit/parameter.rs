@@ -26,14 +26,15 @@ pub struct Parameter {
     pub bounds: [f64; 2],
     /// Standard deviation of the weak prior around the start, used until the fit covers all data.
     pub prior: f64,
+    /// What reports add to the value: offsets are fitted relative to one that aligns the starts of the files, because
+    /// clocks may differ by years.
+    pub(super) shift: f64,
 }
 
 /// Part of the half width of a typical range that is a typical change, and a weak prior.
 const TYPICAL_CHANGE: f64 = 0.05;
 const WEAK_PRIOR: f64 = 0.1;
 
-/// Range of clock offsets, s, unless given.
-const MAX_OFFSET: f64 = 1e9;
 /// Typical change and weak prior of a clock offset, s. An offset starts close to its value: it is scanned before.
 const OFFSET_SCALE: f64 = 0.1;
 
@@ -95,6 +96,7 @@ impl Parameter {
             scale: start.abs().max(change),
             bounds,
             prior,
+            shift: 0.0,
         })
     }
 
@@ -104,8 +106,9 @@ impl Parameter {
             target: Target::Offset(file),
             start: 0.0,
             scale: OFFSET_SCALE,
-            bounds: [-MAX_OFFSET, MAX_OFFSET],
+            bounds: [f64::MIN, f64::MAX],
             prior: OFFSET_SCALE,
+            shift: 0.0,
         }
     }
 
@@ -157,6 +160,31 @@ impl Parameter {
             self.start = self.clamp(self.start);
         }
         Ok(())
+    }
+
+    /// Counts an offset from `shift` on, s, where the start of the file is that of the motion.
+    pub(super) fn shift_by(&mut self, shift: f64) {
+        self.shift = shift;
+        self.bounds = self.bounds.map(|bound| bound - shift);
+        self.start = self.clamp(0.0);
+    }
+
+    /// A value as reports give it: angles that may turn within half a turn of 0, offsets from 0 on.
+    pub(super) fn reported(&self, value: f64) -> f64 {
+        if self.is_turning() {
+            principal(value)
+        } else {
+            value + self.shift
+        }
+    }
+
+    /// Size of a change for derivatives, relative to which its step is small.
+    pub(super) fn change(&self, value: f64) -> f64 {
+        match self.target {
+            Target::Key(_) => self.scale.max(value.abs()),
+            // The motion depends on the offset as on the time, however large it is.
+            Target::Offset(_) => self.scale,
+        }
     }
 
     /// The value nearest to `value` within the bounds.

@@ -2,6 +2,7 @@
 
 use super::error::{Cut, FitError};
 use super::model::Problem;
+use super::parameter::{SelectedParameter, Target};
 use super::place::Place;
 use super::plausibility::{check_signals, check_times};
 use super::request::Request;
@@ -22,13 +23,14 @@ pub(super) struct Prepared {
 pub(super) fn prepare(request: &Request) -> Result<Prepared, FitError> {
     let scenario = &request.scenario;
     let data = &request.data;
-    let selected = parameter::select(&request.free, &request.bounds, scenario, data.files)?;
+    let mut selected = parameter::select(&request.free, &request.bounds, scenario, data.files)?;
+    let origin = request.origin.unwrap_or_else(|| data.origin());
+    let mut signals = data.signals.clone();
+    align_clocks(&mut selected, &mut signals, origin);
     let parameters = selected
         .iter()
         .map(|selected| selected.parameter.clone())
         .collect();
-    let origin = request.origin.unwrap_or_else(|| data.origin());
-    let mut signals = data.signals.clone();
     // An angle may be measured from another whole turn than the scenario's start.
     for signal in &mut signals {
         for (field, start) in [
@@ -64,6 +66,26 @@ pub(super) fn prepare(request: &Request) -> Result<Prepared, FitError> {
         notes: identified.notes,
         origin,
     })
+}
+
+/// Lets the first sample of each further file be at the start of the motion, and offsets count from there.
+fn align_clocks(selected: &mut [SelectedParameter], signals: &mut [Signal], origin: f64) {
+    for SelectedParameter { parameter, .. } in selected {
+        let Target::Offset(file) = parameter.target else {
+            continue;
+        };
+        let mut first = f64::INFINITY;
+        for signal in signals.iter().filter(|signal| signal.file == file) {
+            // Times are ascending.
+            first = signal.times.first().map_or(first, |time| first.min(*time));
+        }
+        parameter.shift_by(origin - first);
+        for signal in signals.iter_mut().filter(|signal| signal.file == file) {
+            for time in &mut signal.times {
+                *time = origin + (*time - first);
+            }
+        }
+    }
 }
 
 /// Refuses values that the sums of squares can't hold.

@@ -104,10 +104,13 @@ pub(super) fn profile(
     }
     Ok(Profile {
         parameter: name.to_owned(),
-        values: curve.iter().map(|(value, _)| *value).collect(),
+        values: curve
+            .iter()
+            .map(|(value, _)| value + parameter.shift)
+            .collect(),
         delta_chi2: curve.iter().map(|(_, delta)| *delta).collect(),
-        interval_1,
-        interval_4,
+        interval_1: interval_1.map(|bound| bound.map(|bound| bound + parameter.shift)),
+        interval_4: interval_4.map(|bound| bound.map(|bound| bound + parameter.shift)),
         curvature_error,
     })
 }
@@ -165,8 +168,8 @@ pub(super) fn limit(
         }
     }
     Ok(match (outside.is_finite(), is_low) {
-        (true, true) => Limit::Below(low + distance),
-        (true, false) => Limit::Above(high - distance),
+        (true, true) => Limit::Below(low + distance + parameter.shift),
+        (true, false) => Limit::Above(high - distance + parameter.shift),
         (false, _) => Limit::None,
     })
 }

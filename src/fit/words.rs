@@ -4,6 +4,7 @@ use super::estimate::REJECTED;
 use super::model::Loss;
 use super::monitor::Progress;
 use super::numbers::{decimals, format_estimate, format_probability, format_rounded, format_time};
+use super::parameter::is_offset;
 use super::report::{Estimate, Limit, Mode, Oddity, Quality, Report, SignalReport, Verdict};
 use crate::run::decimal::fixed;
 use crate::run::plural::{counted, grouped};
@@ -349,6 +350,16 @@ fn remarks(report: &Report) -> Vec<String> {
             "{} above 5 σ: if these are outliers, use --loss huber.",
             counted(outliers as u64, "residual")
         ));
+    }
+    let has_offsets = report
+        .parameters
+        .iter()
+        .any(|estimate| is_offset(&estimate.name));
+    if has_offsets && report.verdict == Verdict::BadFit {
+        remarks.push(
+            "Clocks are aligned with the motion that the first file shows by itself: begin with the file that shows most, such as the angles of a camera."
+                .to_owned(),
+        );
     }
     remarks
 }
