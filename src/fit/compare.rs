@@ -4,7 +4,7 @@ use super::error::FitError;
 use super::estimate::{PointResiduals, REJECTED, estimates, lowest_p, signals, verdict};
 use super::extension::extensions;
 use super::fitted::Fitted;
-use super::law::{Refused, find_laws, problem_for, slip_speed, speeds};
+use super::law::{Refused, find, find_laws, problem_for, slip_speed, speeds};
 use super::model::{Effort, Point, Problem};
 use super::modes::{Modes, modes};
 use super::monitor::Monitor;
@@ -37,6 +37,10 @@ pub(super) fn compare(
     monitor: &Monitor<'_>,
 ) -> Result<Compared, FitError> {
     let mut laws = find_laws(&request.compare)?;
+    // The law that is fitted already is what others are compared with.
+    if let Some(law) = find(own.law()).filter(|own| laws.iter().all(|law| law.name != own.name)) {
+        laws.insert(0, law);
+    }
     laws.retain(|law| !refused.iter().any(|refused| refused.law == law.name));
     // Threads don't report progress: their order would be seen. Their simulations are counted afterwards.
     let results: Vec<_> = laws
@@ -66,6 +70,7 @@ pub(super) fn compare(
         let Modes {
             best: found,
             others,
+            scanned: _,
         } = modes(&best.problem, &best.split.fitted, &best.solution, monitor)?;
         best.solution = found;
         best.modes = others;
