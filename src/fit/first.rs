@@ -56,7 +56,7 @@ pub(super) fn first(request: &Request, monitor: &Monitor<'_>) -> Result<First, F
 fn fit_law(request: &Request, monitor: &Monitor<'_>) -> Result<First, FitError> {
     let Prepared {
         mut problem,
-        notes,
+        mut notes,
         origin,
     } = prepare(request)?;
     let (solution, split) = solve_all(&mut problem, request, monitor)?;
@@ -66,6 +66,7 @@ fn fit_law(request: &Request, monitor: &Monitor<'_>) -> Result<First, FitError> 
         return Err(refusal.into());
     }
     let modes = modes::modes(&problem, &split.fitted, &solution, monitor)?;
+    notes.extend(modes.remark());
     Ok(First {
         fitted: Fitted {
             problem,

@@ -348,6 +348,20 @@ impl Problem {
         Ok(residuals)
     }
 
+    /// The loss at these points: the sum of the squared residuals, or Huber's.
+    pub(super) fn loss_at(
+        &self,
+        effort: Effort,
+        values: &[f64],
+        points: &[Point],
+    ) -> Result<f64, Refusal> {
+        let mut loss = 0.0;
+        for residual in self.residuals(effort, values, points)? {
+            loss += self.loss.transformed(residual).powi(2);
+        }
+        Ok(loss)
+    }
+
     /// The derivatives of the residuals: a column for each parameter, zero for those that are `fixed` and where no
     /// derivative can be computed.
     pub(super) fn jacobian(

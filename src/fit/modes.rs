@@ -3,10 +3,10 @@
 
 use super::error::FitError;
 use super::identify::{measures_more_than_theta, spin_rate};
-use super::model::{Point, Problem};
+use super::model::{Effort, Point, Problem};
 use super::monitor::Monitor;
 use super::report::Mode;
-use super::solve::{Solution, complete, minimise};
+use super::solve::{Solution, complete, draft, minimise};
 
 /// Distance of trial spin rates, in radians of phase over the data.
 const PHASE_STEP: f64 = 5.0;
@@ -14,9 +14,20 @@ const PHASE_STEP: f64 = 5.0;
 /// Modes within this Δχ² of the best one are kept.
 const KEPT: f64 = 6.0;
 
-/// The scan ends after this many trials in a row that are worse than [`KEPT`], and at most after [`MAX_TRIALS`].
-const FAILURES: usize = 3;
-const MAX_TRIALS: usize = 12;
+/// χ² above the best one at which a draft is not worth an exact minimum: drafts end a little above theirs.
+const PROMISING: f64 = 2.0 * KEPT;
+
+/// Iterations with a spin rate that is held, which only follow the trial before, and with a free one. One that needs more
+/// goes on if it is promising.
+const HELD_ITERATIONS: usize = 4;
+const FREE_ITERATIONS: usize = 10;
+
+/// Beyond the start value and the first minimum the scan ends after this many trials in a row that are worse than
+/// [`KEPT`].
+const FAILURES: usize = 6;
+
+/// Maximum number of trials on each side.
+const MAX_TRIALS: usize = 100;
 
 /// A minimum that differs from another by less than this, in σ of the spin rate, is the same.
 const SAME: f64 = 0.5;
@@ -25,87 +36,182 @@ const SAME: f64 = 0.5;
 pub(super) struct Modes {
     pub best: Solution,
     pub others: Vec<Mode>,
+    /// The spin rates at the start that were tried, rad/s; `None` if the data can have only one minimum.
+    pub scanned: Option<[f64; 2]>,
 }
 
-/// Scans the spin rate at the start on both sides of a minimum.
+impl Modes {
+    /// What was looked at, in a sentence.
+    pub(super) fn remark(&self) -> Option<String> {
+        self.scanned.map(|[low, high]| {
+            format!(
+                "Without φ or ψ, the phase of the nutation is all that shows the spin: other minima were looked for at initial.psi_dot from {low:.1} to {high:.1} rad/s."
+            )
+        })
+    }
+}
+
+/// Scans the spin rate at the start: from its start value to the minimum that was found, and beyond both.
 pub(super) fn modes(
     problem: &Problem,
     points: &[Point],
     solution: &Solution,
     monitor: &Monitor<'_>,
 ) -> Result<Modes, FitError> {
-    let mut best = solution.clone();
     // Every other quantity depends on the spin itself, not only through the phase of the nutation.
     let at = match spin_rate(problem) {
         Some(at) if !measures_more_than_theta(problem) => at,
         Some(_) | None => {
             return Ok(Modes {
-                best,
+                best: solution.clone(),
                 others: Vec::new(),
+                scanned: None,
             });
         }
     };
-    let end = points.iter().map(|point| point.time).fold(0.0, f64::max);
-    let step = PHASE_STEP / end;
-    let mut found: Vec<Solution> = vec![best.clone()];
-    // On each side the minima get worse with the distance, but not evenly.
-    for side in [-1.0, 1.0] {
+    let mut scan = Scan {
+        problem,
+        points,
+        spin: at,
+        step: PHASE_STEP / points.iter().map(|point| point.time).fold(0.0, f64::max),
+        minima: vec![solution.clone()],
+        monitor,
+    };
+    let low = scan.side(solution, -1.0)?;
+    let high = scan.side(solution, 1.0)?;
+    let Scan { mut minima, .. } = scan;
+    minima.sort_by(|a, b| a.chi2.total_cmp(&b.chi2));
+    let best = minima.remove(0);
+    minima.retain(|other| other.is_converged && other.chi2 - best.chi2 < KEPT);
+    let others = minima
+        .into_iter()
+        .map(|other| Mode {
+            delta_chi2: other.chi2 - best.chi2,
+            sds: other.covariance.diagonal().map(f64::sqrt).as_slice().into(),
+            values: problem
+                .parameters
+                .iter()
+                .zip(&other.values)
+                .map(|(parameter, value)| parameter.reported(*value))
+                .collect(),
+        })
+        .collect();
+    Ok(Modes {
+        best,
+        others,
+        scanned: Some([low, high]),
+    })
+}
+
+/// A scan of the spin rate at the start.
+struct Scan<'a> {
+    problem: &'a Problem,
+    points: &'a [Point],
+    /// Index of the spin rate among the parameters.
+    spin: usize,
+    /// Distance of trials, rad/s.
+    step: f64,
+    /// The minima that were found, each once.
+    minima: Vec<Solution>,
+    monitor: &'a Monitor<'a>,
+}
+
+impl Scan<'_> {
+    /// Tries spin rates on one side of a minimum; the last of them is returned, rad/s.
+    fn side(&mut self, from: &Solution, side: f64) -> Result<f64, FitError> {
+        let centre = from.values[self.spin];
+        // The start value is what a person knows of the spin: all minima between it and the one that was found count.
+        let expected = side * (self.problem.parameters[self.spin].start - centre);
+        let mut values = from.values.clone();
         let mut failures = 0;
-        let mut start = solution.values.clone();
         for trial in 1..=MAX_TRIALS {
-            start[at] = solution.values[at] + side * step * trial as f64;
-            let Some(minimum) = minimum_from(problem, points, &start, at, monitor)? else {
+            let distance = self.step * trial as f64;
+            let last = values[self.spin];
+            values[self.spin] = self.problem.parameters[self.spin].clamp(centre + side * distance);
+            if values[self.spin] == last {
                 break;
+            }
+            let Some(held) = self.minimum_at(&values)? else {
+                return Ok(last);
             };
-            let delta = minimum.chi2 - best.chi2;
-            failures = if delta < KEPT { 0 } else { failures + 1 };
-            let is_new = found.iter().all(|known| {
-                let sd = known.covariance[(at, at)].sqrt();
-                (known.values[at] - minimum.values[at]).abs() > SAME * sd
-            });
-            if minimum.chi2 < best.chi2 {
-                best = minimum.clone();
-            }
-            if is_new {
-                found.push(minimum);
-            }
+            // The other parameters change little from one trial to the next.
+            values = held;
+            let is_failure = self.is_worse_from(&values)?;
+            let counts = is_failure && distance > expected;
+            failures = if counts { failures + 1 } else { 0 };
             if failures == FAILURES {
                 break;
             }
         }
+        Ok(values[self.spin])
     }
-    let mut others = Vec::new();
-    for other in &found {
-        let delta_chi2 = other.chi2 - best.chi2;
-        if other.values != best.values && other.is_converged && delta_chi2 < KEPT {
-            others.push(Mode {
-                delta_chi2,
-                values: other.values.clone(),
-                sds: other.covariance.diagonal().map(f64::sqrt).as_slice().into(),
-            });
+
+    /// The other parameters for which a spin rate describes the data best. `None` if there is no complete motion.
+    fn minimum_at(&self, values: &[f64]) -> Result<Option<Vec<f64>>, FitError> {
+        let Ok(start) = complete(self.problem, self.points, values.to_vec()) else {
+            return Ok(None);
+        };
+        // With a free spin rate at once, the optimiser would fall back into the minimum that is known.
+        let mut fixed = vec![false; start.len()];
+        fixed[self.spin] = true;
+        draft(
+            self.problem,
+            self.points,
+            &start,
+            fixed,
+            HELD_ITERATIONS,
+            self.monitor,
+        )
+        .map(Some)
+    }
+
+    /// Adds the minimum near these values to those that were found; whether it is worse than the best by [`KEPT`].
+    fn is_worse_from(&mut self, values: &[f64]) -> Result<bool, FitError> {
+        let free = vec![false; values.len()];
+        let values = draft(
+            self.problem,
+            self.points,
+            values,
+            free.clone(),
+            FREE_ITERATIONS,
+            self.monitor,
+        )?;
+        let best = self
+            .minima
+            .iter()
+            .map(|known| known.chi2)
+            .fold(f64::INFINITY, f64::min);
+        let is_promising = self
+            .problem
+            .loss_at(Effort::Draft, &values, self.points)
+            .is_ok_and(|loss| loss < best + PROMISING);
+        if !is_promising {
+            return Ok(true);
+        }
+        let minimum = minimise(
+            self.problem,
+            self.points,
+            &values,
+            None,
+            &free,
+            self.monitor,
+        )?;
+        let is_worse = minimum.chi2 - best > KEPT;
+        self.add(minimum);
+        Ok(is_worse)
+    }
+
+    /// Adds a minimum. Of two descriptions of one minimum the better one stays.
+    fn add(&mut self, minimum: Solution) {
+        let spin = self.spin;
+        let same = self.minima.iter_mut().find(|known| {
+            let sd = known.covariance[(spin, spin)].sqrt();
+            (known.values[spin] - minimum.values[spin]).abs() <= SAME * sd
+        });
+        match same {
+            Some(known) if minimum.chi2 < known.chi2 => *known = minimum,
+            Some(_) => {}
+            None => self.minima.push(minimum),
         }
     }
-    others.sort_by(|a, b| a.delta_chi2.total_cmp(&b.delta_chi2));
-    Ok(Modes { best, others })
-}
-
-/// The minimum near a spin rate: first with this rate, then with all parameters free. `None` if there is no complete
-/// motion.
-fn minimum_from(
-    problem: &Problem,
-    points: &[Point],
-    start: &[f64],
-    spin: usize,
-    monitor: &Monitor<'_>,
-) -> Result<Option<Solution>, FitError> {
-    let Ok(start) = complete(problem, points, start.to_vec()) else {
-        return Ok(None);
-    };
-    // With a free spin rate at once, the optimiser would fall back into the minimum that is known.
-    let mut fixed = vec![false; start.len()];
-    fixed[spin] = true;
-    let held = minimise(problem, points, &start, None, &fixed, monitor)?;
-    fixed[spin] = false;
-    let free = minimise(problem, points, &held.values, None, &fixed, monitor)?;
-    Ok(Some(free))
 }

@@ -71,6 +71,12 @@ impl<'a> Objective<'a> {
         }
     }
 
+    /// Ends after this many iterations.
+    pub(super) fn limited_to(mut self, iterations: usize) -> Self {
+        self.config.max_iter = iterations;
+        self
+    }
+
     /// Optimises with drafts of motions. Returns `start` if its draft ends before the data, as one that just reaches
     /// them may.
     pub(super) fn run_drafts(

@@ -66,6 +66,24 @@ fn approach_minimum(
     objective.run_drafts(start, WINDOW_PRECISION)
 }
 
+/// Goes from `start`, whose motion must be complete, towards the minimum, in so many iterations or fewer. `fixed`
+/// parameters keep their values.
+pub(super) fn draft(
+    problem: &Problem,
+    points: &[Point],
+    start: &[f64],
+    fixed: Vec<bool>,
+    iterations: usize,
+    monitor: &Monitor<'_>,
+) -> Result<Vec<f64>, FitError> {
+    if fixed.iter().all(|is_fixed| *is_fixed) {
+        return Ok(start.to_vec());
+    }
+    Objective::new(problem, points, None, fixed, monitor)
+        .limited_to(iterations)
+        .run_drafts(start, WINDOW_PRECISION)
+}
+
 /// Finds the minimum from `start`, whose motion must be complete. `fixed` parameters keep their values.
 pub(super) fn minimise(
     problem: &Problem,
