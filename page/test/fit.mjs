@@ -11,7 +11,7 @@ import { measuredRange } from "../measured.mjs";
 import { load } from "../toprise.mjs";
 
 const root = resolve(import.meta.dirname, "../..");
-const [page = join(root, "docs/toprise.html"), program = join(root, "target/debug/toprise")] = process.argv.slice(2);
+const [page = join(root, "docs/toprise.html"), program = join(root, "target/debug/toprise")] = process.argv.slice(2).map((path) => resolve(path));
 const [, packed] = readFileSync(page, "utf8").match(/id="wasm">([^<]*)</);
 const shown = [];
 const toprise = await load(await WebAssembly.compile(gunzipSync(Buffer.from(packed, "base64"))), (text) => shown.push(text));
