@@ -126,7 +126,11 @@ impl Search<'_> {
         // In a table without header, a number is no name, and `--time 1` means the first column.
         let has_text = record.iter().any(|cell| Cell::parse(cell) == Cell::Text);
         let is_number = Cell::parse(record.get(clock).unwrap_or_default()).is_number();
-        if record.len() < 2 || is_number || !has_text {
+        // A column may be called `seconds`, but a line of units only belongs to the one before it.
+        let is_all_units = record
+            .iter()
+            .all(|cell| cell.is_empty() || is_unit(bare_unit(cell)));
+        if record.len() < 2 || is_number || !has_text || is_all_units {
             return false;
         }
         self.named = Some(Named {
@@ -324,6 +328,20 @@ mod tests {
                 None,
                 &["Time (seconds)", "θ"],
                 2,
+            ),
+            (
+                "unknown times, names of units",
+                "Elapsed,Tilt\nseconds,deg\n0,1",
+                None,
+                &["Elapsed (seconds)", "Tilt (deg)"],
+                2,
+            ),
+            (
+                "times called by their unit",
+                "seconds,theta\n0,1",
+                None,
+                &["seconds", "theta"],
+                1,
             ),
             ("NumPy", "# t,theta\n0,1", None, &["t", "theta"], 1),
             ("NumPy, spaces", "# t theta\n0,1", None, &["t", "theta"], 1),
