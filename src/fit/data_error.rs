@@ -287,6 +287,10 @@ fn listed(names: &[String]) -> String {
 
 /// A sentence about a signal that is in none of the files.
 fn not_found(name: &str, files: &[Contents]) -> String {
+    let mut topics = files.iter().flat_map(|file| &file.known);
+    if name.starts_with('/') && topics.any(|topic| topic == name) {
+        return format!("{name} is a topic: name a value in its messages, {name}.NAME");
+    }
     if let [file] = files {
         let path = file.path.display();
         return format!(
@@ -361,6 +365,9 @@ pub enum MemberError {
     /// The value is null.
     #[error("they are null")]
     Null,
+    /// No message can be decoded.
+    #[error("the messages are no JSON")]
+    NoJson,
     /// The value is true or false.
     #[error("they are true or false, not numbers")]
     Boolean,

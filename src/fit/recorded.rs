@@ -274,6 +274,9 @@ fn rows(
         rows.push(row);
     }
     if undecodable > 0 {
+        if rows.is_empty() {
+            lack = Some(MemberError::NoJson);
+        }
         let messages = counted(undecodable, "message");
         add_once(losses, format!("{messages} of {topic}, no JSON"));
     }
@@ -421,7 +424,7 @@ mod tests {
                 camera,
                 "{bad",
                 "theta=/camera/pose.tilt",
-                "member /camera/pose.tilt has no values",
+                "member /camera/pose.tilt has no values: the messages are no JSON",
             ),
             (
                 "no topic",
@@ -435,7 +438,7 @@ mod tests {
                 "/cam",
                 r#"{"tilt":1}"#,
                 "theta=/cam",
-                "no column or topic /cam; there is: /cam",
+                "/cam is a topic: name a value in its messages, /cam.NAME",
             ),
         ] {
             let error = read_json(topic, &[message; 3], signal).unwrap_err();
