@@ -260,7 +260,10 @@ mod tests {
         ] {
             assert_eq!(message(&bytes), "it is UTF-32 text: save it as UTF-8");
         }
-        assert_eq!(message(b"name = '\xfc'"), "it is not UTF-8 text");
+        assert_eq!(
+            message(b"name = '\xfc'"),
+            "it is not UTF-8 text (line 1): save it as UTF-8"
+        );
         assert_eq!(scenario_from(text.as_bytes()).unwrap(), text);
     }
 
