@@ -1,5 +1,7 @@
 //! `toprise fit`.
 
+#[cfg(feature = "rerun")]
+pub(super) mod attached;
 mod page;
 
 use super::arguments::{Override, parse_override, parse_positive};
@@ -234,13 +236,6 @@ fn status(report: &Report) -> Status {
         Verdict::BadFit | Verdict::Undecided => Status::Different,
         Verdict::NotConverged => Status::Partial,
     }
-}
-
-/// The report that is attached to the recording of a fit, in Markdown; `None` if it isn't one of this program.
-#[cfg(feature = "rerun")]
-pub(super) fn attached_report(json: &[u8]) -> Option<String> {
-    let report: Report = serde_json::from_slice(json).ok()?;
-    Some(markdown(&page::page(&report, &[], false)))
 }
 
 fn show(progress: &Progress, state: fit::Progress) {

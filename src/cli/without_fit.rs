@@ -20,10 +20,13 @@ pub(super) fn schemas() -> Vec<(String, String)> {
     Vec::new()
 }
 
-/// No report can be read.
+/// Reports that are attached to recordings of fits.
 #[cfg(feature = "rerun")]
-pub(super) fn attached_report(_json: &[u8]) -> Option<String> {
-    None
+pub(super) mod attached {
+    /// No report can be read.
+    pub(in crate::cli) fn report(_json: &[u8]) -> Option<String> {
+        None
+    }
 }
 
 /// No error is one of a fit.

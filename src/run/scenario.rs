@@ -23,7 +23,7 @@ pub use applicable::{Allowed, ApplicableKey};
 pub use choice::{FormulationKind, OnStick, SupportKind};
 pub use definition::Scenario;
 pub use error::{Hint, Problem, Requirement, ScenarioError};
-pub(in crate::run) use key::short_number;
+pub(super) use key::short_number;
 pub use key::{Key, Kind, Presence, Value};
 pub use keys::{FORMAT, KEYS};
 pub use laws::{LAWS, Law};

@@ -358,7 +358,7 @@ fn measurement(recording: &Recording, selection: &Selection) -> Option<Measureme
     let [_, report] = SUPPLEMENTARY_ATTACHMENTS;
     let text = recording
         .attachment(report.name, MAX_REPORT)
-        .and_then(|json| fit::attached_report(&json));
+        .and_then(|json| fit::attached::report(&json));
     Measurement::from_recording(recording, selection, text.unwrap_or_default())
 }
 
