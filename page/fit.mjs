@@ -34,7 +34,7 @@ function reportParts({ words }) {
     ...headed("Remarks", paragraphs(words.remarks)),
     ...headed("Parameters", [...wordTable(words.parameters), ...paragraphs(words.limits)]),
     ...headed("Signals", wordTable(words.signals)),
-    ...headed("Other minima: the data don't exclude them", wordTable(words.modes)),
+    ...headed("Other minima: the data don't exclude them, and the intervals reach over those with Δχ² < 3.84", wordTable(words.modes)),
   ];
 }
 

@@ -162,7 +162,7 @@ pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitErr
         Some(comparison) => comparison.verdict(),
         None => verdict(&quality, &signals),
     };
-    let mut parameters = estimates(problem, solution, rescale);
+    let mut parameters = estimates(problem, solution, modes, rescale);
     for (at, estimate) in parameters.iter_mut().enumerate() {
         if solution.held[at] {
             let limit = profile::limit(problem, &split.fitted, solution, at, &monitor)?;

@@ -80,11 +80,19 @@ impl Mark {
     }
 }
 
-/// The decimal marks that the numbers of a column, or of a table, prove.
+/// What the numbers of a column, or of a table, say of the decimal mark.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Marks {
+    /// Whether a number proves a decimal point.
     pub has_point: bool,
+    /// Whether a number proves a decimal comma.
     pub has_comma: bool,
+    /// Whether a point may separate thousands.
+    has_unclear_point: bool,
+    /// Whether a comma may.
+    has_unclear_comma: bool,
+    /// Whether a number has no mark.
+    has_whole: bool,
 }
 
 impl Marks {
@@ -92,23 +100,41 @@ impl Marks {
         match cell {
             Cell::Number(_, Some(Mark::Point)) => self.has_point = true,
             Cell::Number(_, Some(Mark::Comma)) => self.has_comma = true,
-            Cell::Number(_, None)
-            | Cell::Missing
-            | Cell::Unclear(..)
-            | Cell::Grouped
-            | Cell::Text => {}
+            Cell::Unclear(_, Mark::Point) => self.has_unclear_point = true,
+            Cell::Unclear(_, Mark::Comma) => self.has_unclear_comma = true,
+            Cell::Number(_, None) => self.has_whole = true,
+            Cell::Missing | Cell::Grouped | Cell::Text => {}
         }
     }
 
-    /// The marks of both.
+    /// Whether a number proves a decimal mark.
+    pub(super) fn are_proved(self) -> bool {
+        self.has_point || self.has_comma
+    }
+
+    /// The mark that all numbers have, before three digits: a logger writes three decimals, whereas not all numbers have
+    /// thousands to be separated.
+    pub(super) fn uniform(self) -> Option<Mark> {
+        if self.has_whole || self.are_proved() {
+            return None;
+        }
+        match (self.has_unclear_point, self.has_unclear_comma) {
+            (true, false) => Some(Mark::Point),
+            (false, true) => Some(Mark::Comma),
+            (true, true) | (false, false) => None,
+        }
+    }
+
+    /// The marks that both prove.
     pub(super) fn union(self, other: Self) -> Self {
         Self {
             has_point: self.has_point || other.has_point,
             has_comma: self.has_comma || other.has_comma,
+            ..self
         }
     }
 
-    /// The mark, if there is exactly one.
+    /// The mark that is proved, if it is one.
     pub(super) fn single(self) -> Option<Mark> {
         match (self.has_point, self.has_comma) {
             (true, false) => Some(Mark::Point),

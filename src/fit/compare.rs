@@ -192,7 +192,7 @@ fn law_fit(candidate: &Fitted, request: &Request) -> LawFit {
             .map(|signal| median_size(&signal.sigmas))
             .collect(),
         held_out_rms: held_out.ok().filter(|r| !r.is_empty()).map(|r| rms(&r)),
-        parameters: estimates(problem, solution, rescale),
+        parameters: estimates(problem, solution, &candidate.modes, rescale),
         failure: None,
     }
 }

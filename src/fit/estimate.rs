@@ -2,7 +2,7 @@
 
 use super::model::{Loss, Point, Problem};
 use super::plausibility::{FEWEST, is_constant};
-use super::report::{Correlation, Estimate, Limit, Oddity, Quality, SignalReport, Verdict};
+use super::report::{Correlation, Estimate, Limit, Mode, Oddity, Quality, SignalReport, Verdict};
 use super::solve::Solution;
 use super::statistics::{chi2_p_value, mean_p_value, median_size, rms, whiteness};
 use crate::physics::math::ln;
@@ -30,8 +30,13 @@ const TINY: f64 = 0.1;
 /// or more does not do that.
 const DOMINANT: f64 = 0.8;
 
-/// The estimates of all parameters.
-pub(super) fn estimates(problem: &Problem, solution: &Solution, rescale: f64) -> Vec<Estimate> {
+/// The estimates of all parameters. Intervals reach over the other minima as far as χ² allows.
+pub(super) fn estimates(
+    problem: &Problem,
+    solution: &Solution,
+    modes: &[Mode],
+    rescale: f64,
+) -> Vec<Estimate> {
     let mut all = Vec::new();
     for (at, parameter) in problem.parameters.iter().enumerate() {
         let value = parameter.reported(solution.values[at]);
@@ -46,7 +51,15 @@ pub(super) fn estimates(problem: &Problem, solution: &Solution, rescale: f64) ->
         } else if !is_known {
             limit = Some(Limit::None);
         } else if is_significant {
-            interval = Some([value - TWO_SIDED * sd, value + TWO_SIDED * sd]);
+            let mut range = [value - TWO_SIDED * sd, value + TWO_SIDED * sd];
+            for mode in modes {
+                let half = (TWO_SIDED * TWO_SIDED - mode.delta_chi2).max(0.0).sqrt();
+                if half > 0.0 {
+                    range[0] = range[0].min(mode.values[at] - half * mode.sds[at]);
+                    range[1] = range[1].max(mode.values[at] + half * mode.sds[at]);
+                }
+            }
+            interval = Some(range);
         } else {
             limit = Some(Limit::Below((value + ONE_SIDED * sd).min(high)));
         }

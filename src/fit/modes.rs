@@ -20,7 +20,7 @@ const PROMISING: f64 = 2.0 * KEPT;
 /// Iterations with a spin rate that is held, which only follow the trial before, and with a free one. One that needs more
 /// goes on if it is promising.
 const HELD_ITERATIONS: usize = 4;
-const FREE_ITERATIONS: usize = 10;
+const FREE_ITERATIONS: usize = 6;
 
 /// Beyond the start value and the first minimum the scan ends after this many trials in a row that are worse than
 /// [`KEPT`].
@@ -181,12 +181,17 @@ impl Scan<'_> {
             .iter()
             .map(|known| known.chi2)
             .fold(f64::INFINITY, f64::min);
-        let is_promising = self
-            .problem
-            .loss_at(Effort::Draft, &values, self.points)
-            .is_ok_and(|loss| loss < best + PROMISING);
-        if !is_promising {
+        let Ok(loss) = self.problem.loss_at(Effort::Draft, &values, self.points) else {
             return Ok(true);
+        };
+        if loss > best + PROMISING {
+            return Ok(true);
+        }
+        // The step between trials is a little less than the distance of minima, so some are found twice.
+        if let Some(known) = self.known(values[self.spin])
+            && known.chi2 <= loss
+        {
+            return Ok(known.chi2 - best > KEPT);
         }
         let minimum = minimise(
             self.problem,
@@ -201,14 +206,18 @@ impl Scan<'_> {
         Ok(is_worse)
     }
 
+    /// The minimum at a spin rate that was found before.
+    fn known(&mut self, rate: f64) -> Option<&mut Solution> {
+        let spin = self.spin;
+        self.minima.iter_mut().find(|known| {
+            let sd = known.covariance[(spin, spin)].sqrt();
+            (known.values[spin] - rate).abs() <= SAME * sd
+        })
+    }
+
     /// Adds a minimum. Of two descriptions of one minimum the better one stays.
     fn add(&mut self, minimum: Solution) {
-        let spin = self.spin;
-        let same = self.minima.iter_mut().find(|known| {
-            let sd = known.covariance[(spin, spin)].sqrt();
-            (known.values[spin] - minimum.values[spin]).abs() <= SAME * sd
-        });
-        match same {
+        match self.known(minimum.values[self.spin]) {
             Some(known) if minimum.chi2 < known.chi2 => *known = minimum,
             Some(_) => {}
             None => self.minima.push(minimum),

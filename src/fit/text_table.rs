@@ -144,7 +144,8 @@ fn line_of(record: &StringRecord) -> u64 {
     record.position().map_or(0, csv::Position::line)
 }
 
-/// The decimal mark of each column: that which its own numbers prove, or else those of the table.
+/// The decimal mark of each column: that which its own numbers prove, or else the one that all of them have unless the
+/// table proves another, or else that of the table.
 fn decimal_marks(columns: &[Marks], delimiter: u8) -> Vec<Option<Mark>> {
     let mut table = Marks::default();
     for marks in columns {
@@ -154,8 +155,15 @@ fn decimal_marks(columns: &[Marks], delimiter: u8) -> Vec<Option<Mark>> {
     table.has_point |= delimiter == b',' && !table.has_comma;
     let mut decimal = Vec::new();
     for marks in columns {
-        let is_proved = marks.has_point || marks.has_comma;
-        decimal.push(if is_proved { *marks } else { table }.single());
+        let uniform = marks.uniform().filter(|mark| {
+            let proved = table.single();
+            proved.is_none() || proved == Some(*mark)
+        });
+        decimal.push(if marks.are_proved() {
+            marks.single()
+        } else {
+            uniform.or(table.single())
+        });
     }
     decimal
 }
@@ -259,6 +267,16 @@ mod tests {
                 "proved by the delimiter",
                 "t,theta\n1.000,2.000\n2.000,2.000\n",
                 [1.0, 2.0],
+            ),
+            (
+                "three decimals in all rows",
+                "t\ttheta\n10.000\t29.241\n10.010\t29.250\n",
+                [10.0, 10.01],
+            ),
+            (
+                "three decimals after commas in all rows",
+                "t;theta\n10,000;29,241\n10,010;29,250\n",
+                [10.0, 10.01],
             ),
         ] {
             let signals = signals_of(text, &[]).unwrap();

@@ -55,7 +55,7 @@ fn rooms_use_only_those_below() {
         let place = ROOMS.iter().find(|(name, _)| *name == room);
         let (_, allowed) = place.unwrap_or_else(|| panic!("{file} is in no room"));
         for path in text.split("crate::").skip(1) {
-            let used = path.split([':', ';']).next().unwrap();
+            let used = path.split([':', ';', ')']).next().unwrap();
             assert!(
                 used == room || allowed.split(' ').any(|name| name == used),
                 "{file} uses {used}"

@@ -981,6 +981,11 @@ fn minima_do_not_depend_on_the_start() {
                 "the best one is listed twice"
             );
             assert!((0.0..6.0).contains(&mode.delta_chi2));
+            for (estimate, value) in report.parameters.iter().zip(&mode.values) {
+                let [low, high] = estimate.interval.unwrap();
+                let is_covered = (low..=high).contains(value);
+                assert!(is_covered || mode.delta_chi2 > 3.84, "{}", estimate.name);
+            }
         }
         assert!(
             report

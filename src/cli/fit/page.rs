@@ -72,7 +72,8 @@ fn signals(words: &Words) -> Section {
 
 fn modes(words: &Words) -> Section {
     let mut section = Section::with_tone(Tone::Weak, "Other minima");
-    "the data don't exclude them".clone_into(&mut section.note);
+    "the data don't exclude them; 95 % intervals reach over those with Δχ² < 3.84"
+        .clone_into(&mut section.note);
     section.table(table(&words.modes, 0));
     section
 }
