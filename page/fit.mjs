@@ -28,7 +28,7 @@ const headed = (textContent, parts) => (parts.length > 0 ? [element("h3", { text
 function reportParts({ words }) {
   const [first] = words.parameters.rows;
   return [
-    element("p", { className: "verdict" }, element("b", { textContent: words.title }), ` ${words.note}`),
+    element("p", { className: "verdict" }, element("b", { textContent: words.title }), ` · ${words.note}`),
     ...(first ? [element("p", { className: "estimate", textContent: `${first[0]} = ${first[1]}, 95 % interval ${first[2]}` })] : []),
     ...paragraphs(words.extent),
     ...headed("Remarks", paragraphs(words.remarks)),

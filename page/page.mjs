@@ -85,6 +85,7 @@ async function simulate() {
   at("digest").textContent = "";
   events.show(state.run.events);
   draw();
+  at("reading").classList.add("waiting");
   ask();
 }
 
@@ -150,6 +151,7 @@ function ask() {
   waiting = setTimeout(async () => {
     const { run, pinned } = state;
     showExplanation(at("story"), at("explanation"), await helper.request({ explain: run.scenario }));
+    at("reading").classList.remove("waiting");
     if (pinned) await compare(pinned, run);
   }, 300);
 }

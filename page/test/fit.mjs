@@ -60,7 +60,7 @@ const tests = {
         }
       }
     }
-    assert.match(shown.at(-1), /^fitting 8\.00 s: χ² = .*, \d+ simulations$/);
+    assert.match(shown.at(-1), /^fitting 8\.00 s of data: χ² = .*, \d+ simulations$/);
   },
   "errors are the program's, with file, line and column"() {
     const scenario = { preset: "full-coulomb", set: {} };

@@ -73,6 +73,10 @@ impl Rows {
     }
 
     /// Whether the type of a column says that its cells are times, in seconds.
+    #[cfg_attr(
+        not(feature = "sweep"),
+        expect(unused_variables, reason = "only Parquet has types")
+    )]
     fn is_typed_time(&self, column: usize) -> bool {
         match self {
             Self::Text { .. } => false,

@@ -94,8 +94,10 @@ impl Display for Progress {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "fitting {:.2} s: χ² = {:.6e}, {} simulations",
-            self.window, self.chi2, self.evaluations
+            "fitting {:.2} s of data: χ² = {}, {} simulations",
+            self.window,
+            format_rounded(self.chi2, 4),
+            self.evaluations
         )
     }
 }
