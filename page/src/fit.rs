@@ -166,7 +166,7 @@ fn window(scenario: &Scenario, field: NumberField, until: f64) -> Result<Json, S
     let times: Vec<f64> = (0..=CURVE_SAMPLES).map(|at| part * f64::from(at)).collect();
     let mut values = Vec::new();
     sample_at(scenario, &times, &mut |_, sample| {
-        values.push(field.of_sample(sample))
+        values.push(field.of_sample(sample));
     })?;
     Ok(json!({
         "from": 0.0,

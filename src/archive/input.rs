@@ -184,8 +184,7 @@ pub(crate) fn text_of(bytes: Vec<u8>) -> io::Result<String> {
             Ok(text) => return Ok(text),
             Err(error) => {
                 let end = error.utf8_error().valid_up_to();
-                let breaks = error.as_bytes()[..end].iter();
-                let line = breaks.filter(|byte| **byte == b'\n').count() + 1;
+                let line = error.as_bytes()[..end].split(|byte| *byte == b'\n').count();
                 format!("it is not UTF-8 text (line {line}): save it as UTF-8")
             }
         }

@@ -82,6 +82,7 @@ impl Mark {
 
 /// What the numbers of a column, or of a table, say of the decimal mark.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[allow(clippy::struct_excessive_bools, reason = "independent facts")]
 pub(super) struct Marks {
     /// Whether a number proves a decimal point.
     pub has_point: bool,

@@ -256,6 +256,7 @@ mod tests {
     use super::*;
 
     #[test]
+    #[allow(clippy::too_many_lines, reason = "a table of cases")]
     fn finds_headers() {
         for (name, text, time, names, first_row) in [
             ("plain", "t,theta\n0,1", None, &["t", "theta"][..], 1),

@@ -357,7 +357,8 @@ impl Problem {
     ) -> Result<f64, Refusal> {
         let mut loss = 0.0;
         for residual in self.residuals(effort, values, points)? {
-            loss += self.loss.transformed(residual).powi(2);
+            let deviate = self.loss.transformed(residual);
+            loss += deviate * deviate;
         }
         Ok(loss)
     }

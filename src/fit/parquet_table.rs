@@ -28,7 +28,7 @@ pub(super) fn read(
     })?;
     // The crate `parquet` panics on some damaged files, where it should return an error.
     let table = catch(|| read_columns(source, specs, time)).unwrap_or(Err(ParquetError::Damaged));
-    let Columns {
+    let Numbers {
         names,
         columns,
         count,
@@ -51,7 +51,7 @@ pub(super) fn read(
 }
 
 /// The columns of numbers of a file.
-struct Columns {
+struct Numbers {
     names: Vec<String>,
     columns: Vec<NumberColumn>,
     count: usize,
@@ -61,7 +61,7 @@ fn read_columns(
     source: File,
     specs: &[SignalSpec],
     time: Option<&str>,
-) -> Result<Columns, ParquetError> {
+) -> Result<Numbers, ParquetError> {
     let opened = ParquetRecordBatchReaderBuilder::try_new(source)?;
     let rows = opened.metadata().file_metadata().num_rows();
     let count = usize::try_from(rows).map_err(|_| ParquetError::Damaged)?;
@@ -96,7 +96,7 @@ fn read_columns(
             )?;
         }
     }
-    Ok(Columns {
+    Ok(Numbers {
         names,
         columns,
         count,

@@ -190,12 +190,6 @@ impl Table<'_> {
         }
     }
 
-    /// The name of the column of times if nothing says their unit.
-    fn unitless_clock(&self, clock: &Cells<'_>) -> Option<String> {
-        let is_unitless = clock.unit.is_empty() && !is_unit(clock.name);
-        is_unitless.then(|| clock.name.to_owned())
-    }
-
     /// The columns that are named like fields.
     fn named_signals(&self) -> Vec<SignalSpec> {
         self.columns
@@ -249,7 +243,7 @@ impl Table<'_> {
             .map_err(|error| error.in_file(self.path))?;
         Ok(Signal {
             is_unit_known: !values.unit.is_empty(),
-            unitless_clock: self.unitless_clock(times),
+            unitless_clock: unitless_clock(times),
             ..signal
         })
     }
@@ -374,4 +368,10 @@ pub(super) fn is_needed(header: &str, specs: &[SignalSpec], time: Option<&str>) 
         }
     }
     is_clock || is_named
+}
+
+/// The name of the column of times if nothing says their unit.
+fn unitless_clock(clock: &Cells<'_>) -> Option<String> {
+    let is_unitless = clock.unit.is_empty() && !is_unit(clock.name);
+    is_unitless.then(|| clock.name.to_owned())
 }
