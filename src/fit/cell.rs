@@ -126,7 +126,7 @@ impl Marks {
         }
     }
 
-    /// The marks that both prove.
+    /// The marks that either proves.
     pub(super) fn union(self, other: Self) -> Self {
         Self {
             has_point: self.has_point || other.has_point,
