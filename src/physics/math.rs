@@ -57,6 +57,17 @@ pub fn unwrap_near(angle: f64, reference: f64) -> f64 {
     angle + TAU * ((reference - angle + PI) / TAU).floor()
 }
 
+/// An array of numbers. [`std::array::from_fn`] and `map` of arrays would not be inlined in a development build, whose
+/// units are compiled apart, and are called for each step of a simulation.
+#[inline(always)]
+pub fn array<const N: usize>(component: impl Fn(usize) -> f64) -> [f64; N] {
+    let mut all = [0.0; N];
+    for (i, place) in all.iter_mut().enumerate() {
+        *place = component(i);
+    }
+    all
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -10,7 +10,7 @@ use super::motion::{Motion, Peg, Start};
 use super::support::Phase;
 use crate::physics::integrate::System;
 use crate::physics::kinematics::{Euler, Tilt, world_from_body};
-use crate::physics::math::sin_cos;
+use crate::physics::math::{array, sin_cos};
 use nalgebra::UnitQuaternion;
 
 /// Equations (7) in Euler angles, as printed. Singular at θ = 0 and θ = π.
@@ -75,7 +75,7 @@ impl EulerAngles {
             derivatives.theta_dot,
             derivatives.psi_dot,
         ];
-        std::array::from_fn(|i| match i.checked_sub(first.len()) {
+        array(|i| match i.checked_sub(first.len()) {
             None => first[i],
             Some(integral) => derivatives.integrals[integral],
         })

@@ -2,6 +2,7 @@
 
 use super::accelerations::Accelerations;
 use crate::physics::kinematics::Tilt;
+use crate::physics::math::array;
 use nalgebra::Vector3;
 
 /// Number of all running integrals; see [`Integrals`].
@@ -130,7 +131,7 @@ pub(super) fn first_integrals<const I: usize>(integrals: &Integrals) -> [f64; I]
         assert!(I == INTEGRALS || I == FEW_INTEGRALS);
     }
     let all = as_array(integrals);
-    std::array::from_fn(|i| all[i])
+    array(|i| all[i])
 }
 
 /// A state vector (or its derivative): `first`, followed by the running integrals.
@@ -143,5 +144,5 @@ pub(super) fn with_integrals<const M: usize, const N: usize>(
         assert!(N == M + INTEGRALS || N == M + FEW_INTEGRALS);
     }
     let integrals = as_array(integrals);
-    std::array::from_fn(|i| if i < M { first[i] } else { integrals[i - M] })
+    array(|i| if i < M { first[i] } else { integrals[i - M] })
 }

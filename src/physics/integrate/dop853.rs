@@ -7,6 +7,7 @@ use super::coefficients::{
 };
 use super::dense::Dense;
 use super::problem::{IntegrateError, Statistics, System, Tolerances};
+use crate::physics::math::array;
 
 // Step control: the default values of `dop853.f`.
 /// A step aims at this fraction of the length that the error estimate allows.
@@ -275,18 +276,18 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         let k = self.all_stages(step);
         // The cubic with the values and slopes of both ends.
         let rise = difference(&step.end_y, &step.y);
-        let start_bend: [f64; N] = std::array::from_fn(|i| h * step.k[0][i] - rise[i]);
-        let end_bend: [f64; N] = std::array::from_fn(|i| rise[i] - h * step.end_dy[i]);
+        let start_bend: [f64; N] = array(|i| h * step.k[0][i] - rise[i]);
+        let end_bend: [f64; N] = array(|i| rise[i] - h * step.end_dy[i]);
         // The rest of the polynomial of degree 7, zero at both ends in value and slope.
         let coefficients = [
             step.y,
             rise,
             start_bend,
             difference(&end_bend, &start_bend),
-            combine(&DENSE[0], &k).map(|dy| h * dy),
-            combine(&DENSE[1], &k).map(|dy| h * dy),
-            combine(&DENSE[2], &k).map(|dy| h * dy),
-            combine(&DENSE[3], &k).map(|dy| h * dy),
+            scaled(h, &combine(&DENSE[0], &k)),
+            scaled(h, &combine(&DENSE[1], &k)),
+            scaled(h, &combine(&DENSE[2], &k)),
+            scaled(h, &combine(&DENSE[3], &k)),
         ];
         Dense {
             t0: t,
@@ -486,7 +487,7 @@ fn combine<const N: usize, const M: usize, const K: usize>(
     k: &[[f64; N]; K],
 ) -> [f64; N] {
     let (first, a) = row[0];
-    let mut sum = k[first].map(|dy| a * dy);
+    let mut sum: [f64; N] = array(|i| a * k[first][i]);
     for &(stage, a) in &row[1..] {
         for i in 0..N {
             sum[i] += a * k[stage][i];
@@ -517,12 +518,18 @@ fn combine_controlled<S: System<N>, const N: usize, const M: usize, const K: usi
 /// y + h y′.
 #[inline]
 fn advance<const N: usize>(y: &[f64; N], h: f64, dy: &[f64; N]) -> [f64; N] {
-    std::array::from_fn(|i| y[i] + h * dy[i])
+    array(|i| y[i] + h * dy[i])
+}
+
+/// h y′.
+#[inline]
+fn scaled<const N: usize>(h: f64, dy: &[f64; N]) -> [f64; N] {
+    array(|i| h * dy[i])
 }
 
 #[inline]
 fn difference<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
-    std::array::from_fn(|i| a[i] - b[i])
+    array(|i| a[i] - b[i])
 }
 
 /// Step size factor for this error.
