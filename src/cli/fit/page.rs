@@ -4,7 +4,7 @@ use crate::cli::numbers::format_fixed;
 use crate::cli::page::{Section, Tone};
 use crate::cli::report::WrittenFile;
 use crate::cli::table::Table;
-use crate::fit::numbers::{MIN_PRINTED_P, format_printable_probability, format_rounded};
+use crate::fit::numbers::{MIN_PRINTED_P, decimals, format_printable_probability, format_rounded};
 use crate::fit::report::{Comparison, Extension, ExtensionKind, LawFit, Profile, Report, Verdict};
 use crate::fit::words::{self, Words};
 
@@ -89,14 +89,18 @@ fn table(words: &words::Table, left: usize) -> Table {
 
 fn profile_section(profile: &Profile, all: bool) -> Section {
     let mut section = Section::new(format!("Profile of {}", profile.parameter));
+    let half_width = match profile.interval_1 {
+        [Some(low), Some(high)] => Some(0.5 * (high - low)),
+        [_, None] | [None, _] => None,
+    };
     for (level, [low, high]) in [
         ("68.3 % (Δχ² < 1)", profile.interval_1),
         ("95.4 % (Δχ² < 4)", profile.interval_4),
     ] {
         section.line(format!(
             "{level}: {} to {}",
-            format_bound(low),
-            format_bound(high)
+            format_bound(low, half_width),
+            format_bound(high, half_width)
         ));
     }
     if let Some(error) = profile.curvature_error
@@ -113,7 +117,9 @@ fn profile_section(profile: &Profile, all: bool) -> Section {
         section.table(Table {
             header: vec![profile.parameter.clone(), "Δχ²".to_owned()],
             rows: rows
-                .map(|(value, delta)| vec![format_rounded(*value, 8), format_fixed(*delta, 4)])
+                .map(|(value, delta)| {
+                    vec![format_place(*value, half_width), format_fixed(*delta, 4)]
+                })
                 .collect(),
             left: 0,
         });
@@ -122,10 +128,18 @@ fn profile_section(profile: &Profile, all: bool) -> Section {
 }
 
 /// Formats an end of an interval, which a profile may not have reached.
-fn format_bound(bound: Option<f64>) -> String {
+fn format_bound(bound: Option<f64>, half_width: Option<f64>) -> String {
     match bound {
-        Some(value) => format_rounded(value, 6),
+        Some(value) => format_place(value, half_width),
         None => "not reached".to_owned(),
+    }
+}
+
+/// Formats a value of a parameter with the decimals of its estimate, and one more.
+fn format_place(value: f64, half_width: Option<f64>) -> String {
+    match half_width {
+        Some(half_width) => format_fixed(value, decimals(half_width) + 1),
+        None => format_rounded(value, 8),
     }
 }
 
@@ -231,4 +245,21 @@ fn law_parameters(law: &LawFit) -> Section {
     let mut section = Section::new(format!("Parameters of {}", law.law));
     section.table(table(&words::estimates(&law.parameters, true), 1));
     section
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn profiles_show_their_width_however_large_the_value_is() {
+        for (value, half_width, expected) in [
+            (4_999.267_231_4, Some(3.9e-4), "4999.267231"),
+            (0.035_022_1, Some(5.9e-5), "0.0350221"),
+            (172.002, Some(25.0), "172.0"),
+            (0.035_022_1, None, "0.0350221"),
+        ] {
+            assert_eq!(format_place(value, half_width), expected);
+        }
+    }
 }
