@@ -34,6 +34,7 @@ mod record;
 mod recorded;
 pub mod report;
 mod request;
+mod scan;
 mod sigma;
 mod signal;
 mod solve;

@@ -6,7 +6,7 @@ use super::extension::extensions;
 use super::fitted::Fitted;
 use super::law::{Refused, find, find_laws, problem_for, slip_speed, speeds};
 use super::model::{Effort, Point, Problem};
-use super::modes::{Modes, modes};
+use super::modes;
 use super::monitor::Monitor;
 use super::report::{Comparison, LawFit, Quality, Verdict};
 use super::request::Request;
@@ -67,13 +67,8 @@ pub(super) fn compare(
     if let Some(best) = candidates.first_mut()
         && best.law() != own.law()
     {
-        let Modes {
-            best: found,
-            others,
-            scanned: _,
-        } = modes(&best.problem, &best.split.fitted, &best.solution, monitor)?;
-        best.solution = found;
-        best.modes = others;
+        // Criteria of laws compare fits to the same points, so a better minimum of an offset is only listed.
+        modes::find(best, monitor)?;
     }
     let mut fits: Vec<LawFit> = Vec::new();
     for candidate in &candidates {

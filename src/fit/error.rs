@@ -176,25 +176,39 @@ pub enum FitError {
         /// The parameter.
         name: String,
     },
-    /// No offset within its bounds brings half of a file's samples into the motion.
+    /// A file's samples are too rare, or its times too long, for a comparison with the motion.
     #[error(
-        "{name}: no offset{} brings half of its file's samples ({} to {} s) into the motion (0 to {} s); are the times of both files in the unit that is stated, or else in s?",
-        within(*bounds),
-        short(*first),
-        short(*last),
+        "{name}: at most {most} of the {samples} samples of its file are within the motion (0 to {} s) at once; are the times of both files in the unit that is stated, or else in s?",
         short(*end)
     )]
-    NoOverlap {
+    FewWithin {
         /// The offset.
         name: String,
-        /// First time of the file, s.
-        first: f64,
-        /// Last time, s.
-        last: f64,
+        /// Number of samples that some offset brings into the motion.
+        most: usize,
+        /// Number of samples.
+        samples: usize,
         /// End of the motion, s.
         end: f64,
-        /// The bounds of the offset, if it has any, s.
-        bounds: Option<[f64; 2]>,
+    },
+    /// The bounds of an offset exclude all that bring a file into the motion.
+    #[error(
+        "{name}: no offset from {} to {} s brings its file into the motion (0 to {} s), but those from {} to {} s do: change its bounds",
+        short(bounds[0]),
+        short(bounds[1]),
+        short(*end),
+        short(enough[0]),
+        short(enough[1])
+    )]
+    OffsetBounds {
+        /// The offset.
+        name: String,
+        /// Its bounds, s.
+        bounds: [f64; 2],
+        /// End of the motion, s.
+        end: f64,
+        /// The lowest and the highest offset that bring enough samples into the motion, s.
+        enough: [f64; 2],
     },
     /// All samples are at the start of the motion.
     #[error(
@@ -269,7 +283,8 @@ impl FitError {
             | Self::LikelyUnit { .. }
             | Self::LikelyTimeUnit { .. }
             | Self::NoNoise { .. }
-            | Self::NoOverlap { .. }
+            | Self::FewWithin { .. }
+            | Self::OffsetBounds { .. }
             | Self::OnlyStart { .. }
             | Self::TooFew { .. }
             | Self::ModelEnds { .. }
@@ -319,14 +334,6 @@ fn rounded(number: f64, digits: usize) -> String {
         rounded.to_string()
     } else {
         format!("{rounded:e}")
-    }
-}
-
-/// The bounds of an offset, as a part of a sentence.
-fn within(bounds: Option<[f64; 2]>) -> String {
-    match bounds {
-        Some([low, high]) => format!(" from {} to {} s", short(low), short(high)),
-        None => String::new(),
     }
 }
 

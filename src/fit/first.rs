@@ -3,7 +3,7 @@
 use super::error::FitError;
 use super::fitted::{Fitted, Split};
 use super::law::Refused;
-use super::model::{Point, Problem};
+use super::model::Problem;
 use super::monitor::Monitor;
 use super::prepare::{Prepared, prepare};
 use super::request::Request;
@@ -65,15 +65,15 @@ fn fit_law(request: &Request, monitor: &Monitor<'_>) -> Result<First, FitError> 
     {
         return Err(refusal.into());
     }
-    let modes = modes::modes(&problem, &split.fitted, &solution, monitor)?;
-    notes.extend(modes.remark());
+    let mut fitted = Fitted {
+        problem,
+        solution,
+        split,
+        modes: Vec::new(),
+    };
+    notes.extend(modes::settle(&mut fitted, monitor)?);
     Ok(First {
-        fitted: Fitted {
-            problem,
-            solution: modes.best,
-            split,
-            modes: modes.others,
-        },
+        fitted,
         notes,
         origin,
         refused: Vec::new(),
@@ -86,48 +86,16 @@ fn solve_all(
     request: &Request,
     monitor: &Monitor<'_>,
 ) -> Result<(Solution, Split), FitError> {
-    let mut split = split_first_file(problem, request.holdout);
+    let mut split = Split::of_first_file(problem, request.holdout);
     let has_offsets = request.data.files > 1;
     let start = problem.start();
     // The first file alone gives a motion with which the clocks of the others are compared.
     let mut solution = grow_window(problem, &split.fitted, &start, has_offsets, monitor)?;
     if has_offsets {
-        let (joint, points) = offset::fit_offsets(problem, solution.values, split.end, monitor)?;
+        let (joint, points) = offset::fit_offsets(problem, solution.values, &split, monitor)?;
+        split.fit_points(problem, &joint.values, points);
         solution = joint;
-        split.fitted = points;
-        hold_out_other_files(problem, &solution, &mut split);
     }
     let solution = sigma::settle(problem, &mut split, solution, monitor)?;
     Ok((solution, split))
-}
-
-/// Holds out the points of the other files in the time in which those of the first are.
-fn hold_out_other_files(problem: &Problem, solution: &Solution, split: &mut Split) {
-    // Their times in the model are known only now that the offsets of their clocks are fitted.
-    for point in &problem.points {
-        let time = problem.model_time(&solution.values, point);
-        let is_held_out = time > split.end && time <= split.last;
-        if problem.signals[point.signal].file > 0 && is_held_out {
-            split.held_out.push(*point);
-        }
-    }
-}
-
-/// The points of the first file, whose clock is the model's.
-fn split_first_file(problem: &Problem, holdout: f64) -> Split {
-    let mut first: Vec<Point> = Vec::new();
-    for point in &problem.points {
-        if problem.signals[point.signal].file == 0 {
-            first.push(*point);
-        }
-    }
-    let last = first.iter().map(|point| point.time).fold(0.0, f64::max);
-    let end = last * (1.0 - holdout);
-    let (fitted, held_out) = first.into_iter().partition(|point| point.time <= end);
-    Split {
-        fitted,
-        held_out,
-        end,
-        last,
-    }
 }

@@ -16,6 +16,37 @@ pub(super) struct Split {
     pub last: f64,
 }
 
+impl Split {
+    /// The points of the first file, whose clock is the model's. The last part of its time is held out.
+    pub(super) fn of_first_file(problem: &Problem, holdout: f64) -> Self {
+        let first = problem.points_in_file(0);
+        let last = first.iter().map(|point| point.time).fold(0.0, f64::max);
+        let end = last * (1.0 - holdout);
+        let (fitted, held_out) = first.into_iter().partition(|point| point.time <= end);
+        Self {
+            fitted,
+            held_out,
+            end,
+            last,
+        }
+    }
+
+    /// Replaces the points to fit. Points of the other files are held out in the time in which those of the first are.
+    pub(super) fn fit_points(&mut self, problem: &Problem, values: &[f64], points: Vec<Point>) {
+        self.fitted = points;
+        self.held_out
+            .retain(|point| problem.signals[point.signal].file == 0);
+        // Their times in the model are known only when the offsets of their clocks are.
+        for point in &problem.points {
+            let time = problem.model_time(values, point);
+            let is_held_out = time > self.end && time <= self.last;
+            if problem.signals[point.signal].file > 0 && is_held_out {
+                self.held_out.push(*point);
+            }
+        }
+    }
+}
+
 /// The fit of one law.
 #[derive(Clone, Debug)]
 pub(super) struct Fitted {

@@ -222,6 +222,17 @@ impl Problem {
         }
     }
 
+    /// All points of a file.
+    pub(super) fn points_in_file(&self, file: usize) -> Vec<Point> {
+        let mut points = Vec::new();
+        for point in &self.points {
+            if self.signals[point.signal].file == file {
+                points.push(*point);
+            }
+        }
+        points
+    }
+
     /// Copies the standard deviations of the signals to the points after a change. They are the same for all values.
     pub(super) fn set_sigma(&mut self, signal: usize, sigma: f64) {
         self.signals[signal].set_sigma(sigma);

@@ -2,9 +2,11 @@
 //! each number of nutations that fits in the data.
 
 use super::error::FitError;
+use super::fitted::Fitted;
 use super::identify::{measures_more_than_theta, spin_rate};
 use super::model::{Effort, Point, Problem};
 use super::monitor::Monitor;
+use super::offset::{self, Rival};
 use super::report::Mode;
 use super::solve::{Solution, complete, draft, minimise};
 
@@ -32,43 +34,71 @@ const MAX_TRIALS: usize = 100;
 /// A minimum that differs from another by less than this, in σ of the spin rate, is the same.
 const SAME: f64 = 0.5;
 
-/// The best minimum, and the others that the data don't exclude.
-pub(super) struct Modes {
-    pub best: Solution,
-    pub others: Vec<Mode>,
-    /// The spin rates at the start that were tried, rad/s; `None` if the data can have only one minimum.
-    pub scanned: Option<[f64; 2]>,
-}
+/// Maximum number of times that a better minimum of an offset is moved to.
+const MAX_MOVES: usize = 4;
 
-impl Modes {
-    /// What was looked at, in a sentence.
-    pub(super) fn remark(&self) -> Option<String> {
-        self.scanned.map(|[low, high]| {
-            format!(
-                "Without φ or ψ, the phase of the nutation is all that shows the spin: other minima were looked for at initial.psi_dot from {low:.1} to {high:.1} rad/s."
-            )
-        })
-    }
-}
-
-/// Scans the spin rate at the start: from its start value to the minimum that was found, and beyond both.
-pub(super) fn modes(
-    problem: &Problem,
-    points: &[Point],
-    solution: &Solution,
+/// Moves a fit to its best minimum and lists the others. Returns what was looked at, in a sentence.
+pub(super) fn settle(
+    fitted: &mut Fitted,
     monitor: &Monitor<'_>,
-) -> Result<Modes, FitError> {
+) -> Result<Option<String>, FitError> {
+    let mut found = find(fitted, monitor)?;
+    for _ in 0..MAX_MOVES {
+        let Some(better) = found.better else { break };
+        offset::move_to(fitted, &better, monitor)?;
+        found = find(fitted, monitor)?;
+    }
+    Ok(found.scanned.map(|[low, high]| {
+        format!(
+            "Without φ or ψ, the phase of the nutation is all that shows the spin: other minima were looked for at initial.psi_dot from {low:.1} to {high:.1} rad/s."
+        )
+    }))
+}
+
+/// What a search for other minima has found.
+pub(super) struct Found {
+    /// The spin rates at the start that were tried, rad/s; `None` if the data can have only one minimum.
+    scanned: Option<[f64; 2]>,
+    /// A minimum of an offset that is better for the points that both bring into the motion.
+    better: Option<Rival>,
+}
+
+/// Lists the other minima of a fit for its points, and moves to the best one for these.
+pub(super) fn find(fitted: &mut Fitted, monitor: &Monitor<'_>) -> Result<Found, FitError> {
+    let scanned = find_spin_rates(fitted, monitor)?;
+    let mut rivals = offset::rivals(fitted, KEPT, monitor)?;
+    for rival in &rivals {
+        let mode = mode(&fitted.problem, &rival.solution, rival.delta_chi2);
+        fitted.modes.push(mode);
+    }
+    fitted
+        .modes
+        .sort_by(|a, b| a.delta_chi2.total_cmp(&b.delta_chi2));
+    let is_better = rivals.first().is_some_and(|rival| rival.delta_chi2 < 0.0);
+    Ok(Found {
+        scanned,
+        better: is_better.then(|| rivals.swap_remove(0)),
+    })
+}
+
+/// Scans the spin rate at the start: from its start value to the minimum that was found, and beyond both. Returns the
+/// range of the scan, rad/s.
+fn find_spin_rates(
+    fitted: &mut Fitted,
+    monitor: &Monitor<'_>,
+) -> Result<Option<[f64; 2]>, FitError> {
+    let Fitted {
+        problem,
+        solution,
+        split,
+        modes,
+    } = fitted;
+    modes.clear();
     // Every other quantity depends on the spin itself, not only through the phase of the nutation.
-    let at = match spin_rate(problem) {
-        Some(at) if !measures_more_than_theta(problem) => at,
-        Some(_) | None => {
-            return Ok(Modes {
-                best: solution.clone(),
-                others: Vec::new(),
-                scanned: None,
-            });
-        }
+    let Some(at) = spin_rate(problem).filter(|_| !measures_more_than_theta(problem)) else {
+        return Ok(None);
     };
+    let points = &split.fitted;
     let mut scan = Scan {
         problem,
         points,
@@ -81,26 +111,27 @@ pub(super) fn modes(
     let high = scan.side(solution, 1.0)?;
     let Scan { mut minima, .. } = scan;
     minima.sort_by(|a, b| a.chi2.total_cmp(&b.chi2));
-    let best = minima.remove(0);
-    minima.retain(|other| other.is_converged && other.chi2 - best.chi2 < KEPT);
-    let others = minima
-        .into_iter()
-        .map(|other| Mode {
-            delta_chi2: other.chi2 - best.chi2,
-            sds: other.covariance.diagonal().map(f64::sqrt).as_slice().into(),
-            values: problem
-                .parameters
-                .iter()
-                .zip(&other.values)
-                .map(|(parameter, value)| parameter.reported(*value))
-                .collect(),
-        })
-        .collect();
-    Ok(Modes {
-        best,
-        others,
-        scanned: Some([low, high]),
-    })
+    *solution = minima.remove(0);
+    minima.retain(|other| other.is_converged && other.chi2 - solution.chi2 < KEPT);
+    for other in &minima {
+        modes.push(mode(problem, other, other.chi2 - solution.chi2));
+    }
+    Ok(Some([low, high]))
+}
+
+/// Another minimum as reports have it.
+fn mode(problem: &Problem, minimum: &Solution, delta_chi2: f64) -> Mode {
+    let variances = minimum.covariance.diagonal();
+    Mode {
+        delta_chi2,
+        sds: variances.iter().map(|variance| variance.sqrt()).collect(),
+        values: problem
+            .parameters
+            .iter()
+            .zip(&minimum.values)
+            .map(|(parameter, value)| parameter.reported(*value))
+            .collect(),
+    }
 }
 
 /// A scan of the spin rate at the start.

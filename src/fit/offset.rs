@@ -1,68 +1,72 @@
 //! Offsets of clocks: found by a scan, because each cycle of the nutation has a minimum of its own.
+//!
+//! Which points of a file are within the motion depends on the offset of its clock. So χ² of two offsets tells which one
+//! is better only for the points that both bring into the motion; χ² per point is good enough to choose where to begin.
 
 use super::error::FitError;
-use super::model::{Point, Problem};
+use super::fitted::{Fitted, Split};
+use super::model::{Effort, Point, Problem};
 use super::monitor::Monitor;
-use super::parameter::{Parameter, Target};
-use super::solve::{Solution, minimise};
-use std::f64::consts::TAU;
+use super::parameter::Target;
+use super::scan::{Scanned, is_within, scan, step};
+use super::sigma;
+use super::solve::{Solution, draft, minimise};
 
-/// Samples of the model per cycle of its nutation.
-const SAMPLES_PER_CYCLE: f64 = 40.0;
-
-/// Maximum number of samples of the model, and of points of a file that are compared with it.
-const MAX_SAMPLES: f64 = 200_000.0;
-const MAX_POINTS: usize = 2000;
-
-/// An offset must leave at least this part of the file's points within the motion.
-const MIN_OVERLAP: f64 = 0.5;
-
-/// Number of minima of the scan that are refined.
+/// Number of minima of a scan among which the first one is chosen.
 const CANDIDATES: usize = 3;
 
+/// A minimum whose mean loss is this much larger than the lowest one, or than 1, is not refined: the file is elsewhere in
+/// its motion, or at rest.
+const MAX_RATIO: f64 = 10.0;
+
+/// Maximum number of other minima of a scan that are compared with one that was found, and number of those in a row that
+/// are too far above it after which the comparison ends.
+const MAX_RIVALS: usize = 24;
+const FAILURES: usize = 4;
+
+/// A rival is compared if at least this part of the file's points is within the motion with both offsets.
+const MIN_COMMON: f64 = 0.5;
+
+/// Iterations after which a rival goes on only if it is promising. The motion hardly changes from one to the next.
+const DRAFT_ITERATIONS: usize = 6;
+
+/// Maximum number of times that the points within the motion are found.
+const MAX_ROUNDS: usize = 5;
+
+/// An offset this close to a minimum, in steps of the scan, belongs to it.
+const SAME: f64 = 2.0;
+
 /// Finds the offsets of the clocks of all files but the first, whose points gave `values`. Returns the solution for all
-/// points, and those that are within the motion.
+/// points that are to be fitted and within the motion, and these points.
 pub(super) fn fit_offsets(
     problem: &Problem,
     values: Vec<f64>,
-    end: f64,
+    split: &Split,
     monitor: &Monitor<'_>,
 ) -> Result<(Solution, Vec<Point>), FitError> {
     let mut best = values;
-    let mut points: Vec<Point> = Vec::new();
-    for point in &problem.points {
-        if problem.signals[point.signal].file == 0 {
-            points.push(*point);
+    let mut points = split.fitted.clone();
+    for (at, file) in clocks(problem) {
+        let in_file = problem.points_in_file(file);
+        let scanned = scan(problem, &best, &in_file, at, split.end)?;
+        // Offsets of later files are not known yet.
+        let mut later = vec![false; best.len()];
+        for (index, other) in clocks(problem) {
+            later[index] = other > file;
         }
-    }
-    let fixed = vec![false; best.len()];
-    let mut solution: Option<Solution> = None;
-    for (at, parameter) in problem.parameters.iter().enumerate() {
-        let Target::Offset(file) = parameter.target else {
-            continue;
-        };
-        let of_file: Vec<Point> = problem
-            .points
-            .iter()
-            .filter(|point| problem.signals[point.signal].file == file)
-            .copied()
-            .collect();
-        let scanned = scan(problem, &best, &of_file, parameter, end)?;
         let mut found: Option<(Solution, Vec<Point>)> = None;
-        for offset in scanned.offsets {
+        let highest = scanned.minima[0].loss.max(1.0) * MAX_RATIO;
+        for cost in scanned.minima.iter().take(CANDIDATES) {
+            if cost.loss > highest {
+                break;
+            }
             let mut start = best.clone();
-            start[at] = offset;
+            start[at] = cost.offset;
             let mut both = points.clone();
-            for point in &of_file {
-                let time = point.time + offset;
-                if (scanned.step..=end - scanned.step).contains(&time) {
+            for point in &in_file {
+                if scanned.is_within(point, cost.offset, split.end) {
                     both.push(*point);
                 }
-            }
-            // Offsets of later files are not known yet.
-            let mut later = fixed.clone();
-            for (index, other) in problem.parameters.iter().enumerate() {
-                later[index] = matches!(other.target, Target::Offset(other) if other > file);
             }
             let trial = minimise(problem, &both, &start, None, &later, monitor)?;
             let is_better = found.as_ref().is_none_or(|(best, points)| {
@@ -73,136 +77,213 @@ pub(super) fn fit_offsets(
             }
         }
         if let Some((trial, both)) = found {
-            best.clone_from(&trial.values);
+            best = trial.values;
             points = both;
-            solution = Some(trial);
         }
     }
-    if let Some(solution) = solution {
-        return Ok((solution, points));
+    minimise_within(problem, &best, split.end, monitor)
+}
+
+/// The minimum for all points that its own offsets bring into the motion, and these points.
+fn minimise_within(
+    problem: &Problem,
+    values: &[f64],
+    end: f64,
+    monitor: &Monitor<'_>,
+) -> Result<(Solution, Vec<Point>), FitError> {
+    let fixed = vec![false; values.len()];
+    let mut points = points_within(problem, values, end);
+    let mut solution = minimise(problem, &points, values, None, &fixed, monitor)?;
+    // A point at an edge may go in and out.
+    for _ in 1..MAX_ROUNDS {
+        let within = points_within(problem, &solution.values, end);
+        if within == points {
+            break;
+        }
+        points = within;
+        solution = minimise(problem, &points, &solution.values, None, &fixed, monitor)?;
     }
-    let solution = minimise(problem, &points, &best, None, &fixed, monitor)?;
     Ok((solution, points))
 }
 
-/// Result of a scan.
-struct Scanned {
-    /// The best offsets, best first, s.
-    offsets: Vec<f64>,
-    /// Distance between samples of the model, s.
-    step: f64,
-}
-
-/// The mean loss of a file's points with an offset.
-#[derive(Clone, Copy)]
-struct Cost {
-    /// The offset, s.
-    offset: f64,
-    /// Mean loss of the points within the motion.
-    loss: f64,
-}
-
-/// The offsets whose neighbours don't have a lower loss.
-fn local_minima(costs: &[Cost]) -> Vec<Cost> {
-    let mut minima = Vec::new();
-    for (at, cost) in costs.iter().enumerate() {
-        let before = at.checked_sub(1).map(|at| &costs[at]);
-        let neighbours = [before, costs.get(at + 1)];
-        // At the ends, one neighbour is enough.
-        if neighbours
-            .into_iter()
-            .flatten()
-            .all(|other| cost.loss <= other.loss)
-        {
-            minima.push(*cost);
+/// The points of the first file that are to be fitted, and those of the others that are within the motion.
+fn points_within(problem: &Problem, values: &[f64], end: f64) -> Vec<Point> {
+    let step = step(problem, end);
+    let mut points = Vec::new();
+    for point in &problem.points {
+        let time = problem.model_time(values, point);
+        let is_first = problem.signals[point.signal].file == 0;
+        if (is_first && time <= end) || is_within(time, step, end) {
+            points.push(*point);
         }
     }
-    minima
+    points
 }
 
-/// Compares the points of a file with the motion for all offsets that keep them within it.
-fn scan(
-    problem: &Problem,
-    values: &[f64],
-    points: &[Point],
-    parameter: &Parameter,
-    end: f64,
-) -> Result<Scanned, FitError> {
-    // A small nutation turns with the angular momentum about the axis, divided by I_x.
-    let top = &problem.scenario.model.top;
-    let spin = problem.scenario.rates.psi.abs().max(1.0);
-    let cycle = TAU * top.transverse_moment / (top.axial_moment * spin);
-    let step = (cycle / SAMPLES_PER_CYCLE).max(end / MAX_SAMPLES);
-    let count = (end / step) as usize + 1;
-    let mut compared: Vec<Point> = Vec::new();
-    let stride = points.len().div_ceil(MAX_POINTS).max(1);
-    compared.extend(points.iter().step_by(stride));
-    // The motion in each of the file's signals, on a grid of times.
-    let mut signals: Vec<usize> = compared.iter().map(|point| point.signal).collect();
-    signals.sort_unstable();
-    signals.dedup();
-    let mut grid: Vec<Point> = Vec::new();
-    for signal in &signals {
-        for index in 0..count {
-            grid.push(Point {
-                signal: *signal,
-                // On the clock of the file; its offset is added in the model.
-                time: index as f64 * step - problem.offset(values, problem.signals[*signal].file),
-                value: 0.0,
-                sigma: 1.0,
-            });
-        }
+/// Moves a fit to a better minimum of an offset, with all points that it brings into the motion.
+pub(super) fn move_to(
+    fitted: &mut Fitted,
+    better: &Rival,
+    monitor: &Monitor<'_>,
+) -> Result<(), FitError> {
+    let Fitted {
+        problem,
+        solution,
+        split,
+        ..
+    } = fitted;
+    let values = &better.solution.values;
+    let (moved, points) = minimise_within(problem, values, split.end, monitor)?;
+    split.fit_points(problem, &moved.values, points);
+    *solution = sigma::settle(problem, split, moved, monitor)?;
+    Ok(())
+}
+
+/// Another minimum of an offset.
+pub(super) struct Rival {
+    /// Its solution for the points that are within the motion with both offsets.
+    pub solution: Solution,
+    /// χ² of these points, above that of the minimum that was found.
+    pub delta_chi2: f64,
+}
+
+/// The other minima of the offsets whose χ² is less than `highest` above that of `solution`, or below it; lowest first.
+pub(super) fn rivals(
+    fitted: &Fitted,
+    highest: f64,
+    monitor: &Monitor<'_>,
+) -> Result<Vec<Rival>, FitError> {
+    let Fitted {
+        problem,
+        solution,
+        split,
+        ..
+    } = fitted;
+    let mut rivals = Vec::new();
+    for (at, file) in clocks(problem) {
+        let in_file = problem.points_in_file(file);
+        let search = Search {
+            fitted,
+            at,
+            file,
+            scanned: scan(problem, &solution.values, &in_file, at, split.end)?,
+            highest,
+            monitor,
+        };
+        rivals.extend(search.rivals()?);
     }
-    let motion = problem.predict(values, &grid)?;
-    let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
-    for point in &compared {
-        first = first.min(point.time);
-        last = last.max(point.time);
-    }
-    let [low, high] = parameter.bounds;
-    let from = (-last).max(low);
-    let to = (end - first).min(high);
-    let mut costs: Vec<Cost> = Vec::new();
-    for index in 0..=((to - from) / step).max(0.0) as usize {
-        let offset = from + index as f64 * step;
-        let (mut sum, mut within) = (0.0, 0_usize);
-        for point in &compared {
-            let place = (point.time + offset) / step;
-            if place < 0.0 || place >= (count - 1) as f64 {
+    rivals.sort_by(|a, b| a.delta_chi2.total_cmp(&b.delta_chi2));
+    Ok(rivals)
+}
+
+/// A search for other minima of one offset.
+struct Search<'a> {
+    /// The minimum that was found.
+    fitted: &'a Fitted,
+    /// Index of the offset among the parameters.
+    at: usize,
+    /// Its file.
+    file: usize,
+    scanned: Scanned,
+    highest: f64,
+    monitor: &'a Monitor<'a>,
+}
+
+impl Search<'_> {
+    fn rivals(&self) -> Result<Vec<Rival>, FitError> {
+        let mut known = vec![self.fitted.solution.values[self.at]];
+        let mut rivals = Vec::new();
+        let mut failures = 0;
+        for cost in self.scanned.minima.iter().take(MAX_RIVALS) {
+            if self.is_known(&known, cost.offset) {
                 continue;
             }
-            let row = signals.iter().position(|s| *s == point.signal);
-            let at = row.unwrap_or_default() * count + place as usize;
-            let part = place.fract();
-            // Between samples of the motion, which are dense enough for a straight line.
-            let value = motion[at] + part * (motion[at + 1] - motion[at]);
-            let residual = problem
-                .loss
-                .transformed((value - point.value) / point.sigma);
-            sum += residual * residual;
-            within += 1;
+            match self.rival_near(cost.offset)? {
+                Some(rival) if !self.is_known(&known, rival.solution.values[self.at]) => {
+                    known.push(rival.solution.values[self.at]);
+                    rivals.push(rival);
+                    failures = 0;
+                }
+                Some(_) | None => failures += 1,
+            }
+            if failures == FAILURES {
+                break;
+            }
         }
-        // A mean over few points may be low by chance.
-        if within as f64 >= MIN_OVERLAP * compared.len() as f64 {
-            costs.push(Cost {
-                offset,
-                loss: sum / within as f64,
-            });
+        Ok(rivals)
+    }
+
+    /// Whether an offset belongs to one of the minima that are known.
+    fn is_known(&self, known: &[f64], offset: f64) -> bool {
+        let reach = SAME * self.scanned.step;
+        known.iter().any(|known| (known - offset).abs() <= reach)
+    }
+
+    /// The minimum near an offset, unless it is too far above the one that was found.
+    fn rival_near(&self, offset: f64) -> Result<Option<Rival>, FitError> {
+        let Fitted {
+            problem,
+            solution,
+            split,
+            ..
+        } = self.fitted;
+        let (mut common, mut chi2) = (Vec::new(), 0.0);
+        let (mut of_file, mut lost) = (0, 0);
+        for (point, residual) in split.fitted.iter().zip(&solution.residuals) {
+            let is_of_file = problem.signals[point.signal].file == self.file;
+            of_file += usize::from(is_of_file);
+            if is_of_file && !self.scanned.is_within(point, offset, split.end) {
+                lost += 1;
+                continue;
+            }
+            let deviate = problem.loss.transformed(*residual);
+            chi2 += deviate * deviate;
+            common.push(*point);
+        }
+        if lost as f64 > (1.0 - MIN_COMMON) * of_file as f64 {
+            return Ok(None);
+        }
+        let mut start = solution.values.clone();
+        start[self.at] = offset;
+        let free = vec![false; start.len()];
+        let values = draft(
+            problem,
+            &common,
+            &start,
+            free.clone(),
+            DRAFT_ITERATIONS,
+            self.monitor,
+        )?;
+        match problem.loss_at(Effort::Final, &values, &common) {
+            // Drafts end a little above their minimum.
+            Ok(loss) if loss < chi2 + 2.0 * self.highest => {}
+            Ok(_) | Err(_) => return Ok(None),
+        }
+        let rival = minimise(problem, &common, &values, None, &free, self.monitor)?;
+        let own = minimise(
+            problem,
+            &common,
+            &solution.values,
+            None,
+            &free,
+            self.monitor,
+        )?;
+        let delta_chi2 = rival.chi2 - own.chi2;
+        let is_rival = rival.is_converged && delta_chi2 < self.highest;
+        Ok(is_rival.then_some(Rival {
+            solution: rival,
+            delta_chi2,
+        }))
+    }
+}
+
+/// The offsets: the index of the parameter, and the file.
+fn clocks(problem: &Problem) -> Vec<(usize, usize)> {
+    let mut clocks = Vec::new();
+    for (at, parameter) in problem.parameters.iter().enumerate() {
+        if let Target::Offset(file) = parameter.target {
+            clocks.push((at, file));
         }
     }
-    let mut minima = local_minima(&costs);
-    minima.sort_by(|a, b| a.loss.total_cmp(&b.loss));
-    minima.truncate(CANDIDATES);
-    let offsets: Vec<f64> = minima.iter().map(|cost| cost.offset).collect();
-    if offsets.is_empty() {
-        return Err(FitError::NoOverlap {
-            name: parameter.name(),
-            first: first - parameter.shift,
-            last: last - parameter.shift,
-            end,
-            bounds: (low > f64::MIN || high < f64::MAX)
-                .then(|| [low, high].map(|bound| bound + parameter.shift)),
-        });
-    }
-    Ok(Scanned { offsets, step })
+    clocks
 }

@@ -29,6 +29,7 @@ mod figures;
 #[cfg(feature = "fit")]
 mod fit;
 #[cfg(feature = "fit")]
+mod fit_clocks;
 mod fit_laws;
 mod foreign;
 mod forgeries;
