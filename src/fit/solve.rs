@@ -24,8 +24,8 @@ const WINDOW_PRECISION: f64 = 1e-4;
 /// Relative change of χ² at which drafts of motions are replaced by exact ones.
 const DRAFT_PRECISION: f64 = 1e-6;
 
-/// Number of points that all windows but the last are thinned to.
-const WINDOW_POINTS: usize = 20_000;
+/// Number of points that dense data are thinned to on the way to a minimum.
+const DENSE_POINTS: usize = 20_000;
 
 /// A minimum.
 #[derive(Clone, Debug)]
@@ -112,7 +112,7 @@ pub(super) fn minimise(
     evaluate(problem, points, values, priors, fixed, monitor)
 }
 
-/// Descends to a minimum with drafts of motions, then with exact ones.
+/// Descends to a minimum: of dense data first to that of a part of them, which differs by a few standard deviations.
 fn descend(
     problem: &Problem,
     points: &[Point],
@@ -121,7 +121,32 @@ fn descend(
     excluded: Vec<bool>,
     monitor: &Monitor<'_>,
 ) -> Result<Vec<f64>, FitError> {
-    let mut objective = Objective::new(problem, points, priors, excluded, monitor);
+    /// Iterations from there: Newton's steps double the digits. Data without a minimum nearby have none that could be
+    /// found in a reasonable time.
+    const DENSE_ITERATIONS: usize = 6;
+    let part = thinned(points);
+    if part.len() == points.len() {
+        let mut objective = Objective::new(problem, points, priors, excluded, monitor);
+        return descend_with(&mut objective, problem, points, start);
+    }
+    let mut guide = Objective::new(problem, &part, priors, excluded.clone(), monitor);
+    let mut values = descend_with(&mut guide, problem, &part, start)?;
+    // The motion may end between the last point of the part and that of all.
+    if problem.predict(&values, points).is_err() {
+        values = start.to_vec();
+    }
+    Objective::new(problem, points, priors, excluded, monitor)
+        .limited_to(DENSE_ITERATIONS)
+        .run_finally(&values, problem.precision)
+}
+
+/// Descends to a minimum with drafts of motions, then with exact ones.
+fn descend_with(
+    objective: &mut Objective<'_>,
+    problem: &Problem,
+    points: &[Point],
+    start: &[f64],
+) -> Result<Vec<f64>, FitError> {
     let precision = problem.precision;
     let mut values = objective.run_drafts(start, precision.max(DRAFT_PRECISION))?;
     // The exact motion may end before the data where its draft just reaches them.
@@ -129,6 +154,12 @@ fn descend(
         values = start.to_vec();
     }
     objective.run_finally(&values, precision)
+}
+
+/// A part of dense points, evenly.
+fn thinned(points: &[Point]) -> Vec<Point> {
+    let stride = points.len().div_ceil(DENSE_POINTS).max(1);
+    points.iter().step_by(stride).copied().collect()
 }
 
 /// The state of a fit at these values: residuals, gradient, curvature and covariance.
@@ -263,12 +294,11 @@ pub(super) fn grow_window(
             }
         }
         // Short windows only guide the way: a part of dense data does that as well.
-        let stride = within.len().div_ceil(WINDOW_POINTS).max(1);
-        let thinned: Vec<Point> = within.into_iter().step_by(stride).collect();
-        if !thinned.is_empty() {
+        let part = thinned(&within);
+        if !part.is_empty() {
             monitor.set_window(window);
-            values = complete(problem, &thinned, values)?;
-            values = approach_minimum(problem, &thinned, &values, start, monitor)?;
+            values = complete(problem, &part, values)?;
+            values = approach_minimum(problem, &part, &values, start, monitor)?;
         }
         window *= 2.0;
     }
