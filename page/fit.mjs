@@ -2,7 +2,7 @@
 
 import { at, element } from "./elements.mjs";
 import { Engine } from "./engine.mjs";
-import { drawMeasured, measuredName } from "./measured.mjs";
+import { drawMeasured, measuredName, parameterName } from "./measured.mjs";
 
 /** Phones give text tables types of their own, so names count, too. */
 const TABLES = ".csv,.tsv,.txt,text/csv,text/plain,text/tab-separated-values,text/comma-separated-values,application/vnd.ms-excel";
@@ -10,31 +10,46 @@ const TABLES = ".csv,.tsv,.txt,text/csv,text/plain,text/tab-separated-values,tex
 /** A word of a command line, in quotes if a shell would read it otherwise. */
 export const quotedWord = (word) => (/^[\w./=,:+-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
 
-/** The table of a report; nothing without rows. */
-function wordTable({ header, rows }) {
-  if (rows.length === 0) return [];
-  const head = element("tr", {}, ...header.map((textContent) => element("th", { textContent })));
-  const body = rows.map(([name, ...rest]) => {
+/** A name as readers know it, with that of the program. */
+const named = (name, key) => (name ? [`${name} `, element("small", { textContent: `(${key})` })] : [key]);
+
+/** The table of a report; nothing without rows. `rows` and `columns` are the readers' names of the first cells, if they have any. */
+function wordTable(table, { rows = [], columns = [] } = {}) {
+  if (table.rows.length === 0) return [];
+  const head = element("tr", {}, ...table.header.map((text, at) => element("th", {}, ...named(columns[at], text))));
+  const body = table.rows.map(([name, ...rest], at) => {
     const cells = rest.map((textContent) => element("td", { textContent }));
-    return element("tr", {}, element("th", { scope: "row", textContent: name }), ...cells);
+    return element("tr", {}, element("th", { scope: "row" }, ...named(rows[at], name)), ...cells);
   });
   return [element("div", { className: "wide" }, element("table", {}, head, ...body))];
 }
+
+/** What the columns of the table of signals mean. */
+const SIGNAL_NOTE =
+  "RMS/σ is the size of the residuals (measured minus fitted) and should be near 1. Uncorrelated: the probability p that mere noise is at least as correlated in time; below 0.001 the model misses something.";
 
 const paragraphs = (texts) => texts.map((textContent) => element("p", { textContent }));
 const headed = (textContent, parts) => (parts.length > 0 ? [element("h3", { textContent }), ...parts] : []);
 
 /** What the program says of a fit. */
-function reportParts({ words }) {
+function reportParts({ report, words }) {
   const [first] = words.parameters.rows;
+  const parameters = report.parameters.map(({ name }) => parameterName(name));
+  // The path of a field follows its topic.
+  const signals = report.signals.map(({ field }) => measuredName(field.slice(field.indexOf(".") + 1)));
+  const estimate = first && [...named(parameters[0], first[0]), ` = ${first[1]}, 95 % interval ${first[2]}`];
+  const signalParts = wordTable(words.signals, { rows: signals });
   return [
     element("p", { className: "verdict" }, element("b", { textContent: words.title }), ` · ${words.note}`),
-    ...(first ? [element("p", { className: "estimate", textContent: `${first[0]} = ${first[1]}, 95 % interval ${first[2]}` })] : []),
+    ...(estimate ? [element("p", { className: "estimate" }, ...estimate)] : []),
     ...paragraphs(words.extent),
     ...headed("Remarks", paragraphs(words.remarks)),
-    ...headed("Parameters", [...wordTable(words.parameters), ...paragraphs(words.limits)]),
-    ...headed("Signals", wordTable(words.signals)),
-    ...headed("Other minima: the data don't exclude them, and the intervals reach over those with Δχ² < 3.84", wordTable(words.modes)),
+    ...headed("Parameters", [...wordTable(words.parameters, { rows: parameters }), ...paragraphs(words.limits)]),
+    ...headed("Signals", signalParts.length > 0 ? [...signalParts, ...paragraphs([SIGNAL_NOTE])] : []),
+    ...headed(
+      "Other minima: the data don't exclude them, and the intervals reach over those with Δχ² < 3.84",
+      wordTable(words.modes, { columns: ["", ...parameters] }),
+    ),
   ];
 }
 

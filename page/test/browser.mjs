@@ -610,7 +610,7 @@ const tests = {
     await drop(tab, "camera.csv", readFileSync("tests/data/fit/offset_camera.csv", "utf8"));
     await tab.waitForSelector("#fit-result:not([hidden])", { timeout: 300_000 });
     assert.match(await tab.textContent("#fit-report .verdict"), /^full-coulomb \(coulomb\): describes the data/);
-    assert.match(await tab.textContent("#fit-report .estimate"), /^friction\.k = 0\.0387\d+ ± 0\.0000\d\d, 95 % interval 0\.038\d+ to 0\.038\d+$/);
+    assert.match(await tab.textContent("#fit-report .estimate"), /^friction k \(friction\.k\) = 0\.0387\d+ ± 0\.0000\d\d, 95 % interval 0\.038\d+ to 0\.038\d+$/);
     assert.match(await tab.textContent("#fit-command"), /^toprise fit full-coulomb camera\.csv --set .* --free friction\.k,initial$/);
     assert.equal(await tab.locator("#fit-plots canvas").count(), 4);
     await tab.locator("#fit").screenshot({ path: join(directory, "fit.png") });
