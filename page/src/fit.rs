@@ -6,7 +6,10 @@ use serde::Deserialize;
 use serde_json::{Value as Json, json};
 use std::error::Error;
 use std::path::Path;
-use toprise::fit::{self, Fit, Progress, Request, SignalSpec, usual_parameters};
+use toprise::fit::{
+    self, AdvisedError, Data, Fit, FitError, Interface, Progress, Request, SignalSpec,
+    usual_parameters,
+};
 use toprise::run::scenario::{Scenario, Value};
 use toprise::run::simulation::{SimulationError, sample_at};
 use toprise::telemetry::fields::NumberField;
@@ -42,7 +45,7 @@ pub struct FitRequest {
 pub fn fit(request: &FitRequest, content: &[u8]) -> Result<Json, Box<dyn Error>> {
     let scenario = request.scenario.scenario()?;
     let specs = signals(request, content)?;
-    let data = fit::read_bytes(Path::new(&request.file), content.to_vec(), &parsed(&specs)?)?;
+    let data = read(request, content, &parsed(&specs)?)?;
     let free: Vec<String> = match request.free.trim() {
         "" => usual_parameters(&scenario),
         names => names
@@ -51,10 +54,11 @@ pub fn fit(request: &FitRequest, content: &[u8]) -> Result<Json, Box<dyn Error>>
             .collect(),
     };
     let names: Vec<&str> = free.iter().map(String::as_str).collect();
-    let fitted = fit::fit(&Request::new(scenario, data, &names), &report_progress)?;
+    let fitted =
+        fit::fit(&Request::new(scenario, data, &names), &report_progress).map_err(advised)?;
     Ok(json!({
         "report": fitted.report,
-        "words": fitted.report.words(false),
+        "words": fitted.report.words(Interface::Page, false),
         "arguments": arguments(request, &free, &specs),
         "free": free.join(","),
         "set": fitted_values(request, &fitted)?,
@@ -78,7 +82,7 @@ fn signals(request: &FitRequest, content: &[u8]) -> Result<Vec<String>, Box<dyn 
     if sigma.is_empty() {
         return Ok(specs);
     }
-    for signal in fit::read_bytes(Path::new(&request.file), content.to_vec(), &[])?.signals {
+    for signal in read(request, content, &[])?.signals {
         let sigma = match signal.field.unit() {
             "rad" => format!(":{sigma}"),
             _ => String::new(),
@@ -88,8 +92,20 @@ fn signals(request: &FitRequest, content: &[u8]) -> Result<Vec<String>, Box<dyn 
     Ok(specs)
 }
 
-fn parsed(specs: &[String]) -> Result<Vec<SignalSpec>, fit::DataError> {
-    specs.iter().map(|text| SignalSpec::parse(text)).collect()
+/// Reads the signals of the file of a request.
+fn read(request: &FitRequest, content: &[u8], specs: &[SignalSpec]) -> Result<Data, AdvisedError> {
+    fit::read_bytes(Path::new(&request.file), content.to_vec(), specs).map_err(advised)
+}
+
+fn advised(error: impl Into<FitError>) -> AdvisedError {
+    error.into().advised(Interface::Page)
+}
+
+fn parsed(specs: &[String]) -> Result<Vec<SignalSpec>, AdvisedError> {
+    specs
+        .iter()
+        .map(|text| SignalSpec::parse(text).map_err(advised))
+        .collect()
 }
 
 /// The arguments with which the program does the same.

@@ -69,12 +69,15 @@ const tests = {
       ["no signal", "t,x\n0,0.5\n"],
       ["one sample", "t,theta,phi\n0,0.5,0.1\n"],
       ["degrees", "t,theta\n0,28\n0.1,29\n0.2,28\n0.3,27\n"],
+      ["no header", "0,0.5\n0.1,0.4\n"],
       ["nothing", ""],
     ]) {
       writeFileSync(join(folder, "a.csv"), text);
       const { error } = fit(scenario, "a.csv", Buffer.from(text));
       const told = spawnSync(program, ["fit", "full-coulomb", "a.csv", "--free", "friction.k,initial"], { cwd: folder, encoding: "utf8" });
-      assert.ok(error && told.stderr.includes(error), `${name}: ${error}\n${told.stderr}`);
+      // What can be done about it, each says in its own terms.
+      assert.ok(error && told.stderr.includes(error.split("; ")[0]), `${name}: ${error}\n${told.stderr}`);
+      assert.ok(!error.includes("--"), `${name}: ${error}`);
     }
     assert.match(fit(scenario, "a.csv", Buffer.from("t,theta\n0,0.5\n1,0.4\n"), { sigma: "1 rpm" }).error, /"rpm" is not a unit of angle/);
     assert.match(fit(scenario, "a.csv", Buffer.from("t,theta\n0,0.5\n1,0.4\n"), { free: "friction.q" }).error, /friction\.q/);

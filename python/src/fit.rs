@@ -7,7 +7,9 @@ use crate::scenario::{Base, Scenario};
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
 use std::path::PathBuf;
-use toprise::fit::{Data, DataError, FitError as Failed, Loss, Request, Signal, SignalSpec};
+use toprise::fit::{
+    Data, DataError, FitError as Failed, Interface, Loss, Request, Signal, SignalSpec,
+};
 
 /// The measured values: arrays, or files.
 #[derive(FromPyObject)]
@@ -100,7 +102,7 @@ pub fn fit(
     let report = fitted.report;
     Ok((
         json(&report)?,
-        report.text(),
+        report.text(Interface::Python),
         Scenario(fitted.scenario),
         residuals,
     ))
@@ -130,17 +132,14 @@ impl Measured {
 }
 
 fn data_error(error: DataError) -> PyErr {
-    let text = error.to_string();
-    match error {
-        DataError::Io { reason, .. } => errors::io(&reason, text),
-        _ => FitError::new_err(text),
-    }
+    fit_error(error.into())
 }
 
 fn fit_error(error: Failed) -> PyErr {
+    let text = error.message(Interface::Python);
     match error {
-        Failed::Data(error) => data_error(error),
+        Failed::Data(DataError::Io { reason, .. }) => errors::io(&reason, text),
         Failed::Scenario(error) => errors::scenario(error),
-        error => FitError::new_err(error.to_string()),
+        _ => FitError::new_err(text),
     }
 }

@@ -18,7 +18,9 @@ use crate::archive::publish::{
     Draft, Drafts, Existing, check_not_an_input, check_target, is_same_file,
 };
 use crate::figures;
-use crate::fit::{self, Data, Fit, FitError, Loss, Report, Request, SignalSpec, Verdict};
+use crate::fit::{
+    self, AdvisedError, Fit, FitError, Interface, Loss, Report, Request, SignalSpec, Verdict,
+};
 use crate::run::scenario::Scenario;
 use anyhow::Context as _;
 use clap::{Args, Subcommand, ValueEnum};
@@ -199,11 +201,12 @@ fn fit(arguments: &FitArguments, drafts: &Drafts) -> Result<Status, anyhow::Erro
         Ok(fitted) => fitted,
         Err(error @ FitError::ModelEnds { .. }) => {
             // The fit came to nothing, but for a reason that lies in the motion and not in the input.
-            super::output::error(&error.to_string());
-            report::print_error(&error.to_string(), None);
+            let message = error.message(Interface::Terminal);
+            super::output::error(&message);
+            report::print_error(&message, None);
             return Ok(Status::Partial);
         }
-        Err(error) => return Err(error.into()),
+        Err(error) => return Err(error.advised(Interface::Terminal).into()),
     };
     let complete = plan.write(&fitted, drafts)?;
     let text = markdown(&page::page(&fitted.report, &[], arguments.all));
@@ -250,7 +253,8 @@ impl FitArguments {
         let show = self.show.plan()?;
         self.check_outputs(&inputs, &show)?;
         let scenario = checked(&self.scenario, values(&self.scenario)?, &self.overrides)?;
-        let data: Data = fit::read(&self.data, &self.signals, self.time.as_deref())?;
+        let data = fit::read(&self.data, &self.signals, self.time.as_deref())
+            .map_err(|error| FitError::from(error).advised(Interface::Terminal))?;
         Ok(FitPlan {
             request: Request {
                 scenario,
@@ -400,8 +404,8 @@ fn write_recording(draft: Draft, fitted: &Fit, request: &Request) -> Result<Draf
         .with_context(|| problem)
 }
 
-fn parse_signal(text: &str) -> Result<SignalSpec, fit::DataError> {
-    SignalSpec::parse(text)
+fn parse_signal(text: &str) -> Result<SignalSpec, AdvisedError> {
+    SignalSpec::parse(text).map_err(|error| FitError::from(error).advised(Interface::Terminal))
 }
 
 /// Parses a name in a list that is separated by commas.

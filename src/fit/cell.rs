@@ -5,6 +5,9 @@ use std::borrow::Cow;
 /// Texts that stand for a missing value, in lower case.
 const MISSING: &[&str] = &["", "nan", "na", "n/a", "#n/a", "null", "none", "-", "--"];
 
+/// Separators of thousands that are no decimal marks: spaces, also without a break and narrow, and apostrophes.
+const SEPARATORS: [char; 6] = [' ', '\u{a0}', '\u{202f}', '\u{2009}', '\'', '’'];
+
 /// A decimal mark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mark {
@@ -39,6 +42,16 @@ impl Cell {
         } else {
             Cow::Borrowed(cell)
         };
+        if text.contains(SEPARATORS) {
+            let Some(ungrouped) = without_separators(&text) else {
+                return Self::Text;
+            };
+            // These can't be decimal marks, so a mark beside them is one.
+            return match Self::parse(&ungrouped) {
+                Self::Unclear(number, mark) => Self::Number(number, Some(mark)),
+                other => other,
+            };
+        }
         let mut marks = text.chars().filter_map(Mark::from_char);
         let (mark, has_more) = (marks.next(), marks.next().is_some());
         if has_more {
@@ -175,6 +188,22 @@ fn is_grouped(text: &str) -> bool {
     is_first_group(first) && middle.iter().all(|group| is_group(group)) && is_digits(last)
 }
 
+/// A number such as `1 234,5` or `1'234'567` without its separators of thousands; `None` if they don't separate these.
+fn without_separators(number: &str) -> Option<String> {
+    let (whole, fraction) = match number.find(['.', ',']) {
+        Some(mark) => number.split_at(mark),
+        None => (number, ""),
+    };
+    let separator = whole.chars().find(|letter| SEPARATORS.contains(letter))?;
+    let digits = whole.trim_start_matches(['-', '+']);
+    let (first, groups) = digits.split_once(separator)?;
+    let is_grouped = is_first_group(first)
+        && !first.starts_with('0')
+        && groups.split(separator).all(is_group)
+        && !fraction.contains(SEPARATORS);
+    is_grouped.then(|| whole.replace(separator, "") + fraction)
+}
+
 fn is_first_group(text: &str) -> bool {
     text.len() <= 3 && is_digits(text)
 }
@@ -205,6 +234,17 @@ mod tests {
             ("1000,125", Cell::Number(1000.125, comma)),
             ("5.000", Cell::Unclear(5.0, Mark::Point)),
             ("-12,345", Cell::Unclear(-12.345, Mark::Comma)),
+            ("1 234", Cell::Number(1234.0, None)),
+            ("-1'234'567", Cell::Number(-1_234_567.0, None)),
+            ("1’234.5", Cell::Number(1234.5, point)),
+            ("1\u{a0}234,500", Cell::Number(1234.5, comma)),
+            ("12\u{202f}345", Cell::Number(12_345.0, None)),
+            ("1 234e3", Cell::Text),
+            ("1 23", Cell::Text),
+            ("0 123", Cell::Text),
+            ("1 234'567", Cell::Text),
+            ("12:00 123", Cell::Text),
+            ("1 234,5 6", Cell::Text),
             ("1,234.5", Cell::Grouped),
             ("1.000.000", Cell::Grouped),
             ("26.11.2026", Cell::Text),

@@ -1,6 +1,6 @@
 //! Names of columns.
 
-use super::unit::split_header;
+use super::unit::{Dimension, split_header};
 
 /// How a name can stand for a column, the surest first. Names that differ only in case come last, because columns may do so, too.
 const MATCHES: [fn(&str, &str) -> bool; 4] = [
@@ -27,19 +27,70 @@ pub(super) fn positions(columns: &[String], name: &str) -> Vec<usize> {
     Vec::new()
 }
 
-/// The column of times: that with a name, or else the first one that is named so.
-pub(super) fn clock(columns: &[String], time: Option<&str>) -> Option<usize> {
-    match time {
-        Some(name) => positions(columns, name).first().copied(),
-        None => columns
-            .iter()
-            .position(|column| is_time(split_header(column).0)),
+/// Names of columns of times.
+const CLOCKS: [&str; 5] = ["t", "time", "timestamp", "zeit", "seconds"];
+
+/// How a name can be one of [`CLOCKS`], the surest first. `T` can be a temperature.
+const CLOCK_MATCHES: [fn(&str, &str) -> bool; 3] =
+    [is_column, is_in_another_case, is_in_a_data_set];
+
+/// The columns of times: those with a name, or else those whose names are the surest. Several are equally sure.
+pub(super) fn clocks(columns: &[String], time: Option<&str>) -> Vec<usize> {
+    if let Some(name) = time {
+        return positions(columns, name);
     }
+    let mut candidates = Vec::new();
+    for (at, column) in columns.iter().enumerate() {
+        if is_time(column) {
+            candidates.push(at);
+        }
+    }
+    // `t (frames)` has the times only if no other column has.
+    if candidates.iter().any(|at| can_have_times(&columns[*at])) {
+        candidates.retain(|at| can_have_times(&columns[*at]));
+    }
+    for is_match in CLOCK_MATCHES {
+        for clock in CLOCKS {
+            let mut found = candidates.clone();
+            found.retain(|at| is_match(plain(&columns[*at]), clock));
+            if !found.is_empty() {
+                return found;
+            }
+        }
+    }
+    Vec::new()
 }
 
-/// Whether a column of this name, without unit, has the times.
-pub(super) fn is_time(name: &str) -> bool {
-    ["t", "time", "timestamp", "zeit", "seconds"].contains(&&*name.to_lowercase())
+/// Whether the name of a column is that of times.
+pub(super) fn is_time(column: &str) -> bool {
+    let name = plain(column);
+    CLOCKS.iter().any(|clock| is_in_a_data_set(name, clock))
+}
+
+/// Whether the unit of a column is one of time, or not stated.
+fn can_have_times(column: &str) -> bool {
+    Dimension::Time
+        .factor(split_header(column).1, column)
+        .is_ok()
+}
+
+/// The name of a column without its unit, and without a colon at its end.
+pub(super) fn plain(column: &str) -> &str {
+    split_header(column).0.trim_end_matches(':').trim_end()
+}
+
+fn is_in_another_case(column: &str, name: &str) -> bool {
+    column.to_lowercase() == name
+}
+
+/// Whether a name, in any case, is one without the data set.
+fn is_in_a_data_set(column: &str, name: &str) -> bool {
+    is_in_another_case(without_data_set(column), name)
+}
+
+/// A name without the data set that Vernier writes before it: `Latest: Time`.
+pub(super) fn without_data_set(column: &str) -> &str {
+    column.rsplit_once(": ").map_or(column, |(_, bare)| bare)
 }
 
 /// Whether a name can stand for a column, in any case.

@@ -2,8 +2,8 @@
 
 use super::unit::split_header;
 use crate::archive::recording::RecordingError;
+use crate::run::plural::counted;
 use crate::run::suggestion::{did_you_mean, most_similar, similarity};
-use crate::telemetry::fields::state;
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -54,7 +54,7 @@ pub enum DataError {
         refused: Option<(u64, String)>,
     },
     /// A row has more cells than there are columns.
-    #[error("{}:{line}: {cells} cells, but {columns} columns{}", path.display(), if *has_commas { "; if numbers have decimal commas, separate the columns with semicolons or tabs" } else { "" })]
+    #[error("{}:{line}: {}, but {}{}", path.display(), counted(*cells as u64, "cell"), counted(*columns as u64, "column"), if *has_commas { "; if numbers have decimal commas, separate the columns with semicolons or tabs" } else { "" })]
     Width {
         /// The file.
         path: PathBuf,
@@ -104,6 +104,30 @@ pub enum DataError {
         /// What the file has instead.
         known: Vec<String>,
     },
+    /// No line names the columns.
+    #[error("{}: no line names the {}", path.display(), counted(*columns as u64, "column"))]
+    NoHeader {
+        /// The file.
+        path: PathBuf,
+        /// Number of columns.
+        columns: usize,
+    },
+    /// No column is named like times.
+    #[error("{}: no column of times; there {}", path.display(), listed(columns))]
+    NoTimes {
+        /// The file.
+        path: PathBuf,
+        /// The columns of the file.
+        columns: Vec<String>,
+    },
+    /// Several columns are equally well named like times.
+    #[error("{}: several columns are named like times: {}", path.display(), columns.join(", "))]
+    SeveralTimes {
+        /// The file.
+        path: PathBuf,
+        /// The columns.
+        columns: Vec<String>,
+    },
     /// A signal is in none of the files.
     #[error("{}", not_found(source_name, files))]
     NotFound {
@@ -113,10 +137,10 @@ pub enum DataError {
         files: Vec<Contents>,
     },
     /// A file has none of the signals.
-    #[error("{}: none of the signals is in this file: leave it out, or name its signals with --signal; there {}", .0.path.display(), listed(&.0.known))]
+    #[error("{}: none of the signals is in this file; there {}", .0.path.display(), listed(&.0.known))]
     UnusedFile(Contents),
     /// No column has the name of a field.
-    #[error("{}: no column is named like a field of the top; name the columns with --signal, e.g. --signal theta={}; columns: {}", path.display(), quoted(columns.last()), columns.join(", "))]
+    #[error("{}: no column is named like a field of the top; there {}", path.display(), listed(columns))]
     NoSignals {
         /// The file.
         path: PathBuf,
@@ -124,7 +148,7 @@ pub enum DataError {
         columns: Vec<String>,
     },
     /// A recording has all fields: some must be chosen.
-    #[error("{}: choose the fields to fit, e.g. --signal {}:1mrad", path.display(), state::THETA)]
+    #[error("{}: no fields to fit are chosen", path.display())]
     ChooseSignals {
         /// The file.
         path: PathBuf,
@@ -190,7 +214,7 @@ pub enum DataError {
         quantity: &'static str,
     },
     /// A signal can't be parsed.
-    #[error("--signal {text}: {reason}; write FIELD=COLUMN:SIGMA, e.g. theta=\"tilt (deg)\":2mrad")]
+    #[error("{text}: {reason}")]
     Signal {
         /// The argument.
         text: String,
@@ -214,7 +238,7 @@ pub enum DataError {
         source_name: String,
     },
     /// Columns that were found by their names measure the same field.
-    #[error("{}: the columns {} and {} both measure {field}: choose with --signal", path.display(), columns[0], columns[1])]
+    #[error("{}: the columns {} and {} both measure {field}", path.display(), columns[0], columns[1])]
     SameField {
         /// The file.
         path: PathBuf,
@@ -390,15 +414,4 @@ pub enum SignalError {
     /// A name is empty.
     #[error("a name is empty")]
     Empty,
-}
-
-/// A name in quotes for an example on the command line.
-fn quoted(name: Option<&String>) -> String {
-    match name {
-        Some(name) if name.contains(|c: char| !c.is_ascii_alphanumeric() && c != '_') => {
-            format!("\"{name}\"")
-        }
-        Some(name) => name.clone(),
-        None => "COLUMN".to_owned(),
-    }
 }

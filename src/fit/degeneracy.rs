@@ -48,24 +48,19 @@ pub enum Combination {
     Other,
 }
 
-/// A clause that says what is not determined, and what to do.
+/// A clause that says what is not determined.
 impl Display for Degeneracy {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
             Self::Unseen { names } => {
-                let pronoun = pronoun(names.len());
-                let names = names.join(" or ");
-                write!(
-                    f,
-                    "no signal depends on {names}: fix {pronoun} (leave {names} out of --free)"
-                )
+                write!(f, "no signal depends on {}", names.join(" or "))
             }
             Self::Combined {
-                names,
                 symbols: [first, second],
                 combination,
                 is_exact,
                 delta_chi2,
+                ..
             } => {
                 match combination {
                     Combination::Product | Combination::Quotient if !is_exact => {
@@ -99,19 +94,18 @@ impl Display for Degeneracy {
                         f,
                         "only a combination of {first} and {second} is determined ({first} and {second} can change together)"
                     ),
-                }?;
-                write!(f, ": fix {}", names.join(" or "))
+                }
             }
             Self::Together { names } => write!(
                 f,
-                "{} can change together without an effect on these data: fix one of them",
+                "{} can change together without an effect on these data",
                 join_names(names)
             ),
             Self::Several { names, directions } => {
                 let known = names.len() - directions;
                 write!(
                     f,
-                    "of {} only {known} {} determined: fix {directions} of them",
+                    "of {} only {known} {} determined",
                     join_names(names),
                     if known == 1 {
                         "combination is"

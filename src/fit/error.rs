@@ -1,13 +1,12 @@
 //! Errors of fits.
 
 use super::data_error::DataError;
-use super::degeneracy::{Degeneracy, join_clauses, pronoun};
+use super::degeneracy::{Degeneracy, join_clauses};
 use super::parameter::is_offset;
 use super::place::{Place, ValuePlace};
 use crate::run::plural::counted;
 use crate::run::scenario::ScenarioError;
 use crate::run::simulation::SimulationError;
-use std::fmt::{self, Display, Formatter};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -26,7 +25,7 @@ pub enum FitError {
         /// The key.
         name: String,
         /// The reason.
-        reason: &'static str,
+        reason: KeyError,
     },
     /// There is no such law.
     #[error("unknown law {name}; laws: {known}")]
@@ -49,7 +48,7 @@ pub enum FitError {
         start: f64,
     },
     /// A bound is given for a parameter that is not free.
-    #[error("--bound {name}: the parameter is not free")]
+    #[error("bounds of {name}: the parameter is not free")]
     NotFree {
         /// The parameter.
         name: String,
@@ -58,7 +57,7 @@ pub enum FitError {
     #[error("nothing to fit: none of the free parameters changes any signal")]
     NothingFree,
     /// A signal has no value in the time that is fitted.
-    #[error("{field} has no value from t = {} s{}: its times are {} to {} s; see --start and --until", short(*origin), until.map_or(String::new(), |until| format!(" to {} s", short(until))), short(*first), short(*last))]
+    #[error("{field} has no value from t = {} s{}: its times are {} to {} s", short(*origin), until.map_or(String::new(), |until| format!(" to {} s", short(until))), short(*first), short(*last))]
     OutOfRange {
         /// The field.
         field: String,
@@ -73,15 +72,13 @@ pub enum FitError {
     },
     /// The data have a gap that is long compared with all of them.
     #[error(
-        "the data have no values from t = {} to {} s, and are only {} s long without this gap; is a time wrong ({stray} {} {}{})? Remove {}, or leave {} out with {remedy}",
+        "the data have no values from t = {} to {} s, and are only {} s long without this gap; a time may be wrong ({stray} {} {}{})",
         short(*from),
         short(*to),
         short(*rest),
         if *stray == 1 { "row" } else { "rows" },
-        remedy.side(),
-        place.as_ref().map_or_else(String::new, |place| if *stray == 1 { format!(": {place}") } else { format!(", next to it {place}") }),
-        pronoun(*stray),
-        pronoun(*stray)
+        cut.side(),
+        place.as_ref().map_or_else(String::new, |place| if *stray == 1 { format!(": {place}") } else { format!(", next to it {place}") })
     )]
     Gap {
         /// Last time before the gap, on the clock of the first file, s.
@@ -94,8 +91,8 @@ pub enum FitError {
         stray: usize,
         /// The line of that side that is next to the gap.
         place: Option<Place>,
-        /// Option that leaves that side out.
-        remedy: Cut,
+        /// What leaves that side out.
+        cut: Cut,
     },
     /// A value is too large for a sum of squares.
     #[error(
@@ -114,7 +111,7 @@ pub enum FitError {
     },
     /// Inclinations that are too large for radians.
     #[error(
-        "most values of {name} are above π (median {median:.4}), but an inclination in rad is not: write the unit into the header, or --signal theta=\"{name} (deg)\""
+        "most values of {name} are above π (median {median:.4}), but an inclination in rad is not"
     )]
     Inclination {
         /// Median of the values, rad if the unit is right.
@@ -124,7 +121,7 @@ pub enum FitError {
     },
     /// Values that agree with the motion at the start in another unit only.
     #[error(
-        "{field}: the values are about {ratio:.0} times those of the motion at the start; in {unit} they would agree with it: write the unit into the header, or --signal {path}=\"{name} ({unit})\"; if they are in {si}, \"{name} ({si})\""
+        "{field}: the values are about {ratio:.0} times those of the motion at the start; in {unit} they would agree with it"
     )]
     LikelyUnit {
         /// The field.
@@ -156,7 +153,7 @@ pub enum FitError {
     },
     /// All values of a signal are equal, and no standard deviation is given.
     #[error(
-        "{field}: all values are {value} {unit}: they have no noise from which a standard deviation could be estimated; check the sensor, leave {source_name} out, or give σ (--signal)"
+        "{field}: all values are {value} {unit}: they have no noise from which a standard deviation could be estimated"
     )]
     NoNoise {
         /// The field.
@@ -169,9 +166,7 @@ pub enum FitError {
         unit: &'static str,
     },
     /// No motion near the start of a parameter reaches the data.
-    #[error(
-        "{name}: no motion with a slightly larger or smaller value can be computed: change its start (--set) or its bounds"
-    )]
+    #[error("{name}: no motion with a slightly larger or smaller value can be computed")]
     NoDerivative {
         /// The parameter.
         name: String,
@@ -223,9 +218,10 @@ pub enum FitError {
     },
     /// The data are too few.
     #[error(
-        "{} can't determine {}",
+        "{} can't determine {}: at least {} are needed",
         counted(*samples as u64, "sample"),
-        counted(*parameters as u64, "parameter")
+        counted(*parameters as u64, "parameter"),
+        parameters + 1
     )]
     TooFew {
         /// Number of samples in the fit.
@@ -240,9 +236,7 @@ pub enum FitError {
         degeneracies: Vec<Degeneracy>,
     },
     /// The model ends before the data.
-    #[error(
-        "the model ends at t = {end:.4} s ({reason}), the data at {needed:.4} s: fit only the data before that (--until {end:.3}), or start closer to the motion (--set)"
-    )]
+    #[error("the model ends at t = {end:.4} s ({reason}), the data at {needed:.4} s")]
     ModelEnds {
         /// End of the model, s.
         end: f64,
@@ -306,14 +300,14 @@ fn likely_time_unit(
     const FRAME_RATE: f64 = 30.0;
     let mut sentence = path.map_or_else(String::new, |path| format!("{}: ", path.display()));
     sentence += &format!(
-        "the times in column {name} have no unit: in s they span {} s with a value every {} s, in ms {} s. Write the unit into the header, or --time \"{name} (ms)\", \"{name} (us)\" or \"{name} (s)\"",
+        "the times in column {name} have no unit: in s they span {} s with a value every {} s, in ms {} s",
         short(duration),
         short(step),
         short(duration / 1e3)
     );
     if may_be_frames {
         sentence += &format!(
-            ". If they are frame numbers, divide them by the frame rate: at {FRAME_RATE} frames per second they span {} s",
+            "; if they are frame numbers, at {FRAME_RATE} frames per second they span {} s",
             rounded(duration / FRAME_RATE, 3)
         );
     }
@@ -337,12 +331,12 @@ fn rounded(number: f64, digits: usize) -> String {
     }
 }
 
-/// An option that leaves out a part of the data.
+/// What leaves out a part of the data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cut {
-    /// `--start` at this time of the data, s.
+    /// A start at this time of the data, s.
     Start(f64),
-    /// `--until` this time after the start, s.
+    /// An end at this time after the start, s.
     Until(f64),
 }
 
@@ -356,13 +350,23 @@ impl Cut {
     }
 }
 
-impl Display for Cut {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Start(time) => write!(f, "--start {time}"),
-            Self::Until(time) => write!(f, "--until {time}"),
-        }
-    }
+/// Reason why a key can't be fitted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum KeyError {
+    /// It is a text, or of the simulation.
+    #[error("it is not a property of the top, its friction or its start")]
+    NoProperty,
+    /// The scenario does not have it.
+    #[error("the scenario has no value for it")]
+    NoValue,
+    /// A profile of it is wanted, but it is not free.
+    #[error("it is not free, so it has no profile")]
+    NotFree,
+    /// It is the offset of the only clock.
+    #[error(
+        "a time offset of all data together and a free start are the same motion; the offset of a second file is fitted without being named"
+    )]
+    OnlyClock,
 }
 
 #[cfg(test)]

@@ -1,8 +1,9 @@
 //! The header of a text table: the line that names the columns, and the first row below it.
 
 use super::cell::{Cell, is_missing, is_spreadsheet_error};
-use super::column::clock;
-use super::unit::is_unit;
+use super::column::clocks;
+use super::delimiter::{Delimiter, without_runs};
+use super::unit::{bare_unit, is_unit};
 use csv::StringRecord;
 
 /// A header.
@@ -17,18 +18,16 @@ pub(super) struct Header {
 /// Finds the header: the last line that names the column of times before the first row with a time. All below it are
 /// rows, also those with cells that are no numbers. If no line names the times, the header is the last line of text
 /// before the first row of numbers.
-pub(super) fn find(
-    records: impl Iterator<Item = csv::Result<StringRecord>>,
-    time: Option<&str>,
-) -> csv::Result<Header> {
+pub(super) fn find(text: &str, delimiter: Delimiter, time: Option<&str>) -> csv::Result<Header> {
     let mut search = Search {
+        delimiter,
         time,
         named: None,
         titles: Titles::default(),
         before_numbers: None,
         has_rows: false,
     };
-    for (index, record) in records.enumerate() {
+    for (index, record) in delimiter.records(text).enumerate() {
         let record = record?;
         if is_blank(&record) {
             continue;
@@ -47,6 +46,7 @@ pub(super) fn find(
 
 /// The state of a search.
 struct Search<'a> {
+    delimiter: Delimiter,
     /// Name of the column of times, if it is given.
     time: Option<&'a str>,
     /// The last line that names the column of times.
@@ -64,6 +64,8 @@ struct Named {
     /// Index of the column of times.
     clock: usize,
     is_comment: bool,
+    /// Whether the rows must have as many cells: sentences can begin with a name of times.
+    must_fit: bool,
     /// Whether no other line was read below it: that may have the units.
     is_last: bool,
 }
@@ -81,7 +83,7 @@ impl Search<'_> {
     fn read_comment(&mut self, index: usize, record: &StringRecord) {
         let has_header = self.named.as_ref().is_some_and(|named| !named.is_comment);
         if !has_header {
-            self.name_columns(index, &uncommented(record), true);
+            self.name_columns(index, &self.uncommented(record), true);
         }
     }
 
@@ -92,11 +94,19 @@ impl Search<'_> {
             }
             let cell = record.get(named.clock).unwrap_or_default();
             if Cell::parse(cell).is_number() {
-                self.has_rows = true;
-                return;
+                // A sentence that begins with a name of times has another number of words.
+                let is_sentence = named.must_fit && !named.fits(&record);
+                if !is_sentence {
+                    self.has_rows = true;
+                    return;
+                }
+                self.named = None;
             }
         }
-        if self.name_columns(index, &record, false) || self.named.is_some() {
+        if self.name_columns(index, &record, false) {
+            return;
+        }
+        if self.named.as_ref().is_some_and(|named| !named.is_comment) {
             return;
         }
         let (mut numbers, mut texts) = (0, 0);
@@ -108,11 +118,15 @@ impl Search<'_> {
             }
         }
         if numbers > 0 {
+            if self.named.is_some() {
+                return;
+            }
             self.before_numbers
                 .get_or_insert_with(|| self.titles.clone());
             self.has_rows = texts == 0 && record.len() > 1;
-        } else if record.len() > 1 {
-            // A single cell is a title, and names no column.
+        } else if texts > 0 && record.len() > 1 {
+            // A single cell is a title, and names no column. A line of names below a comment is the header.
+            self.named = None;
             self.titles.add(index, record);
         }
     }
@@ -120,7 +134,7 @@ impl Search<'_> {
     /// Whether a line is a header that names the column of times.
     fn name_columns(&mut self, index: usize, record: &StringRecord, is_comment: bool) -> bool {
         let names = names(record);
-        let Some(clock) = clock(&names, self.time) else {
+        let Some(clock) = clocks(&names, self.time).first().copied() else {
             return false;
         };
         // In a table without header, a number is no name, and `--time 1` means the first column.
@@ -140,9 +154,27 @@ impl Search<'_> {
             },
             clock,
             is_comment,
+            must_fit: is_comment || self.delimiter == Delimiter::Blanks,
             is_last: true,
         });
         true
+    }
+
+    /// The cells of a comment. NumPy separates names by spaces, whatever separates the numbers.
+    fn uncommented(&self, record: &StringRecord) -> StringRecord {
+        let mut cells = record.iter();
+        let first = cells.next().unwrap_or_default();
+        let first = first.trim_start_matches(['#', '%']).trim();
+        if record.len() == 1 {
+            let words: StringRecord = first.split_whitespace().collect();
+            return without_runs(&words);
+        }
+        let all: StringRecord = std::iter::once(first).chain(cells).collect();
+        match self.delimiter {
+            // The sign may be a cell of its own.
+            Delimiter::Blanks => without_runs(&all),
+            Delimiter::Tab | Delimiter::Semicolon | Delimiter::Comma => all,
+        }
     }
 
     fn header(self) -> Header {
@@ -156,6 +188,12 @@ impl Search<'_> {
 }
 
 impl Named {
+    /// Whether a row has as many cells. Those at its end may be empty.
+    fn fits(&self, row: &StringRecord) -> bool {
+        let names = self.header.names.len();
+        names <= row.len() && row.iter().skip(names).all(str::is_empty)
+    }
+
     /// Adds the units of a line below the header, if it is one of units.
     fn add_units(&mut self, index: usize, record: &StringRecord) -> bool {
         let of_times = record.get(self.clock).unwrap_or_default();
@@ -219,17 +257,6 @@ fn add_units(names: &mut [String], units: &StringRecord) {
     }
 }
 
-/// A unit without its brackets.
-fn bare_unit(cell: &str) -> &str {
-    for (open, close) in [('(', ')'), ('[', ']')] {
-        let inner = cell.strip_prefix(open);
-        if let Some(unit) = inner.and_then(|inner| inner.strip_suffix(close)) {
-            return unit.trim();
-        }
-    }
-    cell
-}
-
 /// Whether a line is a comment. `#N/A` is a missing value, `#REF!` a cell to complain about.
 pub(super) fn is_comment(record: &StringRecord) -> bool {
     let first = record.get(0).unwrap_or_default();
@@ -238,17 +265,6 @@ pub(super) fn is_comment(record: &StringRecord) -> bool {
 
 pub(super) fn is_blank(record: &StringRecord) -> bool {
     record.iter().all(str::is_empty)
-}
-
-/// The cells of a comment. NumPy separates names by spaces, whatever separates the numbers.
-fn uncommented(record: &StringRecord) -> StringRecord {
-    let mut cells = record.iter();
-    let first = cells.next().unwrap_or_default();
-    let first = first.trim_start_matches(['#', '%']).trim();
-    if record.len() == 1 {
-        return first.split_whitespace().collect();
-    }
-    std::iter::once(first).chain(cells).collect()
 }
 
 #[cfg(test)]
@@ -405,14 +421,77 @@ mod tests {
                 1,
             ),
             ("nothing", "", None, &[], 0),
+            (
+                "a comment above names of no times",
+                "# Time, place: Monday\nElapsed,theta\n0,1",
+                None,
+                &["Elapsed", "theta"],
+                2,
+            ),
+            (
+                "a comment above missing values",
+                "# t,theta\nnan,nan\n0,1",
+                None,
+                &["t", "theta"],
+                1,
+            ),
+            (
+                "a comment with more cells than the rows",
+                "# Time, place, theta\n0,1",
+                None,
+                &[],
+                0,
+            ),
+            (
+                "a comment above empty cells",
+                "# t,theta,x\n0,1,\n1,2,",
+                None,
+                &["t", "theta", "x"],
+                1,
+            ),
+            (
+                "units in a comment with spaces",
+                "# t (s) theta (deg)\n0,1",
+                None,
+                &["t (s)", "theta (deg)"],
+                1,
+            ),
+            (
+                "a data set",
+                "Latest: Time (s),Latest: Angle (rad)\n0,1",
+                None,
+                &["Latest: Time (s)", "Latest: Angle (rad)"],
+                1,
+            ),
         ] {
-            let mut reader = csv::ReaderBuilder::new()
-                .has_headers(false)
-                .flexible(true)
-                .from_reader(text.as_bytes());
-            let header = find(reader.records(), time).unwrap();
+            let header = find(text, Delimiter::Comma, time).unwrap();
             let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
             assert_eq!(header, Header { names, first_row }, "{name}");
+        }
+    }
+
+    #[test]
+    fn finds_headers_between_spaces() {
+        for (name, text, names) in [
+            ("plain", "t theta\n0 1", &["t", "theta"][..]),
+            ("NumPy", "# t  theta\n0 1", &["t", "theta"]),
+            ("gnuplot", "#t theta\n0 1", &["t", "theta"]),
+            ("units", "t (s) tilt (deg)\n0 1", &["t (s)", "tilt (deg)"]),
+            (
+                "units below",
+                "Time Tilt\n (s) (deg)\n0 1",
+                &["Time", "Tilt"],
+            ),
+            ("quotes", "\"t\" \"tilt (deg)\"\n0 1", &["t", "tilt (deg)"]),
+            (
+                "a sentence",
+                "Time of day: noon\nt theta\n0 1",
+                &["t", "theta"],
+            ),
+            ("a sentence only", "# Time of day: noon\n0 1", &[]),
+        ] {
+            let header = find(text, Delimiter::Blanks, None).unwrap();
+            assert_eq!(header.names, names, "{name}");
         }
     }
 }

@@ -67,7 +67,16 @@ pub(super) fn identify(
     if shown.is_empty() {
         return Err(FitError::NothingFree);
     }
+    // Fewer samples than parameters always leave some undetermined: that says nothing about these parameters.
+    let is_too_few = points.len() <= shown.len();
+    let too_few = FitError::TooFew {
+        samples: points.len(),
+        parameters: shown.len(),
+    };
     let hardly_shown = leave_out_weak(problem, selected, &jacobian, &mut shown);
+    if shown.is_empty() && is_too_few {
+        return Err(too_few);
+    }
     if shown.is_empty() {
         return Err(FitError::NothingFree);
     }
@@ -81,6 +90,9 @@ pub(super) fn identify(
         free.push(problem.parameters[at].clone());
     }
     let mut degeneracies = degeneracies(&parameters, &ScaledGram::new(&gram));
+    if !degeneracies.is_empty() && is_too_few {
+        return Err(too_few);
+    }
     if !degeneracies.is_empty() {
         for degeneracy in &mut degeneracies {
             if let Degeneracy::Combined {

@@ -1,6 +1,6 @@
 //! Free parameters: keys of the scenario and offsets of clocks.
 
-use super::error::FitError;
+use super::error::{FitError, KeyError};
 use crate::run::scenario::{Key, Kind, Scenario, Value, find_key};
 use std::f64::consts::PI;
 
@@ -60,19 +60,13 @@ impl Parameter {
         let key = find_key(path)?;
         let section = key.path.split('.').next().unwrap_or_default();
         if key.kind.is_text() || ["integrator", "sampling", "stop"].contains(&section) {
-            return Err(unfit(
-                key,
-                "it is not a property of the top, its friction or its start",
-            ));
+            return Err(unfit(key, KeyError::NoProperty));
         }
         let start = match value(scenario, key.path) {
             Some(value) => value,
             None if section == "initial" => 0.0,
             None => {
-                return Err(unfit(
-                    key,
-                    "the scenario has no value for it: set one with --set",
-                ));
+                return Err(unfit(key, KeyError::NoValue));
             }
         };
         let bounds = match key.kind {
@@ -209,7 +203,7 @@ pub(super) fn is_offset(name: &str) -> bool {
 }
 
 /// The error of a key that can't be a parameter.
-fn unfit(key: &Key, reason: &'static str) -> FitError {
+fn unfit(key: &Key, reason: KeyError) -> FitError {
     FitError::Key {
         name: key.path.to_owned(),
         reason,
@@ -248,7 +242,7 @@ pub(super) fn select(
         } else if name == OFFSET && files < 2 {
             return Err(FitError::Key {
                 name: name.clone(),
-                reason: "a time offset of all data together and a free start are the same motion; the offset of a second file is fitted without being named",
+                reason: KeyError::OnlyClock,
             });
         } else if !is_offset(name) {
             // Offsets of further files are always free.

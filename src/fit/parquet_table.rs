@@ -45,6 +45,7 @@ pub(super) fn read(
     let table = Table {
         path,
         columns: names,
+        is_named: true,
         rows: Rows::Numbers { columns, count },
     };
     table.signals(file, specs, time)
@@ -195,12 +196,14 @@ mod tests {
                 panic!("{name}: not one signal");
             };
             assert_eq!(signal.times, [0.0, 0.1, 0.2], "{name}");
-            assert_eq!(signal.unitless_clock, None, "{name}");
+            let clock = signal.clock.as_ref().unwrap();
+            assert!(clock.is_unit_known, "{name}");
         }
         let file = write(vec![("t", numbers), ("theta", angles), ("phi", stamps)]);
         let theta = SignalSpec::parse("theta").unwrap();
         let found = read(file.path(), 0, &[theta], None).unwrap();
-        assert_eq!(found.signals[0].unitless_clock.as_deref(), Some("t"));
+        let clock = found.signals[0].clock.as_ref().unwrap();
+        assert_eq!((&*clock.name, clock.is_unit_known), ("t", false));
         let phi = SignalSpec::parse("phi").unwrap();
         let error = read(file.path(), 0, &[phi], None).err().unwrap();
         assert!(

@@ -51,44 +51,67 @@ fn check_inclination(signal: &Signal, values: &[f64]) -> Result<(), FitError> {
     Ok(())
 }
 
-/// Refuses times without a unit that are too long or too rare for a top: they are frame numbers, or in milliseconds or
-/// less. Simulations of such times would take hours.
-pub(super) fn check_times(problem: &Problem) -> Result<(), FitError> {
-    /// Tops spin for minutes, s. More than a second of milliseconds would be longer.
-    const MAX_DURATION: f64 = 1000.0;
+/// Refuses times without a unit whose steps are too long for a top: they are frame numbers, or in milliseconds or less.
+/// Simulations of such times would take hours.
+pub(super) fn check_steps(problem: &Problem) -> Result<(), FitError> {
     /// Time between values, s. Sensors and cameras take more than one in a second, and tops nutate faster.
     const MAX_STEP: f64 = 1.0;
-    for signal in &problem.signals {
-        let Some(clock) = &signal.unitless_clock else {
-            continue;
-        };
-        // Signals of one file share its rows, but not each has a value in all of them.
-        let mut times = Vec::new();
-        for point in &problem.points {
-            if problem.signals[point.signal].file == signal.file {
-                times.push(point.time);
-            }
-        }
-        times.sort_by(f64::total_cmp);
-        times.dedup();
-        let (Some(first), Some(last)) = (times.first(), times.last()) else {
-            continue;
-        };
-        // The scenario starts with the first file, before or at its first value. Others may have been recorded for long.
-        let is_long = signal.file == 0 && *last > MAX_DURATION;
-        let step = median_step(&times);
-        let is_rare = times.len() >= FEWEST && step >= MAX_STEP;
-        if is_long || is_rare {
-            return Err(FitError::LikelyTimeUnit {
-                path: signal.lines.as_ref().map(|lines| lines.path.clone()),
-                name: split_header(clock).0.to_owned(),
-                duration: last - first,
-                step,
-                may_be_frames: signal.times.iter().all(|time| time.fract() == 0.0),
-            });
+    for signal in unitless(&problem.signals) {
+        let times = times_of_file(problem, signal.file);
+        if times.len() >= FEWEST && median_step(&times) >= MAX_STEP {
+            return Err(likely_time_unit(signal, &times));
         }
     }
     Ok(())
+}
+
+/// Refuses times without a unit that span too long for a top.
+pub(super) fn check_span(problem: &Problem) -> Result<(), FitError> {
+    /// Tops spin for minutes, s. More than a second of milliseconds would be longer.
+    const MAX_DURATION: f64 = 1000.0;
+    // The scenario starts with the first file, before or at its first value. Others may have been recorded for long.
+    for signal in unitless(&problem.signals).filter(|signal| signal.file == 0) {
+        let times = times_of_file(problem, 0);
+        if times.last().is_some_and(|last| *last > MAX_DURATION) {
+            return Err(likely_time_unit(signal, &times));
+        }
+    }
+    Ok(())
+}
+
+/// The signals whose times have no unit.
+fn unitless(signals: &[Signal]) -> impl Iterator<Item = &Signal> {
+    signals.iter().filter(|signal| {
+        let clock = signal.clock.as_ref();
+        clock.is_some_and(|clock| !clock.is_unit_known)
+    })
+}
+
+/// The times of a file, ascending. Its signals share its rows, but not each has a value in all of them.
+fn times_of_file(problem: &Problem, file: usize) -> Vec<f64> {
+    let mut times = Vec::new();
+    for point in &problem.points {
+        if problem.signals[point.signal].file == file {
+            times.push(point.time);
+        }
+    }
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    times
+}
+
+fn likely_time_unit(signal: &Signal, times: &[f64]) -> FitError {
+    let clock = signal.clock.as_ref().map_or("", |clock| &clock.name);
+    FitError::LikelyTimeUnit {
+        path: signal.lines.as_ref().map(|lines| lines.path.clone()),
+        name: split_header(clock).0.to_owned(),
+        duration: match times {
+            [first, .., last] => last - first,
+            [_] | [] => 0.0,
+        },
+        step: median_step(times),
+        may_be_frames: signal.times.iter().all(|time| time.fract() == 0.0),
+    }
 }
 
 /// Median of the steps between ascending times; 0 for fewer than two.
@@ -173,6 +196,8 @@ fn distance(values: &[f64], motion: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::model::Loss;
+    use super::super::remedy::Interface;
+    use super::super::signal::Clock;
     use super::*;
     use crate::run::scenario::Preset;
     use std::f64::consts::TAU;
@@ -219,7 +244,7 @@ mod tests {
                 501,
                 1.0,
                 true,
-                Some("divide them by the frame rate"),
+                Some("divide frame numbers by the frame rate"),
             ),
             (
                 "a second file that began long before",
@@ -238,12 +263,18 @@ mod tests {
             let signal = Signal::from_values(state::THETA, &times, &values, Some(1e-3)).unwrap();
             let signal = Signal {
                 file,
-                unitless_clock: is_unitless.then(|| "t".to_owned()),
+                clock: Some(Clock {
+                    name: "t".to_owned(),
+                    is_unit_known: !is_unitless,
+                    others: Vec::new(),
+                }),
                 ..signal
             };
             let problem =
                 Problem::new(&scenario, Vec::new(), vec![signal], Loss::Squares, 0.0).unwrap();
-            let error = check_times(&problem).err().map(|error| error.to_string());
+            let checked = check_steps(&problem).and_then(|()| check_span(&problem));
+            let error = checked.err();
+            let error = error.map(|error| error.message(Interface::Terminal));
             match (&error, expected) {
                 (None, None) => {}
                 (Some(message), Some(part)) => {

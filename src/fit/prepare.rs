@@ -4,7 +4,7 @@ use super::error::{Cut, FitError};
 use super::model::Problem;
 use super::parameter::{SelectedParameter, Target};
 use super::place::Place;
-use super::plausibility::{check_signals, check_times};
+use super::plausibility::{check_signals, check_span, check_steps};
 use super::request::Request;
 use super::signal::Signal;
 use super::{identify, parameter};
@@ -45,10 +45,12 @@ pub(super) fn prepare(request: &Request) -> Result<Prepared, FitError> {
     check_values(&signals)?;
     check_gaps(&signals, origin, request.until)?;
     let mut problem = Problem::new(scenario, parameters, signals, request.loss, origin)?;
+    // A cut leaves few of the times by which their unit is judged.
+    check_steps(&problem)?;
     problem.keep_until(request.until);
     check_range(&problem, origin, request.until)?;
     check_duration(&problem, origin)?;
-    check_times(&problem)?;
+    check_span(&problem)?;
     check_signals(&problem)?;
     if selected.is_empty() {
         return Err(FitError::NothingFree);
@@ -61,11 +63,33 @@ pub(super) fn prepare(request: &Request) -> Result<Prepared, FitError> {
             parameters: problem.parameters.len(),
         });
     }
+    let mut notes = notes_on_clocks(&problem.signals);
+    notes.extend(identified.notes);
     Ok(Prepared {
         problem,
-        notes: identified.notes,
+        notes,
         origin,
     })
+}
+
+/// Sentences on files with several columns that are named like times.
+fn notes_on_clocks(signals: &[Signal]) -> Vec<String> {
+    let mut notes = Vec::new();
+    for (at, signal) in signals.iter().enumerate() {
+        // Signals of one file share its clock.
+        let is_first = signals[..at].iter().all(|other| other.file != signal.file);
+        if let Some(clock) = &signal.clock
+            && is_first
+            && !clock.others.is_empty()
+        {
+            notes.push(format!(
+                "The times are those of column {}, not of {}.",
+                clock.name,
+                clock.others.join(" or ")
+            ));
+        }
+    }
+    notes
 }
 
 /// Lets the first sample of each further file be at the start of the motion, and offsets count from there.
@@ -152,7 +176,7 @@ fn check_gaps(signals: &[Signal], origin: f64, until: Option<f64>) -> Result<(),
         rest,
         stray: before.min(after),
         place: find_time(signals, if is_stray_first { from } else { to }),
-        remedy: if is_stray_first {
+        cut: if is_stray_first {
             Cut::Start(to)
         } else {
             // Half of a usual step: a decimal fraction may be rounded.
@@ -215,6 +239,7 @@ fn check_duration(problem: &Problem, origin: f64) -> Result<(), FitError> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::remedy::Interface;
     use super::*;
 
     #[test]
@@ -249,7 +274,7 @@ mod tests {
             let signal = Signal::from_values(state::THETA, &times, &values, Some(1e-3)).unwrap();
             let origin = signal.times[0];
             let error = check_gaps(&[signal], origin, until).err();
-            let message = error.map(|error| error.to_string());
+            let message = error.map(|error| error.message(Interface::Terminal));
             match (&message, expected) {
                 (None, None) => {}
                 (Some(message), Some(part)) => {

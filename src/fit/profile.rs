@@ -1,6 +1,6 @@
 //! Profile likelihoods: χ² as a function of one parameter, minimised over all others.
 
-use super::error::FitError;
+use super::error::{FitError, KeyError};
 use super::estimate::ONE_SIDED;
 use super::model::{Point, Problem};
 use super::monitor::Monitor;
@@ -38,7 +38,7 @@ pub(super) fn profile(
     let Some(at) = parameters.position(|parameter| parameter.name() == name) else {
         return Err(FitError::Key {
             name: name.to_owned(),
-            reason: "it is not free, so it has no profile",
+            reason: KeyError::NotFree,
         });
     };
     let parameter = &problem.parameters[at];

@@ -1,5 +1,6 @@
 //! Measured signals, and their descriptions on the command line.
 
+use super::column::{plain, without_data_set};
 use super::data_error::{DataError, SignalError};
 use super::place::{Place, ValuePlace};
 use super::unit::{Dimension, split_number};
@@ -30,14 +31,24 @@ pub struct Signal {
     pub is_sigma_estimated: bool,
     /// Whether the unit of the values was given, and not only taken for the SI unit.
     pub(super) is_unit_known: bool,
-    /// Name of the column of times if these were taken for seconds because it has no unit.
-    pub(super) unitless_clock: Option<String>,
+    /// The column of times; `None` for recordings and arrays.
+    pub(super) clock: Option<Clock>,
     /// Rows without a value.
     pub missing: u64,
     /// Rows earlier than the row before them.
     pub out_of_order: u64,
     /// The lines of the values; `None` for recordings and arrays.
     pub lines: Option<Lines>,
+}
+
+/// A column of times.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Clock {
+    pub name: String,
+    /// Whether the unit of the times was given, and they were not only taken for seconds.
+    pub is_unit_known: bool,
+    /// Columns that are named like times, too.
+    pub others: Vec<String>,
 }
 
 /// Lines of a text file, or rows of a table.
@@ -130,7 +141,16 @@ impl SignalSpec {
     }
 
     /// A column that is named like a field.
-    pub(super) fn from_column(header: &str, name: &str) -> Option<Self> {
+    pub(super) fn from_column(header: &str) -> Option<Self> {
+        Self::from_name(header, plain(header))
+    }
+
+    /// A column that is named like a field, also within a data set.
+    pub(super) fn from_data_set(header: &str) -> Option<Self> {
+        Self::from_name(header, without_data_set(plain(header)))
+    }
+
+    fn from_name(header: &str, name: &str) -> Option<Self> {
         Some(Self {
             field: field_named(name)?,
             source: header.to_owned(),
@@ -300,7 +320,7 @@ impl Signal {
             values,
             is_sigma_estimated,
             is_unit_known: true,
-            unitless_clock: None,
+            clock: None,
             missing,
             out_of_order,
             lines: path.map(|path| Lines {

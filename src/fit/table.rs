@@ -3,7 +3,7 @@
 use super::cell::{Cell, Mark};
 use super::column;
 use super::data_error::DataError;
-use super::signal::{FileSignals, Row, SigmaSpec, Signal, SignalSpec};
+use super::signal::{Clock, FileSignals, Row, SigmaSpec, Signal, SignalSpec};
 use super::unit::{Dimension, is_unit, split_header};
 use std::path::Path;
 
@@ -18,6 +18,8 @@ pub(super) struct Table<'a> {
     pub path: &'a Path,
     /// Names of the columns, with their units.
     pub columns: Vec<String>,
+    /// Whether a line names the columns, and not only their numbers.
+    pub is_named: bool,
     pub rows: Rows,
 }
 
@@ -109,7 +111,10 @@ impl Table<'_> {
         self.check_duplicates(&named, specs.is_empty())?;
         let mut signals = Vec::new();
         for spec in &named {
-            signals.push(self.signal(spec, &clock, file)?);
+            signals.push(Signal {
+                clock: Some(self.clock_of(&clock, time.is_some())),
+                ..self.signal(spec, &clock, file)?
+            });
         }
         Ok(FileSignals {
             signals,
@@ -184,18 +189,32 @@ impl Table<'_> {
         if let Some(name) = name {
             return self.cells(name, Dimension::Time);
         }
-        match column::clock(&self.columns, None) {
-            Some(at) => self.cells(&self.columns[at], Dimension::Time),
-            None => Err(self.missing("of times (name it with --time)")),
+        match column::clocks(&self.columns, None)[..] {
+            [at] => self.cells_at(at, &self.columns[at], Dimension::Time),
+            [] if !self.is_named => Err(DataError::NoHeader {
+                path: self.path.to_owned(),
+                columns: self.columns.len(),
+            }),
+            [] => Err(DataError::NoTimes {
+                path: self.path.to_owned(),
+                columns: self.columns.clone(),
+            }),
+            ref several => Err(DataError::SeveralTimes {
+                path: self.path.to_owned(),
+                columns: several.iter().map(|at| self.columns[*at].clone()).collect(),
+            }),
         }
     }
 
-    /// The columns that are named like fields.
+    /// The columns that are named like fields, or else those that are within a data set.
     fn named_signals(&self) -> Vec<SignalSpec> {
-        self.columns
-            .iter()
-            .filter_map(|column| SignalSpec::from_column(column, split_header(column).0))
-            .collect()
+        for field_of in [SignalSpec::from_column, SignalSpec::from_data_set] {
+            let named: Vec<_> = self.columns.iter().filter_map(|c| field_of(c)).collect();
+            if !named.is_empty() {
+                return named;
+            }
+        }
+        Vec::new()
     }
 
     fn signal(
@@ -243,7 +262,6 @@ impl Table<'_> {
             .map_err(|error| error.in_file(self.path))?;
         Ok(Signal {
             is_unit_known: !values.unit.is_empty(),
-            unitless_clock: unitless_clock(times),
             ..signal
         })
     }
@@ -251,6 +269,16 @@ impl Table<'_> {
     /// The column with a name. Its unit is that of its type, or else of the header, or else of the name.
     fn cells<'a>(&'a self, name: &'a str, dimension: Dimension) -> Result<Cells<'a>, DataError> {
         let at = self.position(name).ok_or_else(|| self.missing(name))?;
+        self.cells_at(at, name, dimension)
+    }
+
+    /// The column at an index.
+    fn cells_at<'a>(
+        &'a self,
+        at: usize,
+        name: &'a str,
+        dimension: Dimension,
+    ) -> Result<Cells<'a>, DataError> {
         let column = &self.columns[at];
         if self.rows.is_typed_time(at) {
             // A unit in the name can be that of the ticks, which the type has already turned into seconds.
@@ -281,6 +309,21 @@ impl Table<'_> {
             unit,
             factor,
         })
+    }
+
+    /// The column of times as signals know it. One that was named is beyond doubt.
+    fn clock_of(&self, cells: &Cells<'_>, is_named: bool) -> Clock {
+        let mut others = Vec::new();
+        for column in &self.columns {
+            if !is_named && column::is_time(column) && column != cells.name {
+                others.push(column.clone());
+            }
+        }
+        Clock {
+            name: cells.name.to_owned(),
+            is_unit_known: !cells.unit.is_empty() || is_unit(cells.name),
+            others,
+        }
     }
 
     /// The value of a cell in SI units; `None` if it is missing.
@@ -352,12 +395,11 @@ struct Cells<'a> {
 /// Whether a column is needed for these signals.
 #[cfg(feature = "sweep")]
 pub(super) fn is_needed(header: &str, specs: &[SignalSpec], time: Option<&str>) -> bool {
-    let (name, _) = split_header(header);
     let is_clock = match time {
         Some(time) => column::can_mean(header, time),
-        None => column::is_time(name),
+        None => column::is_time(header),
     };
-    let mut is_named = specs.is_empty() && SignalSpec::from_column(header, name).is_some();
+    let mut is_named = specs.is_empty() && SignalSpec::from_data_set(header).is_some();
     for spec in specs {
         is_named |= column::can_mean(header, &spec.source);
         if let Some(unsplit) = spec.unsplit() {
@@ -368,10 +410,4 @@ pub(super) fn is_needed(header: &str, specs: &[SignalSpec], time: Option<&str>) 
         }
     }
     is_clock || is_named
-}
-
-/// The name of the column of times if nothing says their unit.
-fn unitless_clock(clock: &Cells<'_>) -> Option<String> {
-    let is_unitless = clock.unit.is_empty() && !is_unit(clock.name);
-    is_unitless.then(|| clock.name.to_owned())
 }

@@ -2,6 +2,7 @@
 
 use super::cell::{Cell, Mark, Marks};
 use super::data_error::DataError;
+use super::delimiter::Delimiter;
 use super::header::{self, Header, is_blank, is_comment};
 use super::signal::{FileSignals, SignalSpec};
 use super::table::{Line, MAX_ROWS, Rows, Table};
@@ -66,13 +67,13 @@ pub(super) fn read_bytes(
 
 /// Parses a table: its header, and the rows below it.
 fn parse<'a>(path: &'a Path, text: &str, time: Option<&str>) -> Result<Table<'a>, DataError> {
-    let delimiter = delimiter(text);
-    let header = header::find(reader(text, delimiter).records(), time);
+    let delimiter = Delimiter::find(text);
+    let header = header::find(text, delimiter, time);
     let Header { names, first_row } = header.map_err(|error| unreadable(path, error))?;
     let mut lines: Vec<Line> = Vec::new();
     let mut marks: Vec<Marks> = Vec::new();
     let mut width = names.len();
-    for read in reader(text, delimiter).records().skip(first_row) {
+    for read in delimiter.records(text).skip(first_row) {
         let record = read.map_err(|error| unreadable(path, error))?;
         if is_comment(&record) || is_blank(&record) {
             continue;
@@ -87,13 +88,15 @@ fn parse<'a>(path: &'a Path, text: &str, time: Option<&str>) -> Result<Table<'a>
         if width == 0 {
             width = record.len();
         }
-        if record.iter().skip(width).any(|cell| !cell.is_empty()) {
+        // Where spaces separate cells, a missing one can't be seen.
+        let has_lost_cells = delimiter == Delimiter::Blanks && record.len() < width;
+        if has_lost_cells || record.iter().skip(width).any(|cell| !cell.is_empty()) {
             return Err(DataError::Width {
                 path: path.to_owned(),
                 line: number,
                 cells: record.len(),
                 columns: width,
-                has_commas: delimiter == b',',
+                has_commas: delimiter == Delimiter::Comma,
             });
         }
         marks.resize(width, Marks::default());
@@ -111,6 +114,7 @@ fn parse<'a>(path: &'a Path, text: &str, time: Option<&str>) -> Result<Table<'a>
     let unnamed = names.len() + 1..=width;
     Ok(Table {
         path,
+        is_named: !names.is_empty(),
         columns: names
             .into_iter()
             .chain(unnamed.map(|number| number.to_string()))
@@ -120,16 +124,6 @@ fn parse<'a>(path: &'a Path, text: &str, time: Option<&str>) -> Result<Table<'a>
             marks: decimal_marks(&marks, delimiter),
         },
     })
-}
-
-fn reader(text: &str, delimiter: u8) -> csv::Reader<&[u8]> {
-    csv::ReaderBuilder::new()
-        .delimiter(delimiter)
-        .has_headers(false)
-        // Titles and comments have other numbers of cells than the rows.
-        .flexible(true)
-        .trim(csv::Trim::All)
-        .from_reader(text.as_bytes())
 }
 
 fn unreadable(path: &Path, error: csv::Error) -> DataError {
@@ -146,13 +140,13 @@ fn line_of(record: &StringRecord) -> u64 {
 
 /// The decimal mark of each column: that which its own numbers prove, or else the one that all of them have unless the
 /// table proves another, or else that of the table.
-fn decimal_marks(columns: &[Marks], delimiter: u8) -> Vec<Option<Mark>> {
+fn decimal_marks(columns: &[Marks], delimiter: Delimiter) -> Vec<Option<Mark>> {
     let mut table = Marks::default();
     for marks in columns {
         table = table.union(*marks);
     }
     // Whoever separates columns with commas hardly writes them into numbers, which need quotes then.
-    table.has_point |= delimiter == b',' && !table.has_comma;
+    table.has_point |= delimiter == Delimiter::Comma && !table.has_comma;
     let mut decimal = Vec::new();
     for marks in columns {
         let uniform = marks.uniform().filter(|mark| {
@@ -166,25 +160,6 @@ fn decimal_marks(columns: &[Marks], delimiter: u8) -> Vec<Option<Mark>> {
         });
     }
     decimal
-}
-
-/// The delimiter of the first lines: tab or semicolon if they have any, else comma.
-fn delimiter(text: &str) -> u8 {
-    let mut lines = beginning(text);
-    if lines.clone().any(|line| line.contains('\t')) {
-        b'\t'
-    } else if lines.any(|line| line.contains(';')) {
-        b';'
-    } else {
-        b','
-    }
-}
-
-/// The first lines that are not comments.
-fn beginning(text: &str) -> impl Iterator<Item = &str> + Clone {
-    text.lines()
-        .filter(|line| !line.starts_with(['#', '%']))
-        .take(20)
 }
 
 #[cfg(test)]
@@ -240,13 +215,50 @@ mod tests {
                 "decimal commas in quotes",
                 "t,theta\n\"0,000\",\"0,500\"\n\"0,100\",\"0,250\"\n",
             ),
+            (
+                "NumPy, spaces",
+                "# t theta\n0.000e+00 5.000e-01\n1.000e-01 2.500e-01\n",
+            ),
+            (
+                "fixed width",
+                "   t     theta\n 0.0     0.500\n 0.1     0.250\n",
+            ),
+            ("spaces, decimal commas", "t theta\n0,0 0,5\n0,1 0,25\n"),
+            ("spaces, units", "t(ms) tilt_mrad\n0 500\n100 250\n"),
+            (
+                "spaces, units in words of their own",
+                "Time (ms) Tilt (mrad)\n0 500\n100 250\n",
+            ),
+            (
+                "Vernier",
+                "Latest: Time (s),Latest: Theta (rad)\n0,0.5\n0.1,0.25\n",
+            ),
+            ("colons after names", "t:,theta:\n0,0.5\n0.1,0.25\n"),
+            (
+                "a temperature before the times",
+                "T,t,theta\n20,0,0.5\n21,0.1,0.25\n",
+            ),
+            (
+                "another clock before the times",
+                "t (frames),Time (s),theta\n1,0,0.5\n2,0.1,0.25\n",
+            ),
+            (
+                "apostrophes between thousands",
+                "t;theta (mrad)\n0;500\n0,1;250\n1'234,5;0\n",
+            ),
+            (
+                "narrow spaces between thousands",
+                "t\ttheta (mrad)\n0\t500\n0.1\t250\n1\u{202f}234.5\t0\n",
+            ),
         ] {
             let [signal] = &signals_of(text, &[]).unwrap()[..] else {
                 panic!("{name}: not one signal");
             };
             assert_eq!(signal.field, state::THETA, "{name}");
-            assert_eq!(signal.times, [0.0, 0.1], "{name}");
-            assert_eq!(signal.values, [0.5, 0.25], "{name}");
+            // Some have a third row.
+            assert_eq!(signal.times[..2], [0.0, 0.1], "{name}");
+            assert_eq!(signal.values[..2], [0.5, 0.25], "{name}");
+            assert_eq!(signal.times.get(2).unwrap_or(&1234.5), &1234.5, "{name}");
         }
     }
 
@@ -352,7 +364,7 @@ mod tests {
             (
                 "a,theta\n0,0.5\n",
                 "theta",
-                "no column of times (name it with --time)",
+                "no column of times; there are: a, theta",
             ),
             (
                 "t,theta (rpm)\n0,0.5\n",
@@ -419,6 +431,18 @@ mod tests {
                 "theta",
                 ": column theta (rpm): \"rpm\" is not",
             ),
+            ("t theta\n0 0.5\n1\n", "theta", ":3: 1 cell, but 2 columns"),
+            ("0,0.5\n1,0.5\n", "theta", "no line names the 2 columns"),
+            (
+                "Run 1: Time (s),Run 2: Time (s),theta\n0,0,0.5\n",
+                "theta",
+                "several columns are named like times: Run 1: Time (s), Run 2: Time (s)",
+            ),
+            (
+                "# Time, place: Monday\nElapsed (s),theta\n0,0.5\n",
+                "theta",
+                "no column of times; there are: Elapsed (s), theta",
+            ),
             ("", "theta", "no rows of numbers"),
             ("t,theta\n", "theta", "no rows of numbers"),
             ("t,theta\n0,\n1,\n", "theta", "column theta has no values"),
@@ -427,6 +451,9 @@ mod tests {
             assert!(error.contains(expected), "{text:?}: {error}");
         }
         let error = signals_of("t,x\n0,1\n", &[]).unwrap_err().to_string();
-        assert!(error.contains("--signal theta=x"), "{error}");
+        assert!(
+            error.contains("named like a field of the top; there are: t, x"),
+            "{error}"
+        );
     }
 }

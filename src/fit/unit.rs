@@ -44,6 +44,9 @@ const UNITS: &[Unit] = &[
     (&["mm/s"], Dimension::Speed, 1e-3),
 ];
 
+/// Brackets around units.
+const BRACKETS: [(char, char); 2] = [('(', ')'), ('[', ']')];
+
 impl Dimension {
     /// The dimension of a field with this SI unit.
     pub(super) fn from_si(unit: &str) -> Self {
@@ -114,10 +117,27 @@ pub(super) fn is_unit(text: &str) -> bool {
     find(text).is_some()
 }
 
+/// A unit without its brackets.
+pub(super) fn bare_unit(cell: &str) -> &str {
+    for (open, close) in BRACKETS {
+        let inner = cell.strip_prefix(open);
+        if let Some(unit) = inner.and_then(|inner| inner.strip_suffix(close)) {
+            return unit.trim();
+        }
+    }
+    cell
+}
+
+/// Whether a text is a unit in brackets.
+pub(super) fn is_bracketed_unit(text: &str) -> bool {
+    let bare = bare_unit(text);
+    bare != text && is_unit(bare)
+}
+
 /// Splits a header such as `θ (deg)`, `Time [ms]`, `t / s` or `theta_deg` into name and unit; the unit may be empty.
 pub(super) fn split_header(text: &str) -> (&str, &str) {
     let header = text.trim();
-    for (open, close) in [('(', ')'), ('[', ']')] {
+    for (open, close) in BRACKETS {
         if let Some(inner) = header.strip_suffix(close)
             && let Some((name, unit)) = inner.rsplit_once(open)
         {

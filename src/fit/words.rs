@@ -5,6 +5,7 @@ use super::model::Loss;
 use super::monitor::Progress;
 use super::numbers::{decimals, format_estimate, format_probability, format_rounded, format_time};
 use super::parameter::is_offset;
+use super::remedy::{Interface, Remedy};
 use super::report::{Estimate, Limit, Mode, Oddity, Quality, Report, SignalReport, Verdict};
 use crate::run::decimal::fixed;
 use crate::run::plural::{counted, grouped};
@@ -45,8 +46,8 @@ pub struct Table {
 }
 
 impl Report {
-    /// The report in words. `all` shows also estimates that would mislead.
-    pub fn words(&self, all: bool) -> Words {
+    /// The report in words, in the terms of an interface. `all` shows also estimates that would mislead.
+    pub fn words(&self, interface: Interface, all: bool) -> Words {
         Words {
             title: title(self),
             note: note(self),
@@ -54,7 +55,7 @@ impl Report {
             parameters: estimates(&self.parameters, all),
             limits: limits(self),
             signals: signals(&self.signals),
-            remarks: remarks(self),
+            remarks: remarks(self, interface),
             modes: modes(&self.parameters, &self.modes),
         }
     }
@@ -62,8 +63,8 @@ impl Report {
 
 impl Report {
     /// The report as text: the verdict, the estimates, the signals, the laws and the remarks, one per line.
-    pub fn text(&self) -> String {
-        let words = self.words(false);
+    pub fn text(&self, interface: Interface) -> String {
+        let words = self.words(interface, false);
         let mut lines = vec![
             format!("{}  {}", words.title, words.note)
                 .trim_end()
@@ -326,7 +327,7 @@ fn modes(parameters: &[Estimate], modes: &[Mode]) -> Table {
 }
 
 /// What the numbers of a fit say about its data and its model.
-fn remarks(report: &Report) -> Vec<String> {
+fn remarks(report: &Report, interface: Interface) -> Vec<String> {
     let mut remarks = report.notes.clone();
     for loss in &report.losses {
         remarks.push(format!("Not read: {loss}."));
@@ -349,8 +350,9 @@ fn remarks(report: &Report) -> Vec<String> {
     let outliers: usize = report.signals.iter().map(|signal| signal.outliers).sum();
     if outliers > 0 && report.loss == Loss::Squares {
         remarks.push(format!(
-            "{} above 5 σ: if these are outliers, use --loss huber.",
-            counted(outliers as u64, "residual")
+            "{} above 5 σ: if these are outliers, {}.",
+            counted(outliers as u64, "residual"),
+            Remedy::CountOutliersLess.words(interface)
         ));
     }
     let has_offsets = report

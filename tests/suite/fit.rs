@@ -6,8 +6,8 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::{Path, PathBuf};
 use toprise::fit::{
-    Data, Loss, Request, Signal, SignalSpec, Verdict, fit, read, read_bytes, sensitivities,
-    usual_parameters,
+    Data, Interface, Loss, Request, Signal, SignalSpec, Verdict, fit, read, read_bytes,
+    sensitivities, usual_parameters,
 };
 use toprise::run::scenario::{Preset, Scenario};
 use toprise::run::simulation::{Record, Simulation, sample_at};
@@ -613,7 +613,7 @@ fn members_of_json_messages_can_have_units() {
         &Request::new(preset("full-coulomb"), bare, &["friction.k"]),
         &|_| {},
     );
-    let message = error.unwrap_err().to_string();
+    let message = error.unwrap_err().message(Interface::Terminal);
     assert_contains(&message, "--signal theta=\"/camera/pose.tilt (deg)\"");
 }
 
@@ -993,7 +993,7 @@ fn remarks_on_a_sigma_that_is_far_too_large() {
             .unwrap()
             .report;
         assert_eq!(report.verdict, Verdict::Fitted, "{name}");
-        let text = report.text();
+        let text = report.text(Interface::Terminal);
         let is_said = text.contains("scatter much less than the given σ");
         assert_eq!(is_said, expected, "{name}: {text}");
     }
@@ -1039,6 +1039,9 @@ fn exit_codes_tell_bad_fits_from_bad_input() {
         "t,theta\n0,0.5\n0.1,0.9\n0.2,0.1\n0.3,0.8\n0.4,0.2\n0.5,0.7\n",
     );
     folder.write("one.csv", "t,theta,phi\n4,0.5,0.1\n");
+    folder.write("two.csv", "t,theta\n0,0.5\n0.1,0.49\n");
+    let frames: String = (0..30).map(|at| format!("{at},0.5\n")).collect();
+    folder.write("frames.csv", format!("t,theta\n{frames}"));
     folder.write("bad.csv", "t,theta\n0,0.5\n0.1,abc\n");
     folder.write("twice.csv", "t,theta,theta\n0,0.5,0.5\n0.1,0.5,0.5\n");
     folder.write("both.csv", "t,theta,tilt\n0,0.5,0.5\n0.1,0.5,0.5\n");
@@ -1069,7 +1072,15 @@ fn exit_codes_tell_bad_fits_from_bad_input() {
         ),
         (
             "fit full-coulomb one.csv --start 3 --signal theta --free friction.k",
-            "1 sample can't determine 1 parameter",
+            "1 sample can't determine 1 parameter: at least 2 are needed",
+        ),
+        (
+            "fit full-coulomb two.csv --free friction.k,initial",
+            "2 samples can't determine 5 parameters: at least 6 are needed",
+        ),
+        (
+            "fit full-coulomb frames.csv --until 0.3 --free friction.k",
+            "frames.csv: the times in column t have no unit",
         ),
         (
             "fit full-coulomb a.csv --free friction.k,top.peg_radius",
@@ -1113,11 +1124,11 @@ fn exit_codes_tell_bad_fits_from_bad_input() {
         ),
         (
             "fit full-coulomb stray.csv --free friction.k",
-            "is a time wrong (1 row after it: stray.csv:5)? Remove it",
+            "a time may be wrong (1 row after it: stray.csv:5); remove it",
         ),
         (
             "fit full-coulomb early.csv --free friction.k",
-            "is a time wrong (2 rows before it, next to it early.csv:3)?",
+            "a time may be wrong (2 rows before it, next to it early.csv:3)",
         ),
         (
             "fit full-coulomb a.csv --free friction.k --scenario a.csv --force",

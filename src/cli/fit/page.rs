@@ -4,6 +4,7 @@ use crate::cli::numbers::format_fixed;
 use crate::cli::page::{Section, Tone};
 use crate::cli::report::WrittenFile;
 use crate::cli::table::Table;
+use crate::fit::Interface;
 use crate::fit::numbers::{MIN_PRINTED_P, decimals, format_printable_probability, format_rounded};
 use crate::fit::report::{Comparison, Extension, ExtensionKind, LawFit, Profile, Report, Verdict};
 use crate::fit::words::{self, Words};
@@ -13,7 +14,7 @@ const CURVATURE_LIES: f64 = 0.2;
 
 /// The report of a fit and the files that were written, as sections.
 pub(super) fn page(fit: &Report, written: &[WrittenFile], all: bool) -> Vec<Section> {
-    let words = fit.words(all);
+    let words = fit.words(Interface::Terminal, all);
     let mut sections = vec![
         headline(fit, &words),
         parameters(&words),
