@@ -1,5 +1,20 @@
 //! Formatting of numbers and times in text.
 
+use crate::run::decimal::{fixed, raised, with_power};
+use std::ops::Range;
+
+/// Exponents of numbers without a power of ten.
+const PLAIN: Range<i32> = -3..6;
+
+/// The exponent of a number that is rounded to `digits` significant digits: 9.996 with three digits is 10.0.
+fn exponent(value: f64, digits: usize) -> i32 {
+    let scientific = format!("{value:.*e}", digits.saturating_sub(1));
+    scientific
+        .rsplit_once('e')
+        .and_then(|(_, exponent)| exponent.parse().ok())
+        .unwrap_or(0)
+}
+
 /// A number rounded to `digits` significant digits; very small and very large numbers with a power of ten.
 pub(crate) fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 {
@@ -8,23 +23,45 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return format!("{value}").replace('-', "−");
     }
-    // The exponent after rounding: 9.996 with three digits is 10.0.
-    let scientific = format!("{value:.*e}", digits.saturating_sub(1));
-    let exponent: i32 = scientific
-        .rsplit_once('e')
-        .and_then(|(_, e)| e.parse().ok())
-        .unwrap_or(0);
-    // Negative for large numbers, which have no decimals.
-    let decimals = digits as i32 - 1 - exponent;
-    let text = if (-3..6).contains(&exponent) {
-        format!("{value:.*}", usize::try_from(decimals).unwrap_or(0))
+    let exponent = exponent(value, digits);
+    if PLAIN.contains(&exponent) {
+        // Negative for large numbers, which have no decimals.
+        let decimals = digits as i32 - 1 - exponent;
+        fixed(value, usize::try_from(decimals).unwrap_or(0))
     } else {
-        scientific
-    };
-    match text.strip_prefix('-') {
-        Some(rest) => format!("−{rest}"),
-        None => text,
+        with_power(value, digits)
     }
+}
+
+/// Two values of a quantity, for "from … to …": both with the decimals and the power of ten that give the larger one
+/// `digits` significant digits. Each by itself if the smaller one would be zero.
+pub(crate) fn pair(values: [f64; 2], digits: usize) -> [String; 2] {
+    let largest = values.map(f64::abs).into_iter().fold(0.0, f64::max);
+    let leading = exponent(largest, digits);
+    let last = leading + 1 - digits as i32;
+    let vanishes = values
+        .iter()
+        .any(|value| *value != 0.0 && exponent(*value, 1) < last);
+    if largest == 0.0 || !largest.is_finite() || vanishes {
+        return values.map(|value| significant(value, digits));
+    }
+    if PLAIN.contains(&leading) {
+        let decimals = usize::try_from(-last).unwrap_or(0);
+        return values.map(|value| fixed(value, decimals));
+    }
+    let power = raised(leading);
+    // As text and back, so that the mantissas are those of the decimal numbers.
+    values.map(|value| {
+        let mantissa = format!("{value:e}")
+            .split_once('e')
+            .and_then(|(digits, own)| {
+                format!("{digits}e{}", own.parse::<i32>().ok()? - leading)
+                    .parse()
+                    .ok()
+            })
+            .unwrap_or_default();
+        format!("{} × {power}", fixed(mantissa, digits.saturating_sub(1)))
+    })
 }
 
 /// A number with its unit.
@@ -35,6 +72,12 @@ pub(crate) fn quantity(value: f64, digits: usize, unit: &str) -> String {
     } else {
         format!("{number} {unit}")
     }
+}
+
+/// Two values of a quantity with their unit, for "from … to …".
+pub(crate) fn quantities(values: [f64; 2], digits: usize, unit: &str) -> [String; 2] {
+    let [first, last] = pair(values, digits);
+    [first, format!("{last} {unit}")]
 }
 
 /// Units with their scale factors, largest first.
@@ -101,10 +144,10 @@ mod tests {
             (0.011_554_6, "0.0116"),
             (9.996, "10.0"),
             (999.6, "1000"),
-            (-4.655_75e-6, "−4.66e-6"),
+            (-4.655_75e-6, "−4.66 × 10⁻⁶"),
             (24.719_386, "24.7"),
             (123_456.0, "123456"),
-            (1.5e9, "1.50e9"),
+            (1.5e9, "1.50 × 10⁹"),
         ] {
             assert_eq!(significant(value, 3), text);
         }
@@ -113,5 +156,20 @@ mod tests {
         assert_eq!(duration(0.0), "0 s");
         assert_eq!(duration(9.9999e-4), "1.00 ms");
         assert_eq!(significant(-0.0, 3), "0");
+    }
+
+    #[test]
+    fn pairs_have_one_notation() {
+        for (values, expected) in [
+            ([0.005_900_4, 2.2e-4], ["0.005900", "0.000220"]),
+            ([5.9e-5, 2.2e-6], ["5.900 × 10⁻⁵", "0.220 × 10⁻⁵"]),
+            ([0.5, 0.02], ["0.5000", "0.0200"]),
+            ([-1.5e9, 2.25e7], ["−1.500 × 10⁹", "0.023 × 10⁹"]),
+            ([0.0, 3e-9], ["0.000 × 10⁻⁹", "3.000 × 10⁻⁹"]),
+            ([0.0, 0.0], ["0", "0"]),
+            ([0.25, 3e-9], ["0.2500", "3.000 × 10⁻⁹"]),
+        ] {
+            assert_eq!(pair(values, 4), expected);
+        }
     }
 }

@@ -1,23 +1,29 @@
 //! Numbers in reports of fits.
 
-use crate::run::decimal::fixed;
+use crate::run::decimal::{fixed, raised, with_power};
 
 /// p-values below this are printed as a bound.
 pub(crate) const MIN_PRINTED_P: f64 = 1e-6;
+const MIN_PRINTED_EXPONENT: i32 = -6;
 
 /// Formats a p-value with its symbol; tiny ones as a bound.
 pub(crate) fn format_probability(p: f64) -> String {
     if p < MIN_PRINTED_P {
-        format!("p < {MIN_PRINTED_P:e}")
+        format!("p {}", format_small_probability())
     } else {
         format!("p = {}", format_printable_probability(p))
     }
 }
 
+/// The bound for tiny p-values.
+pub(crate) fn format_small_probability() -> String {
+    format!("< {}", raised(MIN_PRINTED_EXPONENT))
+}
+
 /// Formats a p-value that is not tiny.
 pub(crate) fn format_printable_probability(p: f64) -> String {
     if p < 0.01 {
-        format!("{p:.1e}")
+        with_power(p, 2)
     } else {
         format!("{p:.2}")
     }
@@ -47,7 +53,7 @@ pub(crate) fn format_estimate(value: f64, sd: f64) -> String {
     format!("{} ± {}", fixed(value, digits), fixed(sd, digits))
 }
 
-/// Formats a number with significant digits, tiny and huge ones in scientific notation.
+/// Formats a number with significant digits, tiny and huge ones with a power of ten.
 pub(crate) fn format_rounded(value: f64, digits: usize) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -57,7 +63,7 @@ pub(crate) fn format_rounded(value: f64, digits: usize) -> String {
     let text = if (1e-4..1e6).contains(&rounded.abs()) {
         rounded.to_string()
     } else {
-        scientific
+        return with_power(value, digits);
     };
     text.replacen('-', "−", usize::from(value < 0.0))
 }
@@ -77,7 +83,7 @@ mod tests {
         ] {
             assert_eq!(format_estimate(value, sd), expected);
         }
-        assert_eq!(format_rounded(0.00001234, 3), "1.23e-5");
+        assert_eq!(format_rounded(0.00001234, 3), "1.23 × 10⁻⁵");
         assert_eq!(format_rounded(-2.0, 3), "−2");
     }
 }

@@ -1,6 +1,6 @@
 //! Facts of an explanation, and their text.
 
-use crate::analysis::phrase::{moment, quantity, significant, works};
+use crate::analysis::phrase::{moment, pair, quantities, quantity, significant, works};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -335,11 +335,12 @@ impl Fact {
                 angle(*first),
                 quantity(last - first, 2, "rad")
             ),
-            Self::MeanTheta { first, last } => format!(
-                "The mean inclination θ changes from {} (first nutation) to {} (last nutation).",
-                angle(*first),
-                angle(*last)
-            ),
+            Self::MeanTheta { first, last } => {
+                let [first, last] = quantities([*first, *last], 4, "rad");
+                format!(
+                    "The mean inclination θ changes from {first} (first nutation) to {last} (last nutation)."
+                )
+            }
             Self::ThetaConstant { theta } => {
                 format!("The mean inclination θ is constant at {}.", angle(*theta))
             }
@@ -423,78 +424,81 @@ impl Fact {
                 "The mean precession rate φ̇ follows neither rate of regular precession.".to_owned()
             }
             Self::NoRoots => "At the start, the spin is too low for regular precession.".to_owned(),
-            Self::FrictionOnPrecession { friction, change } => format!(
-                "The friction term of φ̈ alone would change φ̇ by {}; all terms together change it by {}.",
-                rate(*friction),
-                quantity(*change, 3, "rad/s")
-            ),
+            Self::FrictionOnPrecession { friction, change } => {
+                let [friction, change] = pair([*friction, *change], 4);
+                format!(
+                    "The friction term of φ̈ alone would change φ̇ by {friction} rad/s; all terms together change it by {change} rad/s."
+                )
+            }
             Self::NoFrictionOnPrecession => {
                 "The friction term of φ̈ does not change φ̇ by more than the integration error."
                     .to_owned()
             }
-            Self::TermsCancel { demanded, mean } => format!(
-                "The gyroscopic and Coriolis terms are proportional to θ̇. They balance the friction term at a mean θ̇ of {}; the observed mean is {}.",
-                rate(*demanded),
-                rate(*mean)
-            ),
-            Self::HorizontalMomentum { first, last, until } => format!(
-                "{} horizontal part of the angular momentum decreases from {} to {}.",
-                if until.is_some() {
-                    // When the rise ends would be a third number.
+            Self::TermsCancel { demanded, mean } => {
+                let [demanded, mean] = pair([*demanded, *mean], 4);
+                format!(
+                    "The gyroscopic and Coriolis terms are proportional to θ̇. They balance the friction term at a mean θ̇ of {demanded} rad/s; the observed mean is {mean} rad/s."
+                )
+            }
+            Self::HorizontalMomentum { first, last, until } => {
+                // When the rise ends would be a third number.
+                let start = if until.is_some() {
                     "During the rise, the"
                 } else {
                     "The"
-                },
-                significant(*first, 4),
-                quantity(*last, 3, "kg m²/s")
-            ),
+                };
+                let [first, last] = quantities([*first, *last], 4, "kg m²/s");
+                format!(
+                    "{start} horizontal part of the angular momentum decreases from {first} to {last}."
+                )
+            }
             Self::AngleToMomentum { largest } => format!(
                 "Meanwhile the axis is always within {} of the line of the angular momentum.",
                 quantity(*largest, 2, "rad")
             ),
-            Self::AngleToMomentumChange { first, last } => format!(
-                "The angle between the axis and the line of the angular momentum decreases from {} to {}.",
-                significant(*first, 3),
-                quantity(*last, 3, "rad")
-            ),
-            Self::TurnsAway { first, last, .. } => format!(
-                "After the axis is least inclined, the angle between it and the line of the angular momentum increases from {} to {}.",
-                significant(*first, 3),
-                quantity(*last, 3, "rad")
-            ),
-            Self::EnergyToTurnOver { energy, needed } => format!(
-                "The top starts with {}; to reach the horizontal, it would need at least {}.",
-                quantity(*energy, 4, "J"),
-                quantity(*needed, 4, "J")
-            ),
-            Self::AxialMomentum { first, last } => format!(
-                "The angular momentum about the axis changes from {} to {}.",
-                significant(*first, 4),
-                quantity(*last, 4, "kg m²/s")
-            ),
+            Self::AngleToMomentumChange { first, last } => {
+                let [first, last] = quantities([*first, *last], 3, "rad");
+                format!(
+                    "The angle between the axis and the line of the angular momentum decreases from {first} to {last}."
+                )
+            }
+            Self::TurnsAway { first, last, .. } => {
+                let [first, last] = quantities([*first, *last], 3, "rad");
+                format!(
+                    "After the axis is least inclined, the angle between it and the line of the angular momentum increases from {first} to {last}."
+                )
+            }
+            Self::EnergyToTurnOver { energy, needed } => {
+                let [energy, needed] = pair([*energy, *needed], 4);
+                format!(
+                    "The top starts with {energy} J; to reach the horizontal, it would need at least {needed} J."
+                )
+            }
+            Self::AxialMomentum { first, last } => {
+                let [first, last] = quantities([*first, *last], 4, "kg m²/s");
+                format!("The angular momentum about the axis changes from {first} to {last}.")
+            }
             Self::WeakBelow { critical } => format!(
                 "The top is weak where its size is less than {}.",
                 quantity(*critical, 4, "kg m²/s")
             ),
-            Self::CenterHeight { first, last } => format!(
-                "The centre of mass rises from a height of {} to {}.",
-                significant(*first, 4),
-                quantity(*last, 4, "m")
-            ),
+            Self::CenterHeight { first, last } => {
+                let [first, last] = quantities([*first, *last], 4, "m");
+                format!("The centre of mass rises from a height of {first} to {last}.")
+            }
             Self::HeldTheta {
                 least,
                 greatest,
                 rolls,
-            } => format!(
-                "While the {}, θ stays between {} and {}.",
-                if *rolls {
+            } => {
+                let grip = if *rolls {
                     "peg rolls to the end"
                 } else {
                     "contact point sticks"
-                },
-                significant(*least, 4),
-                angle(*greatest)
-            ),
+                };
+                let [least, greatest] = quantities([*least, *greatest], 4, "rad");
+                format!("While the {grip}, θ stays between {least} and {greatest}.")
+            }
             Self::ModelPart {
                 dissipation,
                 drops_term: true,
@@ -545,11 +549,12 @@ impl Fact {
                 works([*has_friction, *has_air_drag, *has_impacts]),
                 quantity(*within, 2, "J")
             ),
-            Self::Sliding { sliding, losses } if *losses > 0.0 => format!(
-                "In this time, sliding dissipates {}; rolling resistance, drilling and air drag dissipate {}.",
-                joule(*sliding),
-                joule(*losses)
-            ),
+            Self::Sliding { sliding, losses } if *losses > 0.0 => {
+                let [sliding, losses] = pair([*sliding, *losses], 4);
+                format!(
+                    "In this time, sliding dissipates {sliding} J; rolling resistance, drilling and air drag dissipate {losses} J."
+                )
+            }
             Self::Sliding { sliding, .. } => {
                 format!("In this time, sliding dissipates {}.", joule(*sliding))
             }

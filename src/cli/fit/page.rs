@@ -5,7 +5,9 @@ use crate::cli::page::{Section, Tone};
 use crate::cli::report::WrittenFile;
 use crate::cli::table::Table;
 use crate::fit::Interface;
-use crate::fit::numbers::{MIN_PRINTED_P, decimals, format_printable_probability, format_rounded};
+use crate::fit::numbers::{
+    MIN_PRINTED_P, decimals, format_printable_probability, format_rounded, format_small_probability,
+};
 use crate::fit::report::{Comparison, Extension, ExtensionKind, LawFit, Profile, Report, Verdict};
 use crate::fit::words::{self, Words};
 
@@ -220,7 +222,7 @@ fn laws(fit: &Report, comparison: &Comparison) -> Section {
 /// Formats a p-value for a column whose header names it.
 fn format_probability_cell(p: Option<f64>) -> String {
     match p {
-        Some(p) if p < MIN_PRINTED_P => format!("< {MIN_PRINTED_P:e}"),
+        Some(p) if p < MIN_PRINTED_P => format_small_probability(),
         Some(p) => format_printable_probability(p),
         None => "–".to_owned(),
     }
