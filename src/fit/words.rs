@@ -1,5 +1,7 @@
 //! A report in words: the program, the page and Python show the same.
 
+mod minima;
+
 use super::estimate::REJECTED;
 use super::model::Loss;
 use super::monitor::Progress;
@@ -20,6 +22,10 @@ const TOO_SMALL: f64 = REJECTED;
 pub struct Words {
     /// The verdict, with the scenario and its law.
     pub title: String,
+    /// The verdict alone.
+    pub verdict: String,
+    /// The first parameter; empty without parameters.
+    pub headline: String,
     /// Goodness of the fit, next to the title.
     pub note: String,
     /// What was fitted.
@@ -50,6 +56,8 @@ impl Report {
     pub fn words(&self, interface: Interface, all: bool) -> Words {
         Words {
             title: title(self),
+            verdict: verdict(self),
+            headline: minima::headline(self),
             note: note(self),
             extent: extent(self),
             parameters: estimates(&self.parameters, all),
@@ -105,19 +113,28 @@ impl Display for Progress {
 
 fn title(report: &Report) -> String {
     let Report { scenario, law, .. } = report;
-    let is_comparison = report.comparison.is_some();
-    match report.verdict {
-        Verdict::Fitted => format!("{scenario} ({law}): describes the data"),
-        Verdict::Undecided => format!("{scenario}: undecided between laws"),
-        Verdict::BadFit if is_comparison => {
-            format!("{scenario}: none of the laws describes the data")
-        }
-        Verdict::BadFit => format!("{scenario} ({law}): does not describe the data"),
-        Verdict::NotConverged if is_comparison => {
-            format!("{scenario}: no minimum was found for the best law")
-        }
-        Verdict::NotConverged => format!("{scenario} ({law}): no minimum was found"),
+    let verdict = verdict(report);
+    if is_about_laws(report) {
+        format!("{scenario}: {verdict}")
+    } else {
+        format!("{scenario} ({law}): {verdict}")
     }
+}
+
+fn verdict(report: &Report) -> String {
+    let is_comparison = report.comparison.is_some();
+    let words = match report.verdict {
+        Verdict::Fitted => match minima::number(report) {
+            1 => "describes the data",
+            number => return format!("describes the data with {number} different spins"),
+        },
+        Verdict::Undecided => "undecided between laws",
+        Verdict::BadFit if is_comparison => "none of the laws describes the data",
+        Verdict::BadFit => "does not describe the data",
+        Verdict::NotConverged if is_comparison => "no minimum was found for the best law",
+        Verdict::NotConverged => "no minimum was found",
+    };
+    words.to_owned()
 }
 
 /// Whether the title is a verdict on several laws, which has no χ² of its own.
@@ -208,6 +225,8 @@ fn label(estimate: &Estimate) -> String {
 fn estimate_cell(estimate: &Estimate, all: bool) -> String {
     // The standard deviation of a parameter with a limit only would mislead, so its estimate has none.
     match (estimate.sd, estimate.limit) {
+        (Some(_), None) if estimate.is_over_minima() && !all => "several minima".to_owned(),
+        (Some(_), None) if estimate.is_over_minima() => format_rounded(estimate.value, 6),
         (Some(sd), None) => format_estimate(estimate.value, sd),
         (Some(_) | None, Some(_)) if all => format_rounded(estimate.value, 6),
         (Some(_) | None, _) => "–".to_owned(),
@@ -222,6 +241,9 @@ fn interval_cell(estimate: &Estimate) -> String {
             format!("at its bound, {}", format_rounded(estimate.value, 3))
         }
         (_, Some(Limit::None)) => "not determined".to_owned(),
+        (Some([low, high]), None) if estimate.is_over_minima() => {
+            minima::ends(low, high).join(" to ")
+        }
         (Some([low, high]), None) => {
             // With as many decimals as the estimate next to it.
             let digits = decimals(estimate.sd.unwrap_or_default());
@@ -328,7 +350,8 @@ fn modes(parameters: &[Estimate], modes: &[Mode]) -> Table {
 
 /// What the numbers of a fit say about its data and its model.
 fn remarks(report: &Report, interface: Interface) -> Vec<String> {
-    let mut remarks = report.notes.clone();
+    let mut remarks: Vec<String> = minima::remark(report).into_iter().collect();
+    remarks.extend(report.notes.iter().cloned());
     for loss in &report.losses {
         remarks.push(format!("Not read: {loss}."));
     }

@@ -941,6 +941,22 @@ fn minima_do_not_depend_on_the_start() {
         }
     }
     for report in &reports {
+        let words = report.words(false);
+        for (at, (estimate, row)) in report
+            .parameters
+            .iter()
+            .zip(&words.parameters.rows)
+            .enumerate()
+        {
+            for mode in report.modes.iter().filter(|mode| mode.delta_chi2 < 3.84) {
+                let distance = (mode.values[at] - estimate.value).abs();
+                // A standard deviation beside minima that it doesn't reach would mislead.
+                assert!(
+                    !row[1].contains('±') || distance < 2.0 * estimate.sd.unwrap(),
+                    "{row:?} {distance}"
+                );
+            }
+        }
         let spin = report.parameters.last().unwrap();
         assert_eq!(spin.name, "initial.psi_dot");
         for mode in &report.modes {
