@@ -18,25 +18,34 @@ export function energyChanges({ columns, end }, time) {
   return PARTS.map(({ at }) => at(columns, index) - at(columns, 0));
 }
 
-/** The changes of the parts at a time as texts, in one unit for the whole run: `−239.67 mJ`, `+2.64 mJ`. */
-export function changeTexts(run, time) {
+/** Terms of friction without a torque can feed energy in, as no real friction does. */
+const FED_IN = "energy fed in";
+
+/** The changes of the parts at a time: label, colour, and text in one unit for the whole run, such as `−239.67 mJ`. */
+export function changesShown(run, time) {
   const most = Math.max(...energyChanges(run, run.end).map(Math.abs));
   const [factor, unit] = [[1, "J"], [1e-3, "mJ"], [1e-6, "µJ"]].find(([factor]) => most >= factor) ?? [1e-3, "mJ"];
   const decimals = most / factor < 10 ? 3 : 2;
-  return energyChanges(run, time).map((change) => {
-    const text = fixed(change / factor, decimals);
-    return `${change > 0 && Number(text) > 0 ? "+" : ""}${text} ${unit}`;
+  return energyChanges(run, time).map((change, index) => {
+    const { name, label, color } = PARTS[index];
+    const isFedIn = name === "lost" && Number(fixed(change / factor, decimals).replace("−", "-")) < 0;
+    const text = fixed((isFedIn ? -change : change) / factor, decimals);
+    const sign = Number(text.replace("−", "-")) > 0 ? "+" : "";
+    return { label: isFedIn ? FED_IN : label, color, text: `${sign}${text} ${unit}` };
   });
 }
 
 export class EnergyAreas extends TimeCanvas {
-  /** All of the areas. */
+  runs = [];
+
+  /** The panels, without their labels. */
   cursorSpans(height) {
-    return [[CURVE_MARGINS.head, height - 4]];
+    return this.endsOf(this.runs, height);
   }
 
   /** Draws a panel for each run: the edited run, below a pinned one; nothing after `seen`. */
   draw(runs, window, time, seen = Infinity) {
+    this.runs = runs;
     this.window = window;
     const key = runs.map(({ run }) => run.digest);
     this.show(

@@ -2,7 +2,8 @@
 
 import { at, element } from "./elements.mjs";
 import { Engine } from "./engine.mjs";
-import { drawMeasured, measuredName, parameterName } from "./measured.mjs";
+import { drawMeasured, measuredName } from "./measured.mjs";
+import { keyName } from "./names.mjs";
 
 /** Phones give text tables types of their own, so names count, too. */
 const TABLES = ".csv,.tsv,.txt,text/csv,text/plain,text/tab-separated-values,text/comma-separated-values,application/vnd.ms-excel";
@@ -10,57 +11,69 @@ const TABLES = ".csv,.tsv,.txt,text/csv,text/plain,text/tab-separated-values,tex
 /** A word of a command line, in quotes if a shell would read it otherwise. */
 export const quotedWord = (word) => (/^[\w./=,:+-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
 
-/** A name as readers know it, with that of the program. */
-const named = (name, key) => (name ? [`${name} `, element("small", { textContent: `(${key})` })] : [key]);
+/** A text with keys and fields in the words of the page. */
+const named = (text) =>
+  text.replaceAll(/\b(?:friction|initial|top|support|rolling|drilling|air)\.[a-z_]+/g, keyName).replaceAll(/\/top\/state\.([\w.]+)/g, (_, path) => measuredName(path));
 
-/** The table of a report; nothing without rows. `rows` and `columns` are the readers' names of the first cells, if they have any. */
-function wordTable(table, { rows = [], columns = [] } = {}) {
-  if (table.rows.length === 0) return [];
-  const head = element("tr", {}, ...table.header.map((text, at) => element("th", {}, ...named(columns[at], text))));
-  const body = table.rows.map(([name, ...rest], at) => {
-    const cells = rest.map((textContent) => element("td", { textContent }));
-    return element("tr", {}, element("th", { scope: "row" }, ...named(rows[at], name)), ...cells);
+/** The table of a report; nothing without rows. Narrow screens show each row as a block with the names of its cells. */
+function wordTable({ header, rows }) {
+  if (rows.length === 0) return [];
+  const names = header.map(named);
+  const isTitled = header[0] === "";
+  const head = element("tr", {}, ...names.map((textContent) => element("th", { textContent })));
+  const body = rows.map((row) => {
+    const cells = row.map((textContent, index) => {
+      if (index === 0 && isTitled) return element("th", { scope: "row", textContent: named(textContent), title: textContent });
+      const cell = element("td", { textContent: named(textContent) });
+      cell.dataset.name = names[index];
+      return cell;
+    });
+    return element("tr", {}, ...cells);
   });
-  return [element("div", { className: "wide" }, element("table", {}, head, ...body))];
+  return [element("table", { className: "stacking" }, element("thead", {}, head), element("tbody", {}, ...body))];
 }
+
+const paragraphs = (texts) => texts.map((text) => element("p", { textContent: named(text) }));
+const headed = (textContent, parts) => (parts.length > 0 ? [element("h3", { textContent }), ...parts] : []);
 
 /** What the columns of the table of signals mean. */
 const SIGNAL_NOTE =
   "RMS/σ is the size of the residuals (measured minus fitted) and should be near 1. Uncorrelated: the probability p that mere noise is at least as correlated in time; below 0.001 the model misses something.";
 
-const paragraphs = (texts) => texts.map((textContent) => element("p", { textContent }));
-const headed = (textContent, parts) => (parts.length > 0 ? [element("h3", { textContent }), ...parts] : []);
-
-/** What the program says of a fit. */
-function reportParts({ report, words }) {
-  const [first] = words.parameters.rows;
-  const parameters = report.parameters.map(({ name }) => parameterName(name));
-  // The path of a field follows its topic.
-  const signals = report.signals.map(({ field }) => measuredName(field.slice(field.indexOf(".") + 1)));
-  const estimate = first && [...named(parameters[0], first[0]), ` = ${first[1]}, 95 % interval ${first[2]}`];
-  const signalParts = wordTable(words.signals, { rows: signals });
+/** What the program says first of a fit that started from the preset with this title. */
+function headlineParts({ words, report }, title) {
   return [
-    element("p", { className: "verdict" }, element("b", { textContent: words.title }), ` · ${words.note}`),
-    ...(estimate ? [element("p", { className: "estimate" }, ...estimate)] : []),
-    ...paragraphs(words.extent),
-    ...headed("Remarks", paragraphs(words.remarks)),
-    ...headed("Parameters", [...wordTable(words.parameters, { rows: parameters }), ...paragraphs(words.limits)]),
-    ...headed("Signals", signalParts.length > 0 ? [...signalParts, ...paragraphs([SIGNAL_NOTE])] : []),
-    ...headed(
-      "Other minima: the data don't exclude them, and the intervals reach over those with Δχ² < 3.84",
-      wordTable(words.modes, { columns: ["", ...parameters] }),
-    ),
+    element("p", { className: "verdict" }, element("b", { textContent: `${title} (${report.law}): ${words.verdict}` }), words.note ? ` · ${words.note}` : ""),
+    element("p", { className: "estimate", textContent: named(words.headline) }),
   ];
 }
 
+/** What else it says. */
+function reportParts({ words }) {
+  return [
+    ...headed("Remarks", paragraphs(words.remarks)),
+    ...headed("Parameters", [...wordTable(words.parameters), ...paragraphs(words.limits)]),
+    ...headed("Signals", words.signals.rows.length > 0 ? [...wordTable(words.signals), ...paragraphs([SIGNAL_NOTE])] : []),
+    ...headed("Other minima: the data don't exclude them, and the intervals reach over those with Δχ² < 3.84", wordTable(words.modes)),
+    ...paragraphs(words.extent),
+  ];
+}
+
+/** Whether a fit has several minima, each with its own spin. */
+const hasManySpins = ({ report }) => report.modes.length > 0;
+
 export class FitPanel {
-  /** `scenario` gives the scenario to start from; `take` is called with a fitted one; `copy` with a command and a button. */
-  constructor(module, { scenario, take, copy }) {
-    Object.assign(this, { module, scenario });
+  /**
+   * `scenario` gives the scenario to start from, `titleOf` the title of a preset; `take` is called with a fitted
+   * scenario, `copy` with a command and a button.
+   */
+  constructor(module, { scenario, titleOf, take, copy }) {
+    Object.assign(this, { module, scenario, titleOf });
     this.input = element("input", { type: "file", accept: TABLES });
     this.input.onchange = () => this.read(this.input.files[0]);
     at("fit-choose").onclick = () => this.input.click();
     at("fit-again").onclick = () => this.fit();
+    at("fit-hold").onclick = () => this.holdSpin();
     at("fit-cancel").onclick = () => this.end("Cancelled.");
     at("fit-take").onclick = () => take({ preset: this.started.preset, set: this.result.set });
     at("fit-copy").onclick = ({ target }) => copy(at("fit-command").textContent, target);
@@ -116,6 +129,13 @@ export class FitPanel {
     if (!response.error) this.show(response);
   }
 
+  /** Fits again with the spin of the slider. */
+  holdSpin() {
+    const names = this.result.report.parameters.map(({ name }) => name);
+    at("fit-free").value = names.filter((name) => name !== "initial.psi_dot").join(",");
+    return this.fit();
+  }
+
   /** Ends a fit with a message. */
   end(message, isError = false) {
     this.engine.worker.terminate();
@@ -129,10 +149,13 @@ export class FitPanel {
     this.result = result;
     at("fit-status").classList.remove("wrong");
     at("fit-result").hidden = !result;
+    at("fit-headline").replaceChildren(...(result ? headlineParts(result, this.titleOf(this.started.preset)) : []));
     at("fit-report").replaceChildren(...(result ? reportParts(result) : []));
     at("fit-plots").replaceChildren();
     if (!result) return;
     at("fit-free").value = result.free;
+    at("fit-loose").hidden = !hasManySpins(result);
+    at("fit-take").textContent = hasManySpins(result) ? "Set the sliders to the best of these" : "Set the sliders to this fit";
     at("fit-command").textContent = ["toprise", ...result.arguments].map(quotedWord).join(" ");
     at("fit-plots").replaceChildren(
       ...result.signals.flatMap(({ path, windows }) =>

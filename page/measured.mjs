@@ -9,20 +9,8 @@ const DOT_SIZES = { few: 2.2, many: 1 };
 const MANY_DOTS = 200;
 
 /** What fields are called; others by their paths. */
-const MEASURED_NAMES = { theta: "tilt θ", phi: "azimuth φ", psi: "spin angle ψ", "omega_body.z": "spin about the axis ω·n" };
+const MEASURED_NAMES = { theta: "tilt θ", phi: "precession angle φ", psi: "spin angle ψ", "omega_body.z": "spin about the axis ω·n" };
 export const measuredName = (path) => MEASURED_NAMES[path] ?? path;
-
-/** What parameters are called, as the sliders and the pictures call them. */
-const PARAMETER_NAMES = {
-  "friction.k": "friction k",
-  "initial.theta": "tilt θ",
-  "initial.phi": "azimuth φ",
-  "initial.psi": "spin angle ψ",
-  "initial.theta_dot": "nutation θ̇",
-  "initial.phi_dot": "precession φ̇",
-  "initial.psi_dot": "spin ψ̇",
-};
-export const parameterName = (name) => PARAMETER_NAMES[name] ?? "";
 
 /** The part of the values that sets the range of the axis: the others may be outliers. */
 const USUAL_PART = 0.98;

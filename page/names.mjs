@@ -2,27 +2,52 @@
 
 import { written } from "./numbers.mjs";
 
+/** What people call the keys of the sliders and their like. */
+const WORDS = {
+  "friction.k": "friction k",
+  "initial.theta": "tilt θ",
+  "initial.phi": "precession angle φ",
+  "initial.psi": "spin angle ψ",
+  "initial.theta_dot": "change of tilt θ̇",
+  "initial.phi_dot": "precession φ̇",
+  "initial.psi_dot": "spin ψ̇",
+  "stop.duration": "time limit",
+};
+
+/** A key in words: `spin ψ̇`, `friction viscous speed`. */
+export const keyName = (path) => WORDS[path] ?? path.replaceAll(/[._]/g, " ");
+
 /** A number as it is read, other values as they are. */
 const writtenValue = (value) => (value !== "" && Number.isFinite(Number(value)) ? written(Number(value), 5) : value);
 
-/** A changed key: `k = 0.06`, `ψ̇ = 100 rad/s`, `without friction.viscous_speed`. */
+/** A changed key: `friction k = 0.06`, `spin ψ̇ = 100 rad/s`, `without friction viscous speed`. */
 function changeText(path, value, keys) {
-  const key = keys.find((key) => key.path === path);
-  const name = key?.symbol ?? path.split(".").at(-1).replaceAll("_", " ");
-  if (value === "") return `without ${name}`;
-  return `${name} = ${writtenValue(value)}${key?.unit ? ` ${key.unit}` : ""}`;
+  if (value === "") return `without ${keyName(path)}`;
+  const unit = keys.find((key) => key.path === path)?.unit;
+  return `${keyName(path)} = ${writtenValue(value)}${unit ? ` ${unit}` : ""}`;
 }
 
 /**
  * The parts of a run's name, those that distinguish it from `other` first. The preset is left out where it doesn't: if
  * both have the same and the run has changes.
  */
-export function nameParts({ scenario: { preset, set }, keys }, other) {
-  const changes = Object.entries(set);
+export function nameParts(run, other) {
+  const { scenario, keys } = run;
+  const changes = Object.entries(scenario.set);
   const isNew = ([path, value]) => other.set[path] !== value;
   const inOrder = [...changes.filter(isNew), ...changes.filter((change) => !isNew(change))];
-  const isUnnamed = preset === other.preset && changes.length > 0;
-  return [...(isUnnamed ? [] : [preset]), ...inOrder.map(([path, value]) => changeText(path, value, keys))];
+  const isUnnamed = scenario.preset === other.preset && changes.length > 0;
+  return [...(isUnnamed ? [] : [run.title]), ...inOrder.map(([path, value]) => changeText(path, value, keys))];
+}
+
+/** More changes than these are counted in a run's name. */
+const MAX_NAMED = 2;
+
+/** The name of a run in a sentence: its preset's title, and what differs from the preset. */
+export function runName(run) {
+  const changes = Object.entries(run.scenario.set);
+  const named = changes.length > MAX_NAMED ? [`${changes.length} values changed`] : changes.map(([path, value]) => changeText(path, value, run.keys));
+  return [run.title, ...named].join(", ");
 }
 
 /**

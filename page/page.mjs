@@ -4,11 +4,12 @@ import { ARROWS, labelColor } from "./arrows.mjs";
 import { Controls } from "./controls.mjs";
 import { Curves } from "./curves.mjs";
 import { at, element } from "./elements.mjs";
-import { EnergyAreas, PARTS, changeTexts } from "./energy.mjs";
+import { EnergyAreas, changesShown } from "./energy.mjs";
 import { Engine, compiled } from "./engine.mjs";
 import { FitPanel } from "./fit.mjs";
 import { Knobs } from "./knobs.mjs";
 import { Lesson, STEPS_OF_LESSON } from "./lesson.mjs";
+import { runName } from "./names.mjs";
 import { EventList, showComparison, showExplanation } from "./reading.mjs";
 import { Scenario, linkOf, parseLink, scenarioFrom } from "./scenario.mjs";
 import { View } from "./top.mjs";
@@ -16,7 +17,7 @@ import { KEYS, showKeys } from "./keys.mjs";
 import { showWorksheet } from "./worksheet.mjs";
 
 /** The presets that have buttons. */
-const TITLES = { paper: "The paper's rise", "tippe-top": "Tippe top", frictionless: "No friction", drop: "Dropped on the table" };
+const BUTTONS = ["paper", "tippe-top", "frictionless", "drop"];
 const HINTS = { paper: "V. Tanrıverdi, How does a heavy symmetric top rise? (arXiv:2204.14060)" };
 const LEAST_PLAYBACK = 2; // s, of a run at the speed that nobody has chosen
 const PAUSE_AT_END = 1.5; // s, before playback starts again
@@ -41,6 +42,9 @@ const state = {
   guess: null, // in a step of the lesson whose outcome hasn't been played yet: `seen`, the latest time shown
   frictionBefore: null, // the keys of friction and stop conditions, while friction is off
 };
+
+/** The title of a preset. */
+const titleOf = (preset) => tables.presets.find(({ name }) => name === preset)?.title ?? preset;
 
 /** The scenario of a link. */
 const scenarioOf = (text) => new Scenario(tables.presets, ...scenarioFrom(text));
@@ -103,8 +107,8 @@ function showSummary() {
 
 /** How the run ends, and the pinned one. */
 function sentenceOfRuns() {
-  if (!state.pinned) return state.run.sentence;
-  return `A: ${state.pinned.sentence}. B: ${state.run.sentence}.`;
+  const [b, a] = [state.run, state.pinned].map((run) => run && `${runName(run)}: ${run.outcome}`);
+  return a ? `A: ${a}. B: ${b}.` : b;
 }
 
 /** Slows the playback of short runs, so that they can be followed, unless a person has chosen its speed. */
@@ -208,10 +212,10 @@ function showArrows(runs) {
 function showEnergy(runs, time) {
   const { run, letter } = runs.at(-1);
   const of = runs.length > 1 ? ` of ${letter}` : "";
-  const numbers = changeTexts(run, time).map((text, index) => {
+  const numbers = changesShown(run, time).map(({ label, color, text }) => {
     const square = element("i");
-    square.style.background = PARTS[index].color;
-    return element("span", {}, square, `${PARTS[index].label} `, element("b", { textContent: text }));
+    square.style.background = color;
+    return element("span", {}, square, `${label} `, element("b", { textContent: text }));
   });
   at("energy-numbers").replaceChildren(element("small", { textContent: `Changes${of} since the start${time > run.end ? ", until its end" : ""}:` }), ...numbers);
 }
@@ -334,7 +338,7 @@ function showPinned() {
   const { pinned } = state;
   at("pin").textContent = pinned ? "Remove A" : "Keep as A";
   at("pin-note").textContent = pinned
-    ? `A (grey) is ${pinned.title}. Change something: B (red) is the changed run.`
+    ? `A (grey) is ${runName(pinned)}. Change something: B (red) is the changed run.`
     : "Keep this run as A, then change something: B is drawn beside it.";
   at("compared").hidden = !pinned;
   at("comparison").replaceChildren();
@@ -406,16 +410,16 @@ const view = new View(at("top"), draw);
 const events = new EventList(at("events"), choose);
 const lesson = new Lesson(at("lesson"), { open: leaveLesson, answered: reveal });
 const knobs = new Knobs(at("knobs"), { changed: put, toggled: toggleFriction });
-const fitPanel = new FitPanel(module, { scenario: () => state.scenario.request, take: takeFit, copy });
+const fitPanel = new FitPanel(module, { scenario: () => state.scenario.request, titleOf, take: takeFit, copy });
 /** Whether other keys may have to change with a key: it is a choice, or is set or removed. */
 const hasFollowers = (key, value) => key.words || value === "" || state.scenario.value(key.path) === undefined;
 const controls = new Controls(at("controls"), (key, value) => (hasFollowers(key, value) ? change(key, value) : put(key, value)));
 
 at("presets").replaceChildren(
-  ...Object.entries(TITLES).map(([value, textContent]) => element("button", { type: "button", value, textContent, title: HINTS[value] ?? "", onclick: () => startPreset(value) })),
+  ...BUTTONS.map((value) => element("button", { type: "button", value, textContent: titleOf(value), title: HINTS[value] ?? "", onclick: () => startPreset(value) })),
 );
 at("preset").replaceChildren(
-  ...tables.presets.map(({ name, description }) => element("option", { value: name, textContent: TITLES[name] ?? name, title: description })),
+  ...tables.presets.map(({ name, title, description }) => element("option", { value: name, textContent: title, title: description })),
 );
 at("arrows").replaceChildren(
   ...Object.entries(ARROWS).map(([name, { label, symbol, color }]) => {
@@ -443,10 +447,17 @@ at("copy-link").onclick = ({ target }) => copy(`${location.href.split("#")[0]}${
 at("reset").onclick = () => start(state.scenario.preset.name);
 at("reset-view").onclick = () => view.reset();
 at("help").onclick = () => at("keys").showModal();
+at("address").textContent = placeOfPage();
 at("print").onclick = () => print();
 at("version").textContent = tables.version;
 showWorksheet(at("guesses"), at("worksheet"), at("worksheet-answers"));
 showKeys(at("keys").querySelector("dl"));
+
+/** Where the page is: its address, or the name of its file. */
+function placeOfPage() {
+  const address = location.href.split("#")[0];
+  return location.protocol === "file:" ? decodeURIComponent(address.split("/").at(-1)) : address;
+}
 
 /** Follows a link in the page, and shows the top, from which the link may be far away. */
 function follow() {

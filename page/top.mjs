@@ -3,6 +3,7 @@
 import { ARROWS, arrowScale, barLength, labelColor, vectorAt } from "./arrows.mjs";
 import { indexAt } from "./axes.mjs";
 import { gestures } from "./gestures.mjs";
+import { Labels, besideArrow } from "./labels.mjs";
 import { nameLines, nameParts } from "./names.mjs";
 import { degrees, fixed, prefixed, revolutions, written } from "./numbers.mjs";
 import { isHidden, spinRing } from "./ring.mjs";
@@ -16,6 +17,8 @@ const START = { azimuth: -0.6, elevation: 0.35, closeness: 1 };
 const MIN_WORDS = 250; // px, width of a picture with words beside symbols
 const FONT = "system-ui, sans-serif";
 const TITLE_FONT = `600 13px ${FONT}`;
+const NAME_FONT = `600 14px ${FONT}`;
+const BUTTON = [100, 30]; // px, of the button that resets the view
 
 /** The pose at a time: sample index, orientation, direction of the axis and position of the peg's centre. */
 function pose(run, time) {
@@ -53,6 +56,7 @@ export class View {
     this.canvas = canvas;
     this.shown = { slip: true, force: true, torque: false, momentum: false };
     this.look = { ...START };
+    this.keptPlaces = [{}, {}];
     this.redraw = redraw;
     gestures(canvas, {
       drag: (_, dx, dy) => this.turn(-dx / 120, dy / 150),
@@ -97,11 +101,13 @@ export class View {
       pen.beginPath();
       pen.rect(0, 0, width, height);
       pen.clip();
+      this.labels = new Labels(width, height, this.keptPlaces[index]);
+      if (index === 0) this.labels.cover([0, height - BUTTON[1], BUTTON[0], height]);
       this.one(pen, run, color, Math.min(time, run.end), exposure, { size, width, height });
       const parts = runs.length > 1 ? nameParts(run, all[1 - index].scenario) : [];
-      const box = this.title(run, color, { letter, parts }, time, width);
-      this.nameAngle(box);
+      this.title(run, color, { letter, parts }, time, width);
       if (index === runs.length - 1) this.bar(pen, all, width, height);
+      for (const { words, place, paint, font } of this.labels.placed()) this.text(words, place, paint, font);
       pen.restore();
     });
   }
@@ -242,22 +248,24 @@ export class View {
     const { tip } = run.shape;
     const { soft, ink } = this.colors;
     const radius = 1.12 * tip;
-    this.line([peg, along(peg, [0, 0, 1], 1.3 * tip)], soft, 1.5, [5, 4]);
-    this.line([along(peg, axis, tip), along(peg, axis, 1.2 * tip)], soft, 1.5, [5, 4]);
+    for (const places of [[peg, along(peg, [0, 0, 1], 1.3 * tip)], [along(peg, axis, tip), along(peg, axis, 1.2 * tip)]]) {
+      this.line(places, soft, 1.5, [5, 4]);
+      this.labels.line(places.map(this.camera.project));
+    }
     const theta = Math.acos(Math.min(Math.max(axis[2], -1), 1));
     const flat = Math.hypot(axis[0], axis[1]) || 1;
     const arc = Array.from({ length: 25 }, (_, k) => {
       const angle = (theta * k) / 24;
       return along(peg, [(axis[0] / flat) * Math.sin(angle), (axis[1] / flat) * Math.sin(angle), Math.cos(angle)], radius);
     });
+    // A sector, unlike the ring of the spin.
+    this.fill([peg, ...arc], `color-mix(in srgb, ${soft} 12%, transparent)`);
     this.line(arc, ink, 2);
-    const [middle, top] = [arc[12], arc[0]].map(this.camera.project);
-    this.angleNames = [[middle[0], middle[1] - 8], [top[0] + 14, top[1] + 4]];
-  }
-
-  /** Names the arc of θ above its middle, or beside the vertical. */
-  nameAngle(corner) {
-    this.text("θ", freePlace(this.angleNames, corner), this.colors.ink, `italic 600 16px ${FONT}`, "center");
+    const points = arc.map(this.camera.project);
+    this.labels.line(points);
+    const font = `italic 600 16px ${FONT}`;
+    const places = [[points[12], [0, -1]], [points[0], [1, 0]], [points[0], [-1, 0]], [points[12], [0, 1]], [points[24], [0, -1]]];
+    this.labels.add({ words: "θ", wide: this.widthOf("θ", font), font, paint: ink, places: places.map(([point, direction]) => ({ point, direction })) });
   }
 
   /** An arc about the axis with an arrowhead, in the sense of the spin; faint where the body or the table hides it. */
@@ -323,15 +331,13 @@ export class View {
     pen.lineTo(end[0] - 0.8 * head * ux, end[1] - 0.8 * head * uy);
     pen.stroke();
     this.head(start, [end[0] - 0.3 * head * ux, end[1] - 0.3 * head * uy], color, head);
-    // Beside an arrow that lies along another: at its end is the beginning of that one.
-    const side = Math.sign(below);
-    const place = offset === 0 ? [end[0] + 12 * ux, end[1] + 12 * uy] : [(start[0] + end[0]) / 2 - 14 * side * uy, (start[1] + end[1]) / 2 + 14 * side * ux];
-    this.text(label, [place[0], place[1] + 5], labelColor(color, this.colors.ink), `600 14px ${FONT}`, ux < -0.3 ? "right" : "left");
+    this.labels.line([start, end]);
+    this.labels.add({ words: label, wide: this.widthOf(label, NAME_FONT), font: NAME_FONT, paint: labelColor(color, this.colors.ink), places: besideArrow(start, end) });
   }
 
   /**
-   * The tilt and the spin at this moment, in the upper left corner; after the end of the run, those at its end. Returns
-   * the right and the lower end of the text.
+   * The tilt and the spin at this moment, in the upper left corner, where lines fade behind them; after the end of the
+   * run, those at its end.
    */
   title(run, color, { letter, parts }, time, width) {
     const i = indexAt(run.columns.time, Math.min(time, run.end));
@@ -353,8 +359,14 @@ export class View {
       [time > run.end ? `ended at ${fixed(run.end, 2)} s` : "", soft],
       ...(this.isSunk ? sunkNote(isNarrow) : []).map((words) => [words, soft]),
     ].filter(([words]) => words);
+    const box = [0, 0, 16 + Math.max(...lines.map(([words]) => widthOf(words))), 18 * lines.length + 8];
+    this.labels.cover(box);
+    const { pen, colors } = this;
+    pen.globalAlpha = 0.8;
+    pen.fillStyle = colors.card;
+    pen.fillRect(...box);
+    pen.globalAlpha = 1;
     lines.forEach(([words, paint], row) => this.text(words, [8, 18 + 18 * row], paint, TITLE_FONT));
-    return [8 + Math.max(...lines.map(([words]) => widthOf(words))), 18 * lines.length + 4];
   }
 
   /** A scale bar, to which the arrows' scales refer. */
@@ -368,6 +380,7 @@ export class View {
     for (const [dx, dy] of [[0, -4], [0, 0], [pixels, 0], [pixels, -4]]) pen.lineTo(x + dx, y + dy);
     pen.stroke();
     this.text(lengthName(length), [x + pixels / 2, y - 6], this.colors.soft, `12px ${FONT}`, "center");
+    this.labels.cover([x - 12, y - 20, width, height]);
   }
 
   /** The scale of an arrow as text, e.g. `1 cm = 5 mN`; empty if it isn't drawn. */
@@ -378,12 +391,6 @@ export class View {
     const { unit } = ARROWS[name];
     return `${lengthName(length)} = ${unit === "m/s" ? `${written(value)} m/s` : prefixed(value, unit)}`;
   }
-}
-
-/** The first of some places of a letter that is not on the text in the upper left corner, whose ends are given; otherwise a place below that. */
-export function freePlace(places, [right, bottom]) {
-  const [x, y] = places.find(([x, y]) => x - 10 > right || y - 16 > bottom) ?? [places[0][0], bottom + 16];
-  return [x, Math.max(y, 16)];
 }
 
 /** The lines of the note on a body that reaches below the table. */

@@ -41,7 +41,7 @@ export async function simulated(toprise, scenario, columns, goOn = () => true) {
   do {
     progress = toprise.ask({ advance: { records: SLICE } });
     if (!(await goOn())) return null;
-  } while (!progress.error && !progress.sentence);
+  } while (!progress.error && !progress.outcome);
   if (progress.error) return { error: progress.error };
   const values = columns.map((name, index) => [name, toprise.column(index, progress.samples)]);
   return { scenario, ...start, ...progress, columns: withMechanical(Object.fromEntries(values)) };

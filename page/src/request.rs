@@ -158,7 +158,7 @@ fn describe(scenario: &Scenario, request: &ScenarioRequest) -> Result<Json, Scen
     let top = &scenario.model.top;
     let shape = Proportions::new(top);
     Ok(json!({
-        "title": scenario.title(),
+        "title": Preset::find(&request.preset)?.title,
         "file": scenario.file_stem(scenario.name(), &request.preset()?),
         "digest": scenario.digest(),
         "is_free": scenario.model.support.is_free(),

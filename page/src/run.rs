@@ -3,15 +3,16 @@
 use serde_json::{Value as Json, json};
 use std::cell::Cell;
 use std::error::Error;
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, TAU};
 use std::rc::Rc;
 use toprise::archive::format::end_entries;
 use toprise::archive::writer::{Form, McapWriter};
+use toprise::physics::math::cos;
 use toprise::physics::top::Top;
 use toprise::run::outcome::Outcome;
 use toprise::run::scenario::Scenario;
 use toprise::run::simulation::{
-    Record, Regime, Sample, Simulation, SimulationError, StopReason, Tally,
+    EventKind, Record, Regime, Sample, Simulation, SimulationError, StopReason, Tally,
 };
 use toprise::telemetry::encoding::Encoding;
 use toprise::telemetry::{RunMessages, Topics};
@@ -177,8 +178,7 @@ impl Run {
             Some(End::Complete(outcome)) => {
                 progress["events"] = json!(self.events);
                 progress["cycles"] = json!(self.cycles);
-                let title = self.scenario.title();
-                progress["sentence"] = json!(format!("{title}: {}", headline(outcome)));
+                progress["outcome"] = json!(headline(&self.scenario, outcome));
             }
             Some(End::Failed(error)) => progress["error"] = json!(error.to_string()),
             Some(End::TooLong) => {
@@ -195,27 +195,81 @@ impl Run {
 }
 
 /// How a run ends, for a reader who sees it from the start: in the present tense, with few digits.
-fn headline(outcome: &Outcome) -> String {
+fn headline(scenario: &Scenario, outcome: &Outcome) -> String {
+    let time = rounded(outcome.end.time);
     let end = match outcome.end.stop {
-        StopReason::Risen => "upright after",
-        StopReason::Fallen => "fallen after",
-        StopReason::Duration => "shown until the time limit,",
-        StopReason::SlipStopped => "stops slipping after",
-        StopReason::Rest => "at rest after",
-        StopReason::Singular => "exactly upright, which its formulation can't describe, after",
-        StopReason::Jam => "jams after",
-        StopReason::Pivot => "only turns about the vertical after",
-        StopReason::Interrupted | StopReason::Failed => "ends after",
+        StopReason::Risen => format!("upright after {time}"),
+        StopReason::Fallen => format!("fallen after {time}"),
+        StopReason::Duration => state_at_time_limit(outcome),
+        StopReason::SlipStopped => format!("stops slipping after {time}"),
+        StopReason::Rest => format!("at rest after {time}"),
+        StopReason::Singular => {
+            format!("exactly upright, which its formulation can't describe, after {time}")
+        }
+        StopReason::Jam => format!("jams after {time}"),
+        StopReason::Pivot => format!("only turns about the vertical after {time}"),
+        StopReason::Interrupted | StopReason::Failed => format!("ends after {time}"),
     };
-    let inversion = match outcome.end.inversion_time {
+    format!("{}{end}", inversion(scenario, outcome))
+}
+
+/// What a tippe top has done; empty for others.
+fn inversion(scenario: &Scenario, outcome: &Outcome) -> String {
+    let is_tippe_top = outcome.is_free && scenario.model.top.center_distance < 0.0;
+    let starts_upright = scenario.angles.theta < FRAC_PI_2;
+    match outcome.end.inversion_time {
         Some(time) if outcome.end.motion.angles.theta >= FRAC_PI_2 => {
             format!("turns over at {}; ", rounded(time))
         }
         // It swings, and comes back.
         Some(time) => format!("passes the horizontal at {}; ", rounded(time)),
+        None if is_tippe_top && starts_upright => "does not turn over; ".to_owned(),
+        None => String::new(),
+    }
+}
+
+/// Below this rate the page shows 0.0 rev/s.
+const LEAST_SPIN: f64 = 0.05 * TAU;
+
+/// What a top does when the time limit ends its run.
+fn state_at_time_limit(outcome: &Outcome) -> String {
+    let motion = &outcome.end.motion;
+    let (theta, rates) = (motion.angles.theta, motion.tilt.rates);
+    let verb = if (rates.psi + rates.phi * cos(theta)).abs() < LEAST_SPIN {
+        "tilted by"
+    } else {
+        "still spinning, tilted by"
+    };
+    let grip = match since(
+        &outcome.tally,
+        EventKind::RollBegins,
+        &[EventKind::RollEnds, EventKind::LiftOff],
+    ) {
+        Some(time) => format!(", rolling since {}", rounded(time)),
         None => String::new(),
     };
-    format!("{inversion}{end} {}", rounded(outcome.end.time))
+    format!(
+        "after {} {verb} {:.1}°{grip}",
+        rounded(outcome.end.time),
+        theta.to_degrees()
+    )
+}
+
+/// Time of the last event of a kind, if none of those that end its state came later, s.
+fn since(tally: &Tally, begin: EventKind, ends: &[EventKind]) -> Option<f64> {
+    let begun = last(tally, begin)?;
+    let has_ended = ends
+        .iter()
+        .any(|end| last(tally, *end).is_some_and(|time| time > begun));
+    (!has_ended).then_some(begun)
+}
+
+/// Time of the last event of a kind, s.
+fn last(tally: &Tally, kind: EventKind) -> Option<f64> {
+    let mut counts = tally.counts().iter();
+    counts
+        .find(|count| count.name == kind)
+        .map(|count| count.last_time)
 }
 
 /// A time in s, with three decimals where two would be few.

@@ -17,6 +17,7 @@ pub fn tables() -> Json {
 fn preset(preset: &Preset) -> Json {
     json!({
         "name": preset.name,
+        "title": preset.title,
         "description": preset.description,
         "values": preset.values().map(|values| form::texts(&values)).unwrap_or_default(),
     })

@@ -25,6 +25,7 @@ const summary = (tab) => tab.textContent("#summary");
 const becomes = (tab, text) => tab.waitForFunction((text) => document.getElementById("summary").textContent.includes(text), text);
 const picture = (tab, id) => tab.evaluate((id) => document.getElementById(id).toDataURL(), id);
 const box = (tab, path) => tab.locator(`[data-path="${path}"] input[type=text]`);
+const titleOf = (tab, preset) => tab.textContent(`#preset option[value="${preset}"]`);
 const shot = (tab, name) => tab.screenshot({ path: join(directory, `${name}.png`) });
 const clock = (tab) => tab.textContent("#clock").then(parseFloat);
 const clockBecomes = (tab, text) => tab.waitForFunction((text) => document.getElementById("clock").textContent === text, text);
@@ -79,11 +80,11 @@ const tests = {
     await tab.waitForFunction((before) => parseFloat(document.getElementById("clock").textContent) > before + 0.1, before);
   },
   async "a slider changes the run, its curves and the top"(tab) {
-    assert.match(await summary(tab), /^paper: upright after 24\.72 s$/);
+    assert.match(await summary(tab), /^The paper's rise: upright after 24\.72 s$/);
     await pause(tab);
     const before = [await picture(tab, "curves"), await picture(tab, "top")];
     await tab.fill("#knob-k", "400");
-    await becomes(tab, "paper, friction.k = 0.119");
+    await becomes(tab, "The paper's rise, friction k = 0.119");
     await tab.waitForTimeout(100);
     assert.notEqual(await picture(tab, "curves"), before[0]);
     assert.notEqual(await picture(tab, "top"), before[1]);
@@ -94,26 +95,26 @@ const tests = {
     assert.equal(await tab.textContent('[data-knob="initial.theta"] output'), "28.6° 0.5 rad");
     assert.match(await tab.textContent('[data-knob="initial.psi_dot"] .ends'), /ω·n = ψ̇ \+ φ̇ cos θ = 27\.3 rev\/s/);
     await tab.fill("#knob-theta", "250");
-    await becomes(tab, "initial.theta = 0.755");
+    await becomes(tab, "tilt θ = 0.755 rad");
     assert.equal(await tab.textContent('[data-knob="initial.theta"] output'), "43.3° 0.755 rad");
   },
   async "friction is switched off, and on as it was"(tab) {
     await tab.fill("#knob-k", "300");
-    await becomes(tab, "friction.k = 0.0475");
+    await becomes(tab, "friction k = 0.0475");
     await tab.uncheck("#friction");
-    await becomes(tab, "keys changed");
+    await becomes(tab, "values changed");
     assert.ok(await tab.isDisabled("#knob-k"));
     await tab.check("#friction");
-    await becomes(tab, "paper, friction.k = 0.0475: upright");
+    await becomes(tab, "The paper's rise, friction k = 0.0475: upright");
     await tab.click('#presets [value="frictionless"]');
-    await becomes(tab, "frictionless:");
+    await becomes(tab, "No friction:");
     await tab.check("#friction");
     await becomes(tab, "upright");
   },
   async "presets have buttons"(tab) {
     for (const preset of ["tippe-top", "frictionless", "drop", "paper"]) {
       await tab.click(`#presets [value="${preset}"]`);
-      await becomes(tab, `${preset}:`);
+      await becomes(tab, `${await titleOf(tab, preset)}:`);
       assert.equal(await tab.locator("#presets [aria-pressed=true]").getAttribute("value"), preset);
       await tab.waitForTimeout(1000);
       await shot(tab, preset);
@@ -123,9 +124,9 @@ const tests = {
     await openAll(tab);
     await tab.click("#pin");
     await tab.waitForFunction(() => document.getElementById("comparison").textContent.includes("This run is kept as A."));
-    assert.match(await tab.textContent("#pin-note"), /^A \(grey\) is paper\./);
+    assert.match(await tab.textContent("#pin-note"), /^A \(grey\) is The paper's rise\./);
     await box(tab, "friction.k").fill("0.045");
-    await becomes(tab, "paper, friction.k = 0.045");
+    await becomes(tab, "The paper's rise, friction k = 0.045");
     await tab.waitForSelector("#comparison td");
     const rows = await tab.locator("#comparison td").allTextContents();
     assert.deepEqual(rows.slice(0, 3), ["24.7194", "16.4733", "−8.25 s ± 54.1 ms"]);
@@ -135,7 +136,7 @@ const tests = {
     const scale = await tab.textContent("#scale-force");
     assert.equal(scale, "(1 cm = 20 mN)");
     await tab.fill("#knob-k", "330");
-    await becomes(tab, "friction.k = 0.06");
+    await becomes(tab, "friction k = 0.06");
     assert.equal(await tab.textContent("#scale-force"), scale);
     await tab.check("#show-momentum");
     await tab.waitForFunction(() => document.getElementById("scale-momentum").textContent === "(1 cm = 2 mN m s)");
@@ -181,7 +182,7 @@ const tests = {
   async "a saved recording has the program's bytes and name"(tab) {
     await openAll(tab);
     await box(tab, "stop.duration").fill("2");
-    await becomes(tab, "stop.duration = 2");
+    await becomes(tab, "time limit = 2 s");
     for (const encoding of ["json", "protobuf"]) {
       await tab.selectOption("#encoding", encoding);
       const [download] = await Promise.all([tab.waitForEvent("download"), tab.click("#save")]);
@@ -201,7 +202,7 @@ const tests = {
     await tab.selectOption("#encoding", "protobuf");
     for (const [, preset, digest] of golden) {
       await tab.selectOption("#preset", preset);
-      await becomes(tab, `${preset}:`);
+      await becomes(tab, `${await titleOf(tab, preset)}:`);
       const [download] = await Promise.all([tab.waitForEvent("download"), tab.click("#save")]);
       assert.equal(download.suggestedFilename(), `${preset}.mcap`);
       assert.ok((await tab.textContent("#digest")).endsWith(digest), preset);
@@ -210,10 +211,10 @@ const tests = {
   async "a link opens the same view"(tab) {
     await openAll(tab);
     await box(tab, "friction.k").fill("0.021");
-    await becomes(tab, "friction.k = 0.021");
+    await becomes(tab, "friction k = 0.021");
     await tab.click("#pin");
     await tab.selectOption("#preset", "full-coulomb");
-    await becomes(tab, "full-coulomb:");
+    await becomes(tab, "Full friction:");
     const hash = new URL(tab.url()).hash;
     assert.equal(hash, "#full-coulomb&vs=paper&friction.k=0.021");
     const other = await open(`${hash}&at=3.2`);
@@ -223,7 +224,7 @@ const tests = {
     await other.close();
   },
   async "each step of the lesson sets the page up, asks, and has an answer to open"(tab) {
-    const runs = ["frictionless, stop.duration = 25:", "full-coulomb:", "full-coulomb:", "full-coulomb, friction.k = 0.06:", "tippe-top:"];
+    const runs = ["No friction, time limit = 25 s:", "Full friction:", "Full friction:", "Full friction, friction k = 0.06:", "Tippe top:"];
     await tab.click("#to-lesson");
     for (const [index, run] of runs.entries()) {
       if (index > 0) await tab.click(`#lesson nav a:nth-of-type(${index + 1})`);
@@ -256,15 +257,93 @@ const tests = {
       slider.value = slider.max;
       slider.dispatchEvent(new Event("input"));
     });
-    await becomes(second, "full-coulomb: upright");
+    await becomes(second, "Full friction: upright");
     for (const name of ["torque", "momentum"]) assert.ok(await second.isChecked(`#show-${name}`));
     await second.fill("#knob-k", "300");
-    await becomes(second, "friction.k = 0.0475");
+    await becomes(second, "friction k = 0.0475");
     assert.equal(new URL(second.url()).hash, "#full-coulomb&friction.k=0.0475&lesson=2");
     await second.reload();
-    await becomes(second, "friction.k = 0.0475");
+    await becomes(second, "friction k = 0.0475");
     assert.ok(await second.isVisible("#lesson"));
     await second.close();
+  },
+  async "the worksheet fills one page, and has lines for a name and for answers"(tab) {
+    await tab.emulateMedia({ media: "print" });
+    for (const [format, height] of [["A4", 297], ["Letter", 279.4]]) {
+      const margin = 12; // mm
+      await tab.setViewportSize({ width: 703, height: 800 });
+      const used = await tab.evaluate(() => document.getElementById("teacher").getBoundingClientRect().height);
+      const part = used / (((height - 2 * margin) / 25.4) * 96);
+      assert.ok(part > 0.8 && part < 1, `${format}: ${part}`);
+      const side = `${margin}mm`;
+      const printed = await tab.pdf({ format, margin: { top: side, bottom: side, left: side, right: side } });
+      assert.match(printed.toString("latin1"), /\/Count 1\b/, format);
+    }
+    assert.equal(await tab.textContent("#address"), page.split("/").at(-1));
+    assert.deepEqual(await tab.locator(".fields span").allTextContents(), ["Name", "Class", "Date"]);
+    const answers = await tab.locator("#guesses li").all();
+    for (const answer of answers) {
+      const { height } = await answer.boundingBox();
+      assert.ok(height > 100, `${height} px for a question and its answer`);
+    }
+    await shot(tab, "worksheet");
+  },
+  async "until the program has started, the title and a top are shown"(tab) {
+    assert.ok(!(await tab.isVisible("#still")));
+    const other = await context.newPage();
+    await other.addInitScript(() => (WebAssembly.compile = () => new Promise(() => {})));
+    await other.goto(url);
+    assert.ok(await other.isVisible("#still"));
+    assert.ok(await other.isVisible("h1"));
+    await shot(other, "still");
+    await other.close();
+  },
+  async "texts of the picture don't lie on each other, in any preset"() {
+    const watched = await browser.newContext({ offline: true, reducedMotion: "reduce" });
+    const other = await watched.newPage();
+    await other.addInitScript(() => {
+      const { fillText } = CanvasRenderingContext2D.prototype;
+      window.drawn = new Map();
+      CanvasRenderingContext2D.prototype.fillText = function (text, x, y, ...rest) {
+        if (this.canvas.id === "top") {
+          const { e, a } = this.getTransform();
+          const { width, actualBoundingBoxAscent: up, actualBoundingBoxDescent: down } = this.measureText(text);
+          const left = x + e / a;
+          // The last place of a text is that of the picture that is shown.
+          window.drawn.set(`${text} ${Math.round(e / a)}`, [left, y - up, left + width, y + down]);
+        }
+        return fillText.call(this, text, x, y, ...rest);
+      };
+    });
+    await other.goto(url);
+    await other.waitForSelector("body.ready");
+    for (const name of ["torque", "momentum"]) await other.check(`#show-${name}`);
+    await openAll(other);
+    const overlaps = [];
+    for (const [width, height] of [[1366, 768], [1920, 1080], [390, 844]]) {
+      await other.setViewportSize({ width, height });
+      for (const preset of await other.locator("#preset option").evaluateAll((options) => options.map(({ value }) => value))) {
+        await other.selectOption("#preset", preset);
+        await becomes(other, `${await titleOf(other, preset)}:`);
+        for (const part of [0, 0.2, 0.4, 0.7, 1]) {
+          const found = await other.evaluate(async (part) => {
+            const frame = () => new Promise(requestAnimationFrame);
+            const slider = document.getElementById("time");
+            await frame();
+            slider.value = part * slider.max;
+            window.drawn.clear();
+            slider.dispatchEvent(new Event("input"));
+            await frame();
+            await frame();
+            const boxes = [...window.drawn];
+            return boxes.flatMap(([a, [l, t, r, b]], i) => boxes.slice(i + 1).filter(([, [x, y, z, w]]) => Math.min(r, z) - Math.max(l, x) > 0.5 && Math.min(b, w) - Math.max(t, y) > 0.5).map(([other]) => `${a} / ${other}`));
+          }, part);
+          overlaps.push(...found.map((pair) => `${width} ${preset} ${part}: ${pair}`));
+        }
+      }
+    }
+    await watched.close();
+    assert.deepEqual(overlaps, []);
   },
   async "a link far below shows the top"(tab) {
     for (const link of ['#teacher a[href="#lesson=3"]', "#worksheet tbody a >> nth=1", "#worksheet tbody a >> nth=1"]) {
@@ -272,7 +351,7 @@ const tests = {
       await tab.click(link);
       await tab.waitForFunction(() => scrollY === 0 && !document.getElementById("worksheet-answers").open);
     }
-    await becomes(tab, "friction.k = 0.02: upright");
+    await becomes(tab, "friction k = 0.02: upright");
   },
   async "the changes of energy stand below its areas"(tab) {
     const other = await open("#full-coulomb&at=24.73");
@@ -300,10 +379,10 @@ const tests = {
       const other = await open(hash);
       const message = await other.textContent("#error");
       if (error) assert.ok(message.startsWith(error), message);
-      else assert.match(await summary(other), /^paper:/);
+      else assert.match(await summary(other), /^The paper's rise:/);
       // A click on a preset leads back.
       await other.click('#presets [value="paper"]');
-      await becomes(other, "paper: upright");
+      await becomes(other, "The paper's rise: upright");
       await other.close();
     }
   },
@@ -311,7 +390,7 @@ const tests = {
     await openAll(tab);
     assert.equal(await box(tab, "friction.viscous_speed").count(), 0);
     await tab.locator('[data-path="friction.law"] select').selectOption("viscous");
-    await becomes(tab, "friction.law = viscous");
+    await becomes(tab, "friction law = viscous");
     assert.ok(Number(await box(tab, "friction.viscous_speed").inputValue()) > 0);
     await tab.locator('[data-path="friction.law"] select').selectOption("none");
     await tab.waitForFunction(() => !document.querySelector('[data-path="friction.k"]'));
@@ -320,7 +399,7 @@ const tests = {
   async "a peg is let go"(tab) {
     await openAll(tab);
     await tab.locator('[data-path="support.kind"] select').selectOption("free");
-    await becomes(tab, "keys changed");
+    await becomes(tab, "values changed");
     assert.equal(await tab.textContent("#error"), "");
     assert.match(await tab.textContent("#also"), /^This also sets .*formulation = body.*\.$/);
     assert.equal(await tab.locator('[data-path="formulation"] select').inputValue(), "body");
@@ -329,7 +408,7 @@ const tests = {
   async "numbers in fields are short"(tab) {
     await openAll(tab);
     await tab.click('#presets [value="tippe-top"]');
-    await becomes(tab, "tippe-top:");
+    await becomes(tab, "Tippe top:");
     assert.equal(await box(tab, "top.transverse_moment").inputValue(), "3.7143e-6");
     assert.equal(await tab.textContent("#command"), "toprise run tippe-top");
     const slider = tab.locator('[data-path="top.center_distance"] input[type=range]');
@@ -342,11 +421,11 @@ const tests = {
   async "a run without end is ended, and says so"(tab) {
     await openAll(tab);
     await tab.click('#presets [value="frictionless"]');
-    await becomes(tab, "frictionless:");
+    await becomes(tab, "No friction:");
     await box(tab, "stop.duration").fill("1000000");
     await tab.waitForFunction(() => document.getElementById("error").textContent.includes("too long"), null, { timeout: 60_000 });
     await box(tab, "stop.duration").fill("1");
-    await becomes(tab, "stop.duration = 1");
+    await becomes(tab, "time limit = 1 s");
   },
   async "it plays on its own, and the keyboard moves through it"(tab) {
     await tab.waitForFunction(() => parseFloat(document.getElementById("clock").textContent) > 0.1);
@@ -391,7 +470,7 @@ const tests = {
       await tab.keyboard.press("a");
     }
     await tab.click('#presets [value="drop"]');
-    await becomes(tab, "drop:");
+    await becomes(tab, "Dropped on the table:");
     await tab.keyboard.press(" ");
     assert.equal(await tab.textContent("#play"), "Pause");
     await pause(tab);
@@ -407,7 +486,7 @@ const tests = {
   },
   async "a run of one sample says that it has no curves"() {
     const other = await open("#paper&stop.duration=1e-9");
-    assert.match(await summary(other), /until the time limit/);
+    assert.match(await summary(other), /after 0\.000 s/);
     await other.waitForTimeout(200);
     assert.match(await other.getAttribute("#curves", "aria-label"), /ends at its start/);
     await shot(other, "moment");
@@ -424,17 +503,17 @@ const tests = {
   async "the playback speed stays what was chosen"(tab) {
     await tab.selectOption("#speed", "0.1");
     await tab.fill("#knob-k", "400");
-    await becomes(tab, "friction.k = 0.119");
+    await becomes(tab, "friction k = 0.119");
     await tab.click('#presets [value="drop"]');
-    await becomes(tab, "drop:");
+    await becomes(tab, "Dropped on the table:");
     assert.equal(await tab.inputValue("#speed"), "0.1");
   },
   async "two tabs don't disturb each other"(tab) {
     const other = await open("#tippe-top");
     await openAll(tab);
     await box(tab, "friction.k").fill("0.05");
-    await becomes(tab, "friction.k = 0.05");
-    assert.match(await summary(other), /^tippe-top:/);
+    await becomes(tab, "friction k = 0.05");
+    assert.match(await summary(other), /^Tippe top:/);
     await other.close();
   },
   async "it fits a phone, and the picture stays in sight while a slider moves"(tab) {
@@ -444,7 +523,7 @@ const tests = {
     await shot(tab, "phone");
     await tab.locator("#knob-theta").evaluate((slider) => slider.scrollIntoView({ block: "end" }));
     await tab.fill("#knob-theta", "300");
-    await becomes(tab, "initial.theta");
+    await becomes(tab, "tilt θ");
     const [top, slider] = [await tab.locator("#top").boundingBox(), await tab.locator("#knob-theta").boundingBox()];
     assert.ok(top.y >= 0 && top.y + top.height <= slider.y && slider.y + slider.height <= 844, JSON.stringify([top, slider]));
     await shot(tab, "phone-slider");
@@ -606,11 +685,11 @@ const tests = {
     const { truth, start } = JSON.parse(readFileSync("tests/data/fit/offset.json", "utf8"));
     const known = Object.entries({ ...truth.values, ...start }).filter(([key]) => /^(top|initial|friction)\./.test(key));
     await tab.goto(`${url}#${["full-coulomb", ...known.map(([key, value]) => `${key}=${value}`)].join("&")}`);
-    await becomes(tab, "full-coulomb, ");
+    await becomes(tab, "Full friction, ");
     await drop(tab, "camera.csv", readFileSync("tests/data/fit/offset_camera.csv", "utf8"));
     await tab.waitForSelector("#fit-result:not([hidden])", { timeout: 300_000 });
-    assert.match(await tab.textContent("#fit-report .verdict"), /^full-coulomb \(coulomb\): describes the data/);
-    assert.match(await tab.textContent("#fit-report .estimate"), /^friction k \(friction\.k\) = 0\.0387\d+ ± 0\.0000\d\d, 95 % interval 0\.038\d+ to 0\.038\d+$/);
+    assert.match(await tab.textContent("#fit-headline .verdict"), /^Full friction \(coulomb\): describes the data/);
+    assert.match(await tab.textContent("#fit-headline .estimate"), /^friction k = 0\.0387\d+ ± 0\.0000\d\d, 95 % interval 0\.038\d+ to 0\.038\d+$/);
     assert.match(await tab.textContent("#fit-command"), /^toprise fit full-coulomb camera\.csv --set .* --free friction\.k,initial$/);
     assert.equal(await tab.locator("#fit-plots canvas").count(), 4);
     await tab.locator("#fit").screenshot({ path: join(directory, "fit.png") });

@@ -7,14 +7,14 @@ import { ARROWS, arrowScale, vectorAt } from "../arrows.mjs";
 import { axisRange, axisTicks, constantOf, scaleOf } from "../axes.mjs";
 import { sliderRange, validText, valueAt } from "../controls.mjs";
 import { quantities } from "../curves.mjs";
-import { PARTS, energyChanges } from "../energy.mjs";
+import { EnergyAreas, PARTS, changesShown, energyChanges } from "../energy.mjs";
 import { STEPS_OF_LESSON } from "../lesson.mjs";
-import { nameLines, nameParts } from "../names.mjs";
+import { nameLines, nameParts, runName } from "../names.mjs";
 import { degrees, fixed, imagined, prefixed, revolutions, typed, written } from "../numbers.mjs";
+import { Labels, besideArrow, commonArea, lengthInside } from "../labels.mjs";
 import { isHidden, spinRing } from "../ring.mjs";
 import { Scenario, linkOf, parseLink, scenarioFrom } from "../scenario.mjs";
 import { orientationOf, stripeContrast, turned, visibleFaces } from "../shape.mjs";
-import { freePlace } from "../top.mjs";
 import { load, simulated } from "../toprise.mjs";
 import { RISE_TIMES } from "../worksheet.mjs";
 
@@ -90,7 +90,7 @@ const tests = {
     const { ours } = STEPS_OF_LESSON[3];
     says(4, `at k = 0.06 and 100 rad/s (${fixed(revolutions(100), 1)} rev/s) B is upright after ${await end(`${ours}&initial.psi_dot=100`)} s`);
     const weak = await runOf(`${ours}&initial.psi_dot=30`);
-    assert.match(weak.sentence, /fallen/);
+    assert.match(weak.outcome, /^fallen/);
     says(4, `at 30 rad/s (${fixed(revolutions(30), 1)} rev/s), after ${fixed(weak.end, 1)} s`);
   },
   async "lesson 5: a tippe top's spin reverses about its axis, but not about the vertical"() {
@@ -110,7 +110,7 @@ const tests = {
       assert.equal((k * end).toFixed(3), "0.742");
     }
     assert.ok(Math.abs((await runOf("full-coulomb&friction.k=0.01&stop.duration=100")).end - 74) < 0.5);
-    assert.match((await runOf("full-coulomb&friction.k=0.01")).sentence, /until the time limit, 60\.00 s/);
+    assert.match((await runOf("full-coulomb&friction.k=0.01")).outcome, /^after 60\.00 s still spinning, tilted by/);
   },
   async "arrows have round scales, and stay in the picture in every preset"() {
     for (const { name: preset } of tables.presets) {
@@ -123,12 +123,56 @@ const tests = {
       }
     }
   },
-  "the name of the angle is not on the text in the corner"() {
-    const corner = [160, 40];
-    assert.deepEqual(freePlace([[200, 30], [230, 50]], corner), [200, 30]);
-    assert.deepEqual(freePlace([[120, 30], [230, 50]], corner), [230, 50]);
-    assert.deepEqual(freePlace([[120, 30], [150, 50]], corner), [120, 56]);
-    assert.deepEqual(freePlace([[200, 5]], corner), [200, 16], "it is in the picture");
+  "names in the picture cover neither texts nor lines, and stay where they are while they can"() {
+    assert.equal(lengthInside([0, 0], [10, 0], [2, -1, 5, 1]), 3);
+    assert.equal(lengthInside([0, 5], [10, 5], [2, -1, 5, 1]), 0);
+    assert.equal(lengthInside([3, 0], [3, 0], [2, -1, 5, 1]), 0);
+    const kept = {};
+    /** The box of L at the end of an arrow that points into the text in the corner. */
+    const boxOf = (end) => {
+      const labels = new Labels(400, 300, kept);
+      const text = [0, 0, 160, 44];
+      labels.cover(text);
+      labels.line([[10, 100], [390, 100]]);
+      labels.add({ words: "L", wide: 10, places: besideArrow([150, 150], end) });
+      const [{ place: [x, y] }] = labels.placed();
+      const box = [x, y - 13, x + 10, y + 4];
+      assert.equal(commonArea(box, text), 0, `${end}`);
+      assert.equal(lengthInside([10, 100], [390, 100], box), 0, `${end}`);
+      assert.ok(x >= 3 && x <= 387 && box[1] >= 3 && box[3] <= 297, `${end}`);
+      return box;
+    };
+    for (const end of [[150, 46], [150, 20], [200, 97], [2, 140], [398, 298], [150, 150]]) boxOf(end);
+    // A place that was the second best stays when the best one becomes free.
+    const [x] = boxOf([150, 46]);
+    assert.ok(Math.abs(boxOf([150, 62])[0] - x) < 20);
+  },
+  async "runs that the time limit ends say what the top does then"() {
+    for (const [link, outcome] of [
+      ["frictionless&stop.duration=25", "after 25.00 s still spinning, tilted by 28.6°"],
+      ["drop", /^after 2\.00 s still spinning, tilted by 2\d\.\d°, rolling since 0\.6\d+ s$/],
+      ["tippe-top", /^turns over at 5\.49 s; after 12\.00 s still spinning, tilted by 17\d\.\d°$/],
+      ["tippe-top-hangs", /^does not turn over; after 5\.00 s still spinning, tilted by \d\.\d°, rolling since 0\.022 s$/],
+      ["frictionless&initial.psi_dot=0&initial.phi_dot=0&initial.theta_dot=0&stop.duration=0.01", /^after 0\.010 s tilted by/],
+    ]) {
+      const run = await runOf(link);
+      if (typeof outcome === "string") assert.equal(run.outcome, outcome);
+      else assert.match(run.outcome, outcome);
+      const tilt = degrees(last(run.columns.theta));
+      assert.ok(Math.abs(Number(run.outcome.match(/tilted by ([\d.]+)°/)[1]) - tilt) < 0.1, link);
+    }
+  },
+  async "energy that a model feeds in is called so"() {
+    const run = await runOf("paper-precession-term-only");
+    const { label, text } = changesShown(run, run.end).at(-1);
+    const energy = run.columns.energy;
+    assert.deepEqual([label, text], ["energy fed in", `+${fixed(last(energy) - energy[0], 2)} J`]);
+    const lost = changesShown(await runOf("full-coulomb"), 24).at(-1);
+    assert.equal(lost.label, "lost as heat");
+  },
+  "the cursor does not cross the titles of energy panels"() {
+    const spans = EnergyAreas.prototype.cursorSpans.call({ runs: [1, 2], endsOf: EnergyAreas.prototype.endsOf }, 200);
+    assert.deepEqual(spans, [[18, 96], [118, 196]]);
   },
   async "the start's spin about the axis is that of the picture"() {
     for (const preset of ["paper", "tippe-top", "drop"]) {
@@ -275,10 +319,13 @@ const tests = {
   async "names of A and B show what differs, and break between changes only"() {
     const [a, b] = [await runOf("full-coulomb"), await runOf("full-coulomb&friction.k=0.06&initial.psi_dot=100")];
     const c = await runOf("full-coulomb&friction.k=0.06");
-    assert.deepEqual(nameParts(b, a.scenario), ["k = 0.06", "ψ̇ = 100 rad/s"]);
-    assert.deepEqual(nameParts(b, c.scenario), ["ψ̇ = 100 rad/s", "k = 0.06"]);
-    assert.deepEqual(nameParts(a, b.scenario), ["full-coulomb"]);
-    assert.deepEqual(nameParts(c, (await runOf("paper")).scenario), ["full-coulomb", "k = 0.06"]);
+    assert.deepEqual(nameParts(b, a.scenario), ["friction k = 0.06", "spin ψ̇ = 100 rad/s"]);
+    assert.deepEqual(nameParts(b, c.scenario), ["spin ψ̇ = 100 rad/s", "friction k = 0.06"]);
+    assert.deepEqual(nameParts(a, b.scenario), ["Full friction"]);
+    assert.deepEqual(nameParts(c, (await runOf("paper")).scenario), ["Full friction", "friction k = 0.06"]);
+    assert.equal(runName(b), "Full friction, friction k = 0.06, spin ψ̇ = 100 rad/s");
+    assert.equal(runName(await runOf("full-coulomb&friction.k=0.06&initial.psi_dot=100&stop.duration=25")), "Full friction, 3 values changed");
+    assert.equal(runName(await runOf("frictionless&stop.duration=25")), "No friction, time limit = 25 s");
     const parts = ["k = 0.06", "ψ̇ = 100 rad/s", "θ = 0.3 rad"];
     for (const [width, lines] of [
       [99, ["B: k = 0.06, ψ̇ = 100 rad/s, θ = 0.3 rad"]],

@@ -21,6 +21,8 @@ const PRESETS_FILE: &str = include_str!("presets.toml");
 pub struct Preset {
     /// The name, which is the scenario's `name`.
     pub name: String,
+    /// The title, for readers who don't type names.
+    pub title: String,
     /// The description.
     pub description: String,
     /// Keys of the paper's scenario that it does not have.
