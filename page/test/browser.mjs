@@ -698,6 +698,53 @@ const tests = {
     await tab.click("#fit-close");
     assert.ok(!(await tab.isVisible("#fit")));
   },
+  async "a fit with several spins shows no single value, fits its panel, and is repeated with a held spin"() {
+    const other = await context.newPage();
+    await other.addInitScript(() => {
+      const header = ["Δχ²", "friction.k", "initial.theta", "initial.phi_dot", "initial.theta_dot", "initial.psi_dot"];
+      const row = ["2.65", "0.05594 ± 0.00042", "0.4999 ± 0.0010", "1.50 ± 0.28", "−0.209 ± 0.067", "190.12 ± 0.14"];
+      const words = {
+        verdict: "describes the data with 9 different spins",
+        headline: "friction.k: 0.0288 to 0.0597 (95 %), because θ alone does not show the spin",
+        note: "",
+        extent: [],
+        limits: [],
+        remarks: ["Measure φ, too, or hold initial.psi_dot at a known value."],
+        parameters: { header: ["", "estimate ± sd", "95 % interval", "start value"], rows: header.slice(1).map((name) => [name, "several minima", "0.0288 to 0.0597", "170"]) },
+        signals: { header: ["", "samples", "σ", "RMS/σ", "uncorrelated", ""], rows: [["/top/state.theta", "300", "0.00536 rad (estimated)", "0.979", "p = 0.30", "1 above 5 σ"]] },
+        modes: { header, rows: Array(8).fill(row) },
+      };
+      const report = { law: "coulomb", modes: [{}], parameters: header.slice(1).map((name) => ({ name })) };
+      const { postMessage } = Worker.prototype;
+      window.asked = [];
+      Worker.prototype.postMessage = function (message, ...rest) {
+        if (!message.file) return postMessage.call(this, message, ...rest);
+        window.asked.push(message.request.fit.free);
+        const response = { words, report, arguments: ["fit"], free: "friction.k,initial", set: {}, signals: [] };
+        return setTimeout(() => this.onmessage({ data: { id: message.id, response } }));
+      };
+    });
+    await other.goto(url);
+    await other.waitForSelector("body.ready");
+    await drop(other, "tilt.csv", "t,theta (deg)\n0,28\n");
+    await other.waitForSelector("#fit-result:not([hidden])");
+    assert.equal(await other.textContent("#fit-headline"), "The paper's rise (coulomb): describes the data with 9 different spinsfriction k: 0.0288 to 0.0597 (95 %), because θ alone does not show the spin");
+    assert.match(await other.textContent("#fit-report"), /hold spin ψ̇ at a known value/);
+    for (const width of [1366, 390, 320]) {
+      await other.setViewportSize({ width, height: 800 });
+      const outside = await other.evaluate(() => {
+        const { right } = document.getElementById("fit").getBoundingClientRect();
+        const cells = [...document.querySelectorAll("#fit-report td, #fit-report th, #fit-report p")];
+        return cells.filter((cell) => cell.getBoundingClientRect().right > right || cell.scrollWidth > cell.clientWidth + 1).map((cell) => cell.textContent);
+      });
+      assert.deepEqual(outside, [], `${width}`);
+    }
+    assert.equal(await other.textContent("#fit-take"), "Set the sliders to the best of these");
+    await other.click("#fit-hold");
+    await other.waitForFunction(() => window.asked.length === 2);
+    assert.deepEqual(await other.evaluate(() => window.asked), ["", "friction.k,initial.theta,initial.phi_dot,initial.theta_dot"]);
+    await other.close();
+  },
   async "a broken CSV is named with line and column, and can be chosen again"(tab) {
     const [chooser] = await Promise.all([tab.waitForEvent("filechooser"), tab.click("#fit-choose")]);
     await chooser.setFiles({ name: "broken.csv", mimeType: "text/csv", buffer: Buffer.from("t,theta\n0,0.5\n0.1,abc\n") });

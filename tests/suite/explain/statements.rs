@@ -135,8 +135,8 @@ fn frictionless_model_omits_no_friction() {
 fn change_of_energy_has_no_digits_below_its_error() {
     for (change, within, text) in [
         (0.25, 1e-15, "0.2500 J"),
-        (2.7e-15, 2e-15, "3e-15 J"),
-        (2.512e-13, 2e-15, "2.51e-13 J"),
+        (2.7e-15, 2e-15, "3 × 10⁻¹⁵ J"),
+        (2.512e-13, 2e-15, "2.51 × 10⁻¹³ J"),
         (0.25, 0.0, "0.2500 J"),
     ] {
         let fact = Fact::Energy {
