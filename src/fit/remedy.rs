@@ -427,10 +427,11 @@ mod tests {
 
     #[test]
     fn words_remedies_for_each_interface() {
-        let degrees: String = (0..20)
-            .map(|at| format!("{},{}\n", f64::from(at) / 100.0, 28 + at % 2))
-            .collect();
-        let frames: String = (0..20).map(|at| format!("{at},0.5\n")).collect();
+        let (mut degrees, mut frames) = (String::new(), String::new());
+        for at in 0..20 {
+            degrees += &format!("{},{}\n", f64::from(at) / 100.0, 28 + at % 2);
+            frames += &format!("{at},0.5\n");
+        }
         for (name, text, free, [terminal, page, python]) in [
             (
                 "no header",

@@ -349,6 +349,35 @@ mod tests {
     }
 
     #[test]
+    fn refuses_separators_of_thousands_that_may_be_decimal_marks() {
+        for (text, signal, expected) in [
+            (
+                "t;theta\n0;0,5\n1.000;0,5\n",
+                "theta",
+                ":3: column t: \"1.000\" can be 1 or 1000: write",
+            ),
+            (
+                "t\ttheta\n0\t0.5\n1,000\t0.5\n",
+                "theta",
+                ":3: column t: \"1,000\" can be 1 or 1000: write",
+            ),
+            (
+                "t,theta\n0,0.5\n\"1,000\",0.5\n",
+                "theta",
+                ":3: column t: \"1,000\" can be 1 or 1000: write",
+            ),
+            (
+                "t;theta\n0;0,5\n\"1.234,5\";0,5\n",
+                "theta",
+                ":3: column t: \"1.234,5\" has separators of thousands",
+            ),
+        ] {
+            let error = signals_of(text, &[signal]).unwrap_err().to_string();
+            assert!(error.contains(expected), "{text:?}: {error}");
+        }
+    }
+
+    #[test]
     fn names_file_line_and_column_of_errors() {
         for (text, signal, expected) in [
             (
@@ -400,26 +429,6 @@ mod tests {
                 "t,theta\n0,0.5\n#REF!,0.5\n",
                 "theta",
                 ":3: column t: \"#REF!\" is not a number",
-            ),
-            (
-                "t;theta\n0;0,5\n1.000;0,5\n",
-                "theta",
-                ":3: column t: \"1.000\" can be 1 or 1000: write",
-            ),
-            (
-                "t\ttheta\n0\t0.5\n1,000\t0.5\n",
-                "theta",
-                ":3: column t: \"1,000\" can be 1 or 1000: write",
-            ),
-            (
-                "t,theta\n0,0.5\n\"1,000\",0.5\n",
-                "theta",
-                ":3: column t: \"1,000\" can be 1 or 1000: write",
-            ),
-            (
-                "t;theta\n0;0,5\n\"1.234,5\";0,5\n",
-                "theta",
-                ":3: column t: \"1.234,5\" has separators of thousands",
             ),
             (
                 "t,Theta\n0,0.5\n",

@@ -124,10 +124,7 @@ fn title(report: &Report) -> String {
 fn verdict(report: &Report) -> String {
     let is_comparison = report.comparison.is_some();
     let words = match report.verdict {
-        Verdict::Fitted => match minima::number(report) {
-            1 => "describes the data",
-            number => return format!("describes the data with {number} different spins"),
-        },
+        Verdict::Fitted => return format!("describes the data{}", minima::in_title(report)),
         Verdict::Undecided => "undecided between laws",
         Verdict::BadFit if is_comparison => "none of the laws describes the data",
         Verdict::BadFit => "does not describe the data",
@@ -350,7 +347,7 @@ fn modes(parameters: &[Estimate], modes: &[Mode]) -> Table {
 
 /// What the numbers of a fit say about its data and its model.
 fn remarks(report: &Report, interface: Interface) -> Vec<String> {
-    let mut remarks: Vec<String> = minima::remark(report).into_iter().collect();
+    let mut remarks = minima::remarks(report);
     remarks.extend(report.notes.iter().cloned());
     for loss in &report.losses {
         remarks.push(format!("Not read: {loss}."));

@@ -941,7 +941,7 @@ fn minima_do_not_depend_on_the_start() {
         }
     }
     for report in &reports {
-        let words = report.words(false);
+        let words = report.words(Interface::Terminal, false);
         for (at, (estimate, row)) in report
             .parameters
             .iter()
@@ -1056,7 +1056,10 @@ fn exit_codes_tell_bad_fits_from_bad_input() {
     );
     folder.write("one.csv", "t,theta,phi\n4,0.5,0.1\n");
     folder.write("two.csv", "t,theta\n0,0.5\n0.1,0.49\n");
-    let frames: String = (0..30).map(|at| format!("{at},0.5\n")).collect();
+    let mut frames = String::new();
+    for at in 0..30 {
+        frames += &format!("{at},0.5\n");
+    }
     folder.write("frames.csv", format!("t,theta\n{frames}"));
     folder.write("bad.csv", "t,theta\n0,0.5\n0.1,abc\n");
     folder.write("twice.csv", "t,theta,theta\n0,0.5,0.5\n0.1,0.5,0.5\n");

@@ -2,6 +2,7 @@
 
 use super::super::estimate::TWO_SIDED;
 use super::super::numbers::decimals;
+use super::super::parameter::is_offset;
 use super::super::report::{Estimate, Report};
 use super::{estimate_cell, interval_cell, label};
 use crate::run::decimal::fixed;
@@ -22,13 +23,26 @@ impl Estimate {
     }
 }
 
+/// The spin at the start.
+const SPIN: &str = "initial.psi_dot";
+
 /// Number of minima within the 95 % intervals, with the best one.
-pub(super) fn number(report: &Report) -> u64 {
+fn number(report: &Report) -> u64 {
     let others = report
         .modes
         .iter()
         .filter(|mode| mode.delta_chi2 < TWO_SIDED * TWO_SIDED);
     1 + others.count() as u64
+}
+
+/// What the title says of several minima; empty if there is only one.
+pub(super) fn in_title(report: &Report) -> String {
+    let minima = number(report);
+    match Ambiguity::all(report).first() {
+        Some(Ambiguity::Spin) => format!(" with {minima} different spins"),
+        Some(Ambiguity::Clock(_)) => format!(" with {minima} different offsets"),
+        None => String::new(),
+    }
 }
 
 /// What the fit says of its first parameter, in a sentence; empty without parameters.
@@ -38,7 +52,11 @@ pub(super) fn headline(report: &Report) -> String {
     };
     let (name, interval) = (label(first), interval_cell(first));
     if first.is_over_minima() {
-        format!("{name}: {interval} (95 %), because θ alone does not show the spin")
+        let reason = match Ambiguity::all(report).first() {
+            Some(Ambiguity::Spin) => "because θ alone does not show the spin",
+            Some(Ambiguity::Clock(_)) | None => "over several minima",
+        };
+        format!("{name}: {interval} (95 %), {reason}")
     } else if first.limit.is_some() {
         format!("{name}: {interval}")
     } else {
@@ -53,30 +71,60 @@ pub(super) fn ends(low: f64, high: f64) -> [String; 2] {
     [low, high].map(|end| fixed(end, digits))
 }
 
+/// What the data show only up to whole nutations.
+enum Ambiguity<'a> {
+    /// The spin, from θ alone.
+    Spin,
+    /// The offset of a clock with this name.
+    Clock(&'a str),
+}
+
+impl<'a> Ambiguity<'a> {
+    /// All that a report has.
+    fn all(report: &'a Report) -> Vec<Self> {
+        let mut all = Vec::new();
+        for estimate in report.parameters.iter().filter(|e| e.is_over_minima()) {
+            if estimate.name == SPIN {
+                all.push(Self::Spin);
+            } else if is_offset(&estimate.name) {
+                all.push(Self::Clock(&estimate.name));
+            }
+        }
+        all
+    }
+}
+
 /// Why there is no single estimate, and what would give one.
-pub(super) fn remark(report: &Report) -> Option<String> {
-    // Minima are looked for only where θ alone, or its derivatives, were measured and the spin is free.
+pub(super) fn remarks(report: &Report) -> Vec<String> {
     let minima = number(report);
-    (minima > 1).then(|| {
-        format!(
-            "θ alone does not show the spin: {minima} minima with different spins describe the data, and the intervals reach over them. Measure φ, too, or hold initial.psi_dot at a known value."
-        )
-    })
+    let mut remarks = Vec::new();
+    for ambiguity in Ambiguity::all(report) {
+        remarks.push(match ambiguity {
+            Ambiguity::Spin => format!(
+                "θ alone does not show the spin: {minima} minima with different spins describe the data, and the intervals reach over them. Measure φ, too, or hold {SPIN} at a known value."
+            ),
+            Ambiguity::Clock(name) => format!(
+                "{name} may be off by a nutation or more: {minima} minima describe the data, and the intervals reach over them. A signal of that file that does not repeat with the nutation, such as φ or ω·n, would tell them apart."
+            ),
+        });
+    }
+    remarks
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::Interface;
     use serde_json::{Value as Json, json};
 
-    /// A report on the friction and the spin, whose best fit is at k = 0.0587, with other minima.
-    fn report(modes: &[Json], k_interval: [f64; 2]) -> Report {
+    /// A report on the friction and another parameter with this name and interval, which has the value 199.4 ± 0.5.
+    fn report(modes: &[Json], k_interval: [f64; 2], name: &str, interval: [f64; 2]) -> Report {
         serde_json::from_value(json!({
             "verdict": "fitted", "scenario": "paper", "law": "coulomb", "origin": 0.0, "loss": "squares", "until": 5.0,
             "signals": [], "losses": [], "notes": [], "correlations": [], "profiles": [], "evaluations": 1,
             "parameters": [
                 {"name": "friction.k", "unit": "", "start": 0.03, "value": 0.0587, "sd": 0.00044, "interval": k_interval},
-                {"name": "initial.psi_dot", "unit": "rad/s", "start": 170.0, "value": 199.4, "sd": 0.5, "interval": [198.4, 200.4]},
+                {"name": name, "unit": "", "start": 170.0, "value": 199.4, "sd": 0.5, "interval": interval},
             ],
             "quality": {"chi2": 300.0, "freedom": 297, "p_value": 0.4, "is_converged": true, "aic": 0.0, "bic": 0.0},
             "modes": modes,
@@ -88,7 +136,8 @@ mod tests {
     fn several_minima_have_no_single_estimate() {
         let far = json!({"delta_chi2": 2.0, "values": [0.03, 140.0], "sds": [0.0004, 0.5]});
         let near = json!({"delta_chi2": 5.9, "values": [0.0496, 168.9], "sds": [0.0004, 0.5]});
-        let words = report(&[far, near], [0.0291, 0.0596]).words(false);
+        let report = report(&[far, near], [0.0291, 0.0596], SPIN, [139.3, 200.4]);
+        let words = report.words(Interface::Terminal, false);
         assert_eq!(
             words.title,
             "paper (coulomb): describes the data with 2 different spins"
@@ -98,13 +147,31 @@ mod tests {
             "friction.k: 0.0291 to 0.0596 (95 %), because θ alone does not show the spin"
         );
         assert_eq!(words.parameters.rows[0][1], "several minima");
-        assert_eq!(words.parameters.rows[1][1], "199.40 ± 0.50");
+        assert_eq!(words.parameters.rows[1][1], "several minima");
         assert!(words.remarks[0].starts_with("θ alone does not show the spin: 2 minima"));
     }
 
     #[test]
+    fn several_offsets_leave_the_other_estimates() {
+        let other = json!({"delta_chi2": 1.4, "values": [0.0587, 202.0], "sds": [0.00044, 0.5]});
+        let report = report(&[other], [0.05784, 0.05956], "offset", [198.4, 202.6]);
+        let words = report.words(Interface::Terminal, false);
+        assert_eq!(
+            words.title,
+            "paper (coulomb): describes the data with 2 different offsets"
+        );
+        assert_eq!(
+            words.headline,
+            "friction.k = 0.05870 ± 0.00044, 95 % interval 0.05784 to 0.05956"
+        );
+        assert_eq!(words.parameters.rows[1][1], "several minima");
+        assert!(words.remarks[0].starts_with("offset may be off by a nutation or more: 2 minima"));
+    }
+
+    #[test]
     fn a_single_minimum_has_an_estimate() {
-        let words = report(&[], [0.05784, 0.05956]).words(false);
+        let report = report(&[], [0.05784, 0.05956], SPIN, [198.4, 200.4]);
+        let words = report.words(Interface::Terminal, false);
         assert_eq!(words.title, "paper (coulomb): describes the data");
         assert_eq!(
             words.headline,
