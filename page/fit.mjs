@@ -15,6 +15,13 @@ export const quotedWord = (word) => (/^[\w./=,:+-]+$/.test(word) ? word : `'${wo
 const named = (text) =>
   text.replaceAll(/\b(?:friction|initial|top|support|rolling|drilling|air)\.[a-z_]+/g, keyName).replaceAll(/\/top\/state\.([\w.]+)/g, (_, path) => measuredName(path));
 
+/** The head of a row: a key or field with its unit, in the words of the page, and its name in the program. */
+function rowHead(text) {
+  const [name] = text.split(" ");
+  const also = named(text) === text ? [] : [" ", element("small", { textContent: `(${name})` })];
+  return element("th", { scope: "row" }, named(text), ...also);
+}
+
 /** The table of a report; nothing without rows. Narrow screens show each row as a block with the names of its cells. */
 function wordTable({ header, rows }) {
   if (rows.length === 0) return [];
@@ -23,7 +30,7 @@ function wordTable({ header, rows }) {
   const head = element("tr", {}, ...names.map((textContent) => element("th", { textContent })));
   const body = rows.map((row) => {
     const cells = row.map((textContent, index) => {
-      if (index === 0 && isTitled) return element("th", { scope: "row", textContent: named(textContent), title: textContent });
+      if (index === 0 && isTitled) return rowHead(textContent);
       const cell = element("td", { textContent: named(textContent) });
       cell.dataset.name = names[index];
       return cell;
