@@ -170,7 +170,7 @@ mod tests {
 
     #[test]
     fn a_single_minimum_has_an_estimate() {
-        let report = report(&[], [0.05784, 0.05956], SPIN, [198.4, 200.4]);
+        let report = report(&[], [0.05784, 0.05956], SPIN, [198.42, 200.38]);
         let words = report.words(Interface::Terminal, false);
         assert_eq!(words.title, "paper (coulomb): describes the data");
         assert_eq!(
