@@ -66,8 +66,11 @@ function reportParts({ words }) {
   ];
 }
 
-/** Whether a fit has several minima, each with its own spin. */
-const hasManySpins = ({ report }) => report.modes.length > 0;
+/** Δχ² below which a minimum is within the 95 % intervals. */
+const WITHIN_95 = 3.84;
+
+/** Whether a fit has several minima, each with its own spin, within the intervals. */
+const hasManySpins = ({ report }) => report.modes.some(({ delta_chi2: difference }) => difference < WITHIN_95);
 
 export class FitPanel {
   /**

@@ -714,7 +714,7 @@ const tests = {
         signals: { header: ["", "samples", "σ", "RMS/σ", "uncorrelated", ""], rows: [["/top/state.theta", "300", "0.00536 rad (estimated)", "0.979", "p = 0.30", "1 above 5 σ"]] },
         modes: { header, rows: Array(8).fill(row) },
       };
-      const report = { law: "coulomb", modes: [{}], parameters: header.slice(1).map((name) => ({ name })) };
+      const report = { law: "coulomb", modes: [{ delta_chi2: 2.65 }], parameters: header.slice(1).map((name) => ({ name })) };
       const { postMessage } = Worker.prototype;
       window.asked = [];
       Worker.prototype.postMessage = function (message, ...rest) {
