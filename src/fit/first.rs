@@ -86,7 +86,7 @@ fn solve_all(
     request: &Request,
     monitor: &Monitor<'_>,
 ) -> Result<(Solution, Split), FitError> {
-    let mut split = Split::of_first_file(problem, request.holdout);
+    let mut split = Split::from_first_file(problem, request.holdout);
     let has_offsets = request.data.files > 1;
     let start = problem.start();
     // The first file alone gives a motion with which the clocks of the others are compared.

@@ -18,7 +18,7 @@ pub(super) struct Split {
 
 impl Split {
     /// The points of the first file, whose clock is the model's. The last part of its time is held out.
-    pub(super) fn of_first_file(problem: &Problem, holdout: f64) -> Self {
+    pub(super) fn from_first_file(problem: &Problem, holdout: f64) -> Self {
         let first = problem.points_in_file(0);
         let last = first.iter().map(|point| point.time).fold(0.0, f64::max);
         let end = last * (1.0 - holdout);

@@ -23,10 +23,14 @@ const PROMISING: f64 = 2.0 * KEPT;
 /// goes on if it is promising.
 const HELD_ITERATIONS: usize = 4;
 const FREE_ITERATIONS: usize = 6;
+const DRAFT_ITERATIONS: usize = 25;
 
 /// Beyond the start value and the first minimum the scan ends after this many trials in a row that are worse than
 /// [`KEPT`].
 const FAILURES: usize = 6;
+
+/// χ² of a draft above its minimum.
+const DRAFT_ERROR: f64 = 0.5;
 
 /// Maximum number of trials on each side.
 const MAX_TRIALS: usize = 100;
@@ -104,12 +108,16 @@ fn find_spin_rates(
         points,
         spin: at,
         step: PHASE_STEP / points.iter().map(|point| point.time).fold(0.0, f64::max),
-        minima: vec![solution.clone()],
+        reach: SAME * solution.covariance[(at, at)].sqrt(),
+        drafts: vec![Draft {
+            values: solution.values.clone(),
+            loss: solution.chi2,
+        }],
         monitor,
     };
     let low = scan.side(solution, -1.0)?;
     let high = scan.side(solution, 1.0)?;
-    let Scan { mut minima, .. } = scan;
+    let mut minima = scan.minima(solution)?;
     minima.sort_by(|a, b| a.chi2.total_cmp(&b.chi2));
     *solution = minima.remove(0);
     minima.retain(|other| other.is_converged && other.chi2 - solution.chi2 < KEPT);
@@ -142,9 +150,17 @@ struct Scan<'a> {
     spin: usize,
     /// Distance of trials, rad/s.
     step: f64,
+    /// A minimum that differs by less is the same, rad/s.
+    reach: f64,
     /// The minima that were found, each once.
-    minima: Vec<Solution>,
+    drafts: Vec<Draft>,
     monitor: &'a Monitor<'a>,
+}
+
+/// A minimum for drafts of motions.
+struct Draft {
+    values: Vec<f64>,
+    loss: f64,
 }
 
 impl Scan<'_> {
@@ -198,60 +214,72 @@ impl Scan<'_> {
 
     /// Adds the minimum near these values to those that were found; whether it is worse than the best by [`KEPT`].
     fn is_worse_from(&mut self, values: &[f64]) -> Result<bool, FitError> {
-        let free = vec![false; values.len()];
-        let values = draft(
-            self.problem,
-            self.points,
-            values,
-            free.clone(),
-            FREE_ITERATIONS,
-            self.monitor,
-        )?;
-        let best = self
-            .minima
-            .iter()
-            .map(|known| known.chi2)
-            .fold(f64::INFINITY, f64::min);
-        let Ok(loss) = self.problem.loss_at(Effort::Draft, &values, self.points) else {
-            return Ok(true);
-        };
-        if loss > best + PROMISING {
-            return Ok(true);
+        let best = self.best();
+        let mut values = values.to_vec();
+        let mut loss = f64::INFINITY;
+        // Most trials are given up after a few iterations.
+        for (iterations, highest) in [(FREE_ITERATIONS, PROMISING), (DRAFT_ITERATIONS, KEPT)] {
+            let free = vec![false; values.len()];
+            values = draft(
+                self.problem,
+                self.points,
+                &values,
+                free,
+                iterations,
+                self.monitor,
+            )?;
+            loss = match self.problem.loss_at(Effort::Draft, &values, self.points) {
+                Ok(loss) if loss - best <= highest => loss,
+                Ok(_) | Err(_) => return Ok(true),
+            };
         }
+        let (spin, reach) = (self.spin, self.reach);
+        let found = Draft { values, loss };
         // The step between trials is a little less than the distance of minima, so some are found twice.
-        if let Some(known) = self.known(values[self.spin])
-            && known.chi2 <= loss
-        {
-            return Ok(known.chi2 - best > KEPT);
-        }
-        let minimum = minimise(
-            self.problem,
-            self.points,
-            &values,
-            None,
-            &free,
-            self.monitor,
-        )?;
-        let is_worse = minimum.chi2 - best > KEPT;
-        self.add(minimum);
-        Ok(is_worse)
-    }
-
-    /// The minimum at a spin rate that was found before.
-    fn known(&mut self, rate: f64) -> Option<&mut Solution> {
-        let spin = self.spin;
-        self.minima.iter_mut().find(|known| {
-            let sd = known.covariance[(spin, spin)].sqrt();
-            (known.values[spin] - rate).abs() <= SAME * sd
-        })
-    }
-
-    /// Adds a minimum. Of two descriptions of one minimum the better one stays.
-    fn add(&mut self, minimum: Solution) {
-        match self.known(minimum.values[self.spin]) {
-            Some(known) if minimum.chi2 < known.chi2 => *known = minimum,
+        let known = self
+            .drafts
+            .iter_mut()
+            .find(|known| (known.values[spin] - found.values[spin]).abs() <= reach);
+        match known {
+            Some(known) if found.loss < known.loss => *known = found,
             Some(_) => {}
-            None => self.minima.push(minimum),
+            None => self.drafts.push(found),
         }
+        Ok(false)
+    }
+
+    /// The lowest loss of the minima that were found.
+    fn best(&self) -> f64 {
+        self.drafts
+            .iter()
+            .map(|known| known.loss)
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// The minima that may be kept, each once. `first` is one of them.
+    fn minima(self, first: &Solution) -> Result<Vec<Solution>, FitError> {
+        let highest = self.best() + KEPT + DRAFT_ERROR;
+        let mut minima = vec![first.clone()];
+        for draft in self.drafts.iter().filter(|draft| draft.loss < highest) {
+            let free = vec![false; draft.values.len()];
+            let minimum = minimise(
+                self.problem,
+                self.points,
+                &draft.values,
+                None,
+                &free,
+                self.monitor,
+            )?;
+            let same = minima.iter_mut().find(|known| {
+                let sd = known.covariance[(self.spin, self.spin)].sqrt();
+                (known.values[self.spin] - minimum.values[self.spin]).abs() <= SAME * sd
+            });
+            match same {
+                Some(known) if minimum.chi2 < known.chi2 => *known = minimum,
+                Some(_) => {}
+                None => minima.push(minimum),
+            }
+        }
+        Ok(minima)
     }
 }

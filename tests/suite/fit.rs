@@ -746,7 +746,7 @@ fn refuses_parameters_that_the_data_cannot_tell_apart() {
             "friction.k,offset",
             "a time offset of all data together and a free start are the same motion",
         ),
-        (top, "only 3 combinations are determined: fix 4 of them"),
+        (top, "only 3 combinations are determined"),
         ("friction.law", "friction.law can't be fitted"),
         ("stop.duration", "stop.duration can't be fitted"),
         ("friction.q", "unknown key friction.q"),
