@@ -3,14 +3,14 @@
 use super::error::FitError;
 use super::model::{Effort, Point, Problem};
 use super::monitor::Monitor;
-use rmpfit::{MPConfig, MPError, MPFitter, MPPar, MPResult, MPSide};
+use rmpfit::{MPConfig, MPError, MPFitter, MPPar, MPResult, MPSide, MPSuccess};
 
 /// What a residual of a refused motion counts: more than any that can be measured, but its square is finite.
 const REFUSED: f64 = 1e30;
 
 /// Maximum number of iterations in a window, and in the last one.
 const ITERATIONS: usize = 25;
-const LAST_ITERATIONS: usize = 100;
+const LAST_ITERATIONS: usize = 50;
 
 /// The objective as the optimiser sees it: parameters in units of their scales.
 pub(super) struct Objective<'a> {
@@ -25,6 +25,8 @@ pub(super) struct Objective<'a> {
     monitor: &'a Monitor<'a>,
     /// The last values that were computed, and their residuals.
     last: Option<(Vec<f64>, Vec<f64>)>,
+    /// Whether the last run ended because it had no more iterations.
+    is_exhausted: bool,
 }
 
 impl<'a> Objective<'a> {
@@ -68,7 +70,13 @@ impl<'a> Objective<'a> {
             },
             monitor,
             last: None,
+            is_exhausted: false,
         }
+    }
+
+    /// Whether the last run ended because it had no more iterations, and not in a minimum.
+    pub(super) fn is_exhausted(&self) -> bool {
+        self.is_exhausted
     }
 
     /// Ends after this many iterations.
@@ -120,7 +128,10 @@ impl<'a> Objective<'a> {
             *value = value.max(limits.limit_low).min(limits.limit_up);
         }
         match self.mpfit(&mut scaled) {
-            Ok(_) => Ok(self.values(&scaled)),
+            Ok(status) => {
+                self.is_exhausted = matches!(status.success, MPSuccess::MaxIter);
+                Ok(self.values(&scaled))
+            }
             Err(error) => Err(FitError::Optimiser(reason(&error))),
         }
     }

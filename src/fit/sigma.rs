@@ -25,6 +25,7 @@ pub(super) fn settle(
         if !estimate(problem, split, &solution) {
             break;
         }
+        let was_converged = solution.is_converged;
         solution = minimise(
             problem,
             &split.fitted,
@@ -33,6 +34,10 @@ pub(super) fn settle(
             &fixed,
             monitor,
         )?;
+        // Residuals of what is no minimum say little about the noise.
+        if !was_converged && !solution.is_converged {
+            break;
+        }
     }
     Ok(solution)
 }

@@ -11,6 +11,9 @@ use nalgebra::{DMatrix, DVector};
 /// Maximum number of changes of the set of parameters at bounds.
 const MAX_ROUNDS: usize = 8;
 
+/// Number of simulations after which no further round begins: most minima take a few hundred.
+const MAX_SIMULATIONS: u64 = 1000;
+
 /// A minimum has been found if a further step would change χ² by less than this, in units of χ²/ν or of 1: parameters
 /// are then right to a tenth of their standard deviation, or better.
 const CONVERGED: f64 = 1e-2;
@@ -93,55 +96,104 @@ pub(super) fn minimise(
     fixed: &[bool],
     monitor: &Monitor<'_>,
 ) -> Result<Solution, FitError> {
-    let mut values = start.to_vec();
-    let mut held = vec![false; values.len()];
-    // The optimiser shortens a step that would leave the bounds, and may stall there. So parameters that a bound holds
-    // are taken out, and returned when the gradient leads inwards.
-    for _ in 0..MAX_ROUNDS {
-        let excluded: Vec<bool> = fixed.iter().zip(&held).map(|(a, b)| *a || *b).collect();
-        if !excluded.iter().all(|is_excluded| *is_excluded) {
-            values = descend(problem, points, &values, priors, excluded, monitor)?;
-        }
-        let solution = evaluate(problem, points, values.clone(), priors, fixed, monitor)?;
-        if solution.held == held {
-            return Ok(solution);
-        }
-        held = solution.held;
-    }
-    // A parameter alternates between a bound and the inside: its last state is as good as the one before.
-    evaluate(problem, points, values, priors, fixed, monitor)
-}
-
-/// Descends to a minimum: of dense data first to that of a part of them, which differs by a few standard deviations.
-fn descend(
-    problem: &Problem,
-    points: &[Point],
-    start: &[f64],
-    priors: Option<&[f64]>,
-    excluded: Vec<bool>,
-    monitor: &Monitor<'_>,
-) -> Result<Vec<f64>, FitError> {
-    /// Iterations from there: Newton's steps double the digits. Data without a minimum nearby have none that could be
-    /// found in a reasonable time.
+    /// Iterations from the minimum of a part of dense data to that of all, which differs by a few standard deviations:
+    /// Newton's steps double the digits.
     const DENSE_ITERATIONS: usize = 6;
+    let search = Search {
+        problem,
+        points,
+        priors,
+        fixed,
+        monitor,
+    };
     let part = thinned(points);
     if part.len() == points.len() {
-        let mut objective = Objective::new(problem, points, priors, excluded, monitor);
-        return descend_with(&mut objective, problem, points, start);
+        return search.minimum(start, None);
     }
-    let mut guide = Objective::new(problem, &part, priors, excluded.clone(), monitor);
-    let mut values = descend_with(&mut guide, problem, &part, start)?;
+    let guide = Search {
+        points: &part,
+        ..search
+    };
+    let near = guide.minimum(start, None)?;
     // The motion may end between the last point of the part and that of all.
-    if problem.predict(&values, points).is_err() {
-        values = start.to_vec();
+    let is_complete = problem.predict(&near.values, points).is_ok();
+    let start = if is_complete { &near.values } else { start };
+    // Data on which no motion fits would take minutes to tell.
+    if !near.is_converged && is_complete {
+        return search.evaluate(near.values);
     }
-    Objective::new(problem, points, priors, excluded, monitor)
-        .limited_to(DENSE_ITERATIONS)
-        .run_finally(&values, problem.precision)
+    search.minimum(start, Some(DENSE_ITERATIONS))
+}
+
+/// A search for the minimum of these points.
+#[derive(Clone, Copy)]
+struct Search<'a> {
+    problem: &'a Problem,
+    points: &'a [Point],
+    priors: Option<&'a [f64]>,
+    fixed: &'a [bool],
+    monitor: &'a Monitor<'a>,
+}
+
+impl Search<'_> {
+    /// The minimum within the bounds. With a number of iterations, `start` is close to it.
+    fn minimum(&self, start: &[f64], iterations: Option<usize>) -> Result<Solution, FitError> {
+        let mut values = start.to_vec();
+        let mut held = vec![false; values.len()];
+        // The optimiser shortens a step that would leave the bounds, and may stall there. So parameters that a bound
+        // holds are taken out, and returned when the gradient leads inwards.
+        let limit = self.monitor.evaluations() + MAX_SIMULATIONS;
+        for _ in 0..MAX_ROUNDS {
+            let mut is_exhausted = false;
+            let excluded: Vec<bool> = self
+                .fixed
+                .iter()
+                .zip(&held)
+                .map(|(a, b)| *a || *b)
+                .collect();
+            if !excluded.iter().all(|is_excluded| *is_excluded) {
+                let Self {
+                    problem,
+                    points,
+                    priors,
+                    monitor,
+                    ..
+                } = *self;
+                let mut objective = Objective::new(problem, points, priors, excluded, monitor);
+                values = match iterations {
+                    Some(iterations) => {
+                        objective = objective.limited_to(iterations);
+                        objective.run_finally(&values, problem.precision)?
+                    }
+                    None => descend(&mut objective, problem, points, &values)?,
+                };
+                is_exhausted = objective.is_exhausted();
+            }
+            let solution = self.evaluate(values.clone())?;
+            let is_over = is_exhausted || self.monitor.evaluations() > limit;
+            if solution.held == held || is_over {
+                return Ok(solution);
+            }
+            held = solution.held;
+        }
+        // A parameter alternates between a bound and the inside: its last state is as good as the one before.
+        self.evaluate(values)
+    }
+
+    fn evaluate(&self, values: Vec<f64>) -> Result<Solution, FitError> {
+        let Self {
+            problem,
+            points,
+            priors,
+            fixed,
+            monitor,
+        } = *self;
+        evaluate(problem, points, values, priors, fixed, monitor)
+    }
 }
 
 /// Descends to a minimum with drafts of motions, then with exact ones.
-fn descend_with(
+fn descend(
     objective: &mut Objective<'_>,
     problem: &Problem,
     points: &[Point],
