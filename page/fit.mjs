@@ -61,16 +61,13 @@ function reportParts({ words }) {
     ...headed("Remarks", paragraphs(words.remarks)),
     ...headed("Parameters", [...wordTable(words.parameters), ...paragraphs(words.limits)]),
     ...headed("Signals", words.signals.rows.length > 0 ? [...wordTable(words.signals), ...paragraphs([SIGNAL_NOTE])] : []),
-    ...headed("Other minima: the data don't exclude them, and the intervals reach over those with Δχ² < 3.84", wordTable(words.modes)),
+    ...headed("Other minima: the data don't exclude them, and the intervals reach over all of them", wordTable(words.modes)),
     ...paragraphs(words.extent),
   ];
 }
 
-/** Δχ² below which a minimum is within the 95 % intervals. */
-const WITHIN_95 = 3.84;
-
-/** Whether a fit has several minima, each with its own spin, within the intervals. */
-const hasManySpins = ({ report }) => report.modes.some(({ delta_chi2: difference }) => difference < WITHIN_95);
+/** Whether a fit has several minima, each with its own spin. */
+const hasManySpins = ({ report }) => report.modes.length > 0;
 
 export class FitPanel {
   /**

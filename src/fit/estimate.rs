@@ -30,7 +30,7 @@ const TINY: f64 = 0.1;
 /// or more does not do that.
 const DOMINANT: f64 = 0.8;
 
-/// The estimates of all parameters. Intervals reach over the other minima as far as χ² allows.
+/// The estimates of all parameters. Intervals reach over the other minima.
 pub(super) fn estimates(
     problem: &Problem,
     solution: &Solution,
@@ -53,11 +53,8 @@ pub(super) fn estimates(
         } else if is_significant {
             let mut range = [value - TWO_SIDED * sd, value + TWO_SIDED * sd];
             for mode in modes {
-                let half = (TWO_SIDED * TWO_SIDED - mode.delta_chi2).max(0.0).sqrt();
-                if half > 0.0 {
-                    range[0] = range[0].min(mode.values[at] - half * mode.sds[at]);
-                    range[1] = range[1].max(mode.values[at] + half * mode.sds[at]);
-                }
+                range[0] = range[0].min(mode.values[at] - TWO_SIDED * mode.sds[at]);
+                range[1] = range[1].max(mode.values[at] + TWO_SIDED * mode.sds[at]);
             }
             interval = Some(range);
         } else {

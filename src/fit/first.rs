@@ -72,6 +72,7 @@ fn fit_law(request: &Request, monitor: &Monitor<'_>) -> Result<First, FitError> 
         modes: Vec::new(),
     };
     notes.extend(modes::settle(&mut fitted, monitor)?);
+    fitted.align_turns()?;
     Ok(First {
         fitted,
         notes,

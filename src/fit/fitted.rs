@@ -1,5 +1,6 @@
 //! The fit of one law, before it is reported.
 
+use super::error::FitError;
 use super::estimate::quality;
 use super::model::{Point, Problem};
 use super::report::{Mode, Quality};
@@ -61,6 +62,32 @@ impl Fitted {
     /// The name of the law.
     pub(super) fn law(&self) -> &str {
         self.problem.scenario.word("friction.law")
+    }
+
+    /// Moves the angles of further files by whole turns, to those of the motion.
+    pub(super) fn align_turns(&mut self) -> Result<(), FitError> {
+        let Self {
+            problem,
+            solution,
+            split,
+            ..
+        } = self;
+        let predicted = problem.predict(&solution.values, &split.fitted)?;
+        for signal in 0..problem.signals.len() {
+            let Some(turns) = problem.turns(signal, &predicted, &split.fitted) else {
+                continue;
+            };
+            for value in &mut problem.signals[signal].values {
+                *value += turns;
+            }
+            let points = problem.points.iter_mut();
+            for point in points.chain(&mut split.fitted).chain(&mut split.held_out) {
+                if point.signal == signal {
+                    point.value += turns;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Goodness of the fit.

@@ -8,6 +8,7 @@ use crate::run::simulation::{SimulationError, StopReason, sample_at};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
 
 /// How residuals count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -355,9 +356,35 @@ impl Problem {
     ) -> Result<Vec<f64>, Refusal> {
         let mut residuals = self.predict_with(effort, values, points)?;
         for (residual, point) in residuals.iter_mut().zip(points) {
-            *residual = (*residual - point.value) / point.sigma;
+            *residual = self.residual(*residual, point);
         }
         Ok(residuals)
+    }
+
+    /// The residual of a point at which the model has this value, in σ.
+    pub(super) fn residual(&self, predicted: f64, point: &Point) -> f64 {
+        let signal = &self.signals[point.signal];
+        let mut difference = predicted - point.value;
+        // The turn in which an angle of a further file begins is known only when the offset of its clock is.
+        if signal.file > 0 && signal.is_turning() {
+            difference -= (difference / TAU).round() * TAU;
+        }
+        difference / point.sigma
+    }
+
+    /// The whole turns from the angles of a further file to those of the model, rad; `None` for other signals.
+    pub(super) fn turns(&self, signal: usize, predicted: &[f64], points: &[Point]) -> Option<f64> {
+        if self.signals[signal].file == 0 || !self.signals[signal].is_turning() {
+            return None;
+        }
+        let mut turns = Vec::new();
+        for (point, predicted) in points.iter().zip(predicted) {
+            if point.signal == signal {
+                turns.push(((predicted - point.value) / TAU).round());
+            }
+        }
+        turns.sort_by(f64::total_cmp);
+        turns.get(turns.len() / 2).map(|turns| turns * TAU)
     }
 
     /// The loss at these points: the sum of the squared residuals, or Huber's.

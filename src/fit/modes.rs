@@ -6,15 +6,19 @@ use super::fitted::Fitted;
 use super::identify::{measures_more_than_theta, spin_rate};
 use super::model::{Effort, Point, Problem};
 use super::monitor::Monitor;
-use super::offset::{self, Rival};
+use super::offset::{self, Rivals};
 use super::report::Mode;
 use super::solve::{Solution, complete, draft, minimise};
+use crate::physics::math::ln;
 
 /// Distance of trial spin rates, in radians of phase over the data.
 const PHASE_STEP: f64 = 5.0;
 
-/// Modes within this Δχ² of the best one are kept.
-const KEPT: f64 = 6.0;
+/// Probability that the true minimum is excluded.
+const EXCLUDED: f64 = 0.05;
+
+/// Δχ² above which minima are not followed: that of the largest number of trials.
+const KEPT: f64 = 17.0;
 
 /// χ² above the best one at which a draft is not worth an exact minimum: drafts end a little above theirs.
 const PROMISING: f64 = 2.0 * KEPT;
@@ -41,6 +45,12 @@ const SAME: f64 = 0.5;
 /// Maximum number of times that a better minimum of an offset is moved to.
 const MAX_MOVES: usize = 4;
 
+/// The Δχ² above which one of so many minima is excluded. A cycle of noise, of which a minimum makes use, lowers χ² by a
+/// value that is above x with the probability exp(−x/2); the lowest of many is so much lower by chance.
+fn highest(count: usize) -> f64 {
+    2.0 * ln(count as f64 / EXCLUDED)
+}
+
 /// Moves a fit to its best minimum and lists the others. Returns what was looked at, in a sentence.
 pub(super) fn settle(
     fitted: &mut Fitted,
@@ -49,40 +59,75 @@ pub(super) fn settle(
     let mut found = find(fitted, monitor)?;
     for _ in 0..MAX_MOVES {
         let Some(better) = found.better else { break };
-        offset::move_to(fitted, &better, monitor)?;
+        offset::move_to(fitted, &better.values, monitor)?;
+        if !better.excludes_own {
+            break;
+        }
         found = find(fitted, monitor)?;
     }
-    Ok(found.scanned.map(|[low, high]| {
-        format!(
-            "Without φ or ψ, the phase of the nutation is all that shows the spin: other minima were looked for at initial.psi_dot from {low:.1} to {high:.1} rad/s."
-        )
-    }))
+    Ok(found.scanned.map(|scanned| scanned.sentence()))
 }
 
 /// What a search for other minima has found.
 pub(super) struct Found {
-    /// The spin rates at the start that were tried, rad/s; `None` if the data can have only one minimum.
-    scanned: Option<[f64; 2]>,
-    /// A minimum of an offset that is better for the points that both bring into the motion.
-    better: Option<Rival>,
+    scanned: Option<Scanned>,
+    better: Option<Better>,
 }
 
-/// Lists the other minima of a fit for its points, and moves to the best one for these.
+/// The spin rates at the start that were tried.
+struct Scanned {
+    /// The lowest and the highest one, rad/s.
+    range: [f64; 2],
+    /// Whether no minimum beyond them was left untried that the data may not exclude.
+    is_complete: bool,
+}
+
+impl Scanned {
+    fn sentence(&self) -> String {
+        let [low, high] = self.range;
+        let beyond = if self.is_complete {
+            ""
+        } else {
+            "; spins beyond may describe the data as well"
+        };
+        format!(
+            "Without φ or ψ, the phase of the nutation is all that shows the spin: other minima were looked for at initial.psi_dot from {low:.1} to {high:.1} rad/s{beyond}."
+        )
+    }
+}
+
+/// A minimum of an offset that is better than the one that was found, for the points that both bring into the motion.
+struct Better {
+    values: Vec<f64>,
+    /// Whether the one that was found is excluded.
+    excludes_own: bool,
+}
+
+/// Lists the other minima of a fit for its points, and moves to the best one of its spin rates.
 pub(super) fn find(fitted: &mut Fitted, monitor: &Monitor<'_>) -> Result<Found, FitError> {
+    fitted.modes.clear();
     let scanned = find_spin_rates(fitted, monitor)?;
-    let mut rivals = offset::rivals(fitted, KEPT, monitor)?;
-    for rival in &rivals {
-        let mode = mode(&fitted.problem, &rival.solution, rival.delta_chi2);
-        fitted.modes.push(mode);
+    let mut better = None;
+    // A fit that has given up has no minimum to compare.
+    let clocks = offset::clocks(&fitted.problem);
+    for clock in clocks.into_iter().filter(|_| fitted.solution.is_converged) {
+        let Rivals { minima, own } = offset::rivals(fitted, clock, highest, monitor)?;
+        let lowest = minima[0].chi2;
+        if own != Some(0) {
+            better = Some(Better {
+                values: minima[0].values.clone(),
+                excludes_own: own.is_none(),
+            });
+        }
+        for minimum in &minima[1..] {
+            let mode = mode(&fitted.problem, minimum, minimum.chi2 - lowest);
+            fitted.modes.push(mode);
+        }
     }
     fitted
         .modes
         .sort_by(|a, b| a.delta_chi2.total_cmp(&b.delta_chi2));
-    let is_better = rivals.first().is_some_and(|rival| rival.delta_chi2 < 0.0);
-    Ok(Found {
-        scanned,
-        better: is_better.then(|| rivals.swap_remove(0)),
-    })
+    Ok(Found { scanned, better })
 }
 
 /// Scans the spin rate at the start: from its start value to the minimum that was found, and beyond both. Returns the
@@ -90,14 +135,13 @@ pub(super) fn find(fitted: &mut Fitted, monitor: &Monitor<'_>) -> Result<Found, 
 fn find_spin_rates(
     fitted: &mut Fitted,
     monitor: &Monitor<'_>,
-) -> Result<Option<[f64; 2]>, FitError> {
+) -> Result<Option<Scanned>, FitError> {
     let Fitted {
         problem,
         solution,
         split,
         modes,
     } = fitted;
-    modes.clear();
     // Every other quantity depends on the spin itself, not only through the phase of the nutation.
     let Some(at) = spin_rate(problem).filter(|_| !measures_more_than_theta(problem)) else {
         return Ok(None);
@@ -113,18 +157,25 @@ fn find_spin_rates(
             values: solution.values.clone(),
             loss: solution.chi2,
         }],
+        trials: 1,
+        is_complete: true,
         monitor,
     };
     let low = scan.side(solution, -1.0)?;
     let high = scan.side(solution, 1.0)?;
-    let mut minima = scan.minima(solution)?;
+    let scanned = Scanned {
+        range: [low, high],
+        is_complete: scan.is_complete,
+    };
+    let highest = highest(scan.trials);
+    let mut minima = scan.minima(solution, highest)?;
     minima.sort_by(|a, b| a.chi2.total_cmp(&b.chi2));
     *solution = minima.remove(0);
-    minima.retain(|other| other.is_converged && other.chi2 - solution.chi2 < KEPT);
+    minima.retain(|other| other.is_converged && other.chi2 - solution.chi2 < highest);
     for other in &minima {
         modes.push(mode(problem, other, other.chi2 - solution.chi2));
     }
-    Ok(Some([low, high]))
+    Ok(Some(scanned))
 }
 
 /// Another minimum as reports have it.
@@ -152,6 +203,10 @@ struct Scan<'a> {
     step: f64,
     /// A minimum that differs by less is the same, rad/s.
     reach: f64,
+    /// Number of minima that were looked for.
+    trials: usize,
+    /// Whether both sides ended before the last trial, at spin rates that the data or the bounds exclude.
+    is_complete: bool,
     /// The minima that were found, each once.
     drafts: Vec<Draft>,
     monitor: &'a Monitor<'a>,
@@ -176,7 +231,7 @@ impl Scan<'_> {
             let last = values[self.spin];
             values[self.spin] = self.problem.parameters[self.spin].clamp(centre + side * distance);
             if values[self.spin] == last {
-                break;
+                return Ok(last);
             }
             let Some(held) = self.minimum_at(&values)? else {
                 return Ok(last);
@@ -186,10 +241,12 @@ impl Scan<'_> {
             let is_failure = self.is_worse_from(&values)?;
             let counts = is_failure && distance > expected;
             failures = if counts { failures + 1 } else { 0 };
+            self.trials += 1;
             if failures == FAILURES {
-                break;
+                return Ok(values[self.spin]);
             }
         }
+        self.is_complete = false;
         Ok(values[self.spin])
     }
 
@@ -257,8 +314,8 @@ impl Scan<'_> {
     }
 
     /// The minima that may be kept, each once. `first` is one of them.
-    fn minima(self, first: &Solution) -> Result<Vec<Solution>, FitError> {
-        let highest = self.best() + KEPT + DRAFT_ERROR;
+    fn minima(self, first: &Solution, highest: f64) -> Result<Vec<Solution>, FitError> {
+        let highest = self.best() + highest + DRAFT_ERROR;
         let mut minima = vec![first.clone()];
         for draft in self.drafts.iter().filter(|draft| draft.loss < highest) {
             let free = vec![false; draft.values.len()];

@@ -8,7 +8,7 @@ use super::fitted::{Fitted, Split};
 use super::model::{Effort, Point, Problem};
 use super::monitor::Monitor;
 use super::parameter::Target;
-use super::scan::{Scanned, is_within, scan, step};
+use super::scan::{Scanned, highest_equal, is_within, scan, step};
 use super::sigma;
 use super::solve::{Solution, draft, minimise};
 
@@ -24,14 +24,20 @@ const MAX_RATIO: f64 = 10.0;
 const MAX_RIVALS: usize = 24;
 const FAILURES: usize = 4;
 
-/// A rival is compared if at least this part of the file's points is within the motion with both offsets.
+/// Minima are compared over the points that all of them bring into the motion: at least this part of those of the one that
+/// was found.
 const MIN_COMMON: f64 = 0.5;
 
-/// Iterations after which a rival goes on only if it is promising. The motion hardly changes from one to the next.
-const DRAFT_ITERATIONS: usize = 6;
+/// Iterations after which a rival goes on only if it is promising, and until it is a minimum. The motion hardly changes
+/// from one to the next.
+const FIRST_ITERATIONS: usize = 6;
+const DRAFT_ITERATIONS: usize = 25;
 
 /// Maximum number of times that the points within the motion are found.
 const MAX_ROUNDS: usize = 5;
+
+/// χ² of a draft above its minimum.
+const DRAFT_ERROR: f64 = 0.5;
 
 /// An offset this close to a minimum, in steps of the scan, belongs to it.
 const SAME: f64 = 2.0;
@@ -55,7 +61,7 @@ pub(super) fn fit_offsets(
             later[index] = other > file;
         }
         let mut found: Option<(Solution, Vec<Point>)> = None;
-        let highest = scanned.minima[0].loss.max(1.0) * MAX_RATIO;
+        let highest = scanned.lowest().max(1.0) * MAX_RATIO;
         for cost in scanned.minima.iter().take(CANDIDATES) {
             if cost.loss > highest {
                 break;
@@ -69,8 +75,10 @@ pub(super) fn fit_offsets(
                 }
             }
             let trial = minimise(problem, &both, &start, None, &later, monitor)?;
+            let mean = trial.chi2 / both.len() as f64;
+            // Among those that noise can't tell apart, the first one has the most points.
             let is_better = found.as_ref().is_none_or(|(best, points)| {
-                trial.chi2 / both.len() as f64 <= best.chi2 / points.len() as f64
+                highest_equal(mean, both.len()) < best.chi2 / points.len() as f64
             });
             if is_better {
                 found = Some((trial, both));
@@ -120,10 +128,148 @@ fn points_within(problem: &Problem, values: &[f64], end: f64) -> Vec<Point> {
     points
 }
 
-/// Moves a fit to a better minimum of an offset, with all points that it brings into the motion.
+/// The minima of an offset that the data don't exclude, over the points that all of them bring into the motion.
+pub(super) struct Rivals {
+    /// The minima with their χ², lowest first. The one that was found may be any of them.
+    pub minima: Vec<Solution>,
+    /// Index of the one that was found, if it is among them.
+    pub own: Option<usize>,
+}
+
+/// Compares the minimum that a fit has found with others of one offset, the parameter with the index `at` of a file's
+/// clock. Those whose χ² is more than `highest(n)` above the lowest of n are excluded.
+pub(super) fn rivals(
+    fitted: &Fitted,
+    (at, file): (usize, usize),
+    highest: fn(usize) -> f64,
+    monitor: &Monitor<'_>,
+) -> Result<Rivals, FitError> {
+    let Fitted {
+        problem,
+        solution,
+        split,
+        ..
+    } = fitted;
+    let in_file = problem.points_in_file(file);
+    let scanned = scan(problem, &solution.values, &in_file, at, split.end)?;
+    let own = solution.values[at];
+    let mut group = Group {
+        offsets: Vec::new(),
+        common: split.fitted.clone(),
+        file,
+    };
+    group.collect(fitted, &scanned, own);
+    let common = group.common;
+    let free = vec![false; solution.values.len()];
+    let first = minimise(problem, &common, &solution.values, None, &free, monitor)?;
+    let mut lowest = first.chi2;
+    let mut drafts: Vec<(Vec<f64>, f64)> = Vec::new();
+    let (mut compared, mut failures) = (1, 0);
+    for offset in group.offsets {
+        let mut values = solution.values.clone();
+        values[at] = offset;
+        compared += 1;
+        let mut loss = f64::INFINITY;
+        let kept = highest(MAX_RIVALS);
+        for (iterations, highest) in [(FIRST_ITERATIONS, 2.0 * kept), (DRAFT_ITERATIONS, kept)] {
+            values = draft(problem, &common, &values, free.clone(), iterations, monitor)?;
+            loss = problem
+                .loss_at(Effort::Final, &values, &common)
+                .unwrap_or(f64::INFINITY);
+            if loss > lowest + highest {
+                loss = f64::INFINITY;
+                break;
+            }
+        }
+        let reach = SAME * scanned.step;
+        let is_known = (values[at] - own).abs() <= reach
+            || drafts
+                .iter()
+                .any(|(known, _)| (known[at] - values[at]).abs() <= reach);
+        if loss.is_finite() && !is_known {
+            lowest = lowest.min(loss);
+            drafts.push((values, loss));
+            failures = 0;
+        } else {
+            failures += 1;
+        }
+        if failures == FAILURES {
+            break;
+        }
+    }
+    let highest = highest(compared);
+    let mut minima = vec![first.clone()];
+    for (values, loss) in drafts {
+        // Drafts end a little above their minimum.
+        if loss < lowest + highest + DRAFT_ERROR {
+            let minimum = minimise(problem, &common, &values, None, &free, monitor)?;
+            if minimum.is_converged {
+                minima.push(minimum);
+            }
+        }
+    }
+    minima.sort_by(|a, b| a.chi2.total_cmp(&b.chi2));
+    let lowest = minima[0].chi2;
+    minima.retain(|minimum| minimum.chi2 - lowest < highest);
+    Ok(Rivals {
+        own: minima
+            .iter()
+            .position(|minimum| minimum.values == first.values),
+        minima,
+    })
+}
+
+/// Offsets that are compared, and the points that all of them bring into the motion.
+struct Group {
+    offsets: Vec<f64>,
+    common: Vec<Point>,
+    file: usize,
+}
+
+impl Group {
+    /// Collects the minima of a scan that describe the common points best, without the one that was found.
+    fn collect(&mut self, fitted: &Fitted, scanned: &Scanned<'_>, own: f64) {
+        let Fitted { problem, split, .. } = fitted;
+        let mut others: Vec<(f64, f64)> = Vec::new();
+        for cost in &scanned.minima {
+            // The minimum that was found is on the grid of the scan or between two of its offsets.
+            if (cost.offset - own).abs() > SAME * scanned.step {
+                others.push((scanned.excess(cost.offset, own), cost.offset));
+            }
+        }
+        others.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let needed = MIN_COMMON * self.count(problem, &self.common) as f64;
+        for (_, offset) in others {
+            let mut common = Vec::new();
+            for point in &self.common {
+                let is_of_file = problem.signals[point.signal].file == self.file;
+                if !is_of_file || scanned.is_within(point, offset, split.end) {
+                    common.push(*point);
+                }
+            }
+            if self.count(problem, &common) as f64 >= needed {
+                self.common = common;
+                self.offsets.push(offset);
+            }
+            if self.offsets.len() == MAX_RIVALS {
+                break;
+            }
+        }
+    }
+
+    /// Number of points of the file.
+    fn count(&self, problem: &Problem, points: &[Point]) -> usize {
+        points
+            .iter()
+            .filter(|point| problem.signals[point.signal].file == self.file)
+            .count()
+    }
+}
+
+/// Moves a fit to another minimum of an offset, with all points that it brings into the motion.
 pub(super) fn move_to(
     fitted: &mut Fitted,
-    better: &Rival,
+    values: &[f64],
     monitor: &Monitor<'_>,
 ) -> Result<(), FitError> {
     let Fitted {
@@ -132,153 +278,14 @@ pub(super) fn move_to(
         split,
         ..
     } = fitted;
-    let values = &better.solution.values;
     let (moved, points) = minimise_within(problem, values, split.end, monitor)?;
     split.fit_points(problem, &moved.values, points);
     *solution = sigma::settle(problem, split, moved, monitor)?;
     Ok(())
 }
 
-/// Another minimum of an offset.
-pub(super) struct Rival {
-    /// Its solution for the points that are within the motion with both offsets.
-    pub solution: Solution,
-    /// χ² of these points, above that of the minimum that was found.
-    pub delta_chi2: f64,
-}
-
-/// The other minima of the offsets whose χ² is less than `highest` above that of `solution`, or below it; lowest first.
-pub(super) fn rivals(
-    fitted: &Fitted,
-    highest: f64,
-    monitor: &Monitor<'_>,
-) -> Result<Vec<Rival>, FitError> {
-    let Fitted {
-        problem,
-        solution,
-        split,
-        ..
-    } = fitted;
-    let mut rivals = Vec::new();
-    for (at, file) in clocks(problem) {
-        let in_file = problem.points_in_file(file);
-        let search = Search {
-            fitted,
-            at,
-            file,
-            scanned: scan(problem, &solution.values, &in_file, at, split.end)?,
-            highest,
-            monitor,
-        };
-        rivals.extend(search.rivals()?);
-    }
-    rivals.sort_by(|a, b| a.delta_chi2.total_cmp(&b.delta_chi2));
-    Ok(rivals)
-}
-
-/// A search for other minima of one offset.
-struct Search<'a> {
-    /// The minimum that was found.
-    fitted: &'a Fitted,
-    /// Index of the offset among the parameters.
-    at: usize,
-    /// Its file.
-    file: usize,
-    scanned: Scanned,
-    highest: f64,
-    monitor: &'a Monitor<'a>,
-}
-
-impl Search<'_> {
-    fn rivals(&self) -> Result<Vec<Rival>, FitError> {
-        let mut known = vec![self.fitted.solution.values[self.at]];
-        let mut rivals = Vec::new();
-        let mut failures = 0;
-        for cost in self.scanned.minima.iter().take(MAX_RIVALS) {
-            if self.is_known(&known, cost.offset) {
-                continue;
-            }
-            match self.rival_near(cost.offset)? {
-                Some(rival) if !self.is_known(&known, rival.solution.values[self.at]) => {
-                    known.push(rival.solution.values[self.at]);
-                    rivals.push(rival);
-                    failures = 0;
-                }
-                Some(_) | None => failures += 1,
-            }
-            if failures == FAILURES {
-                break;
-            }
-        }
-        Ok(rivals)
-    }
-
-    /// Whether an offset belongs to one of the minima that are known.
-    fn is_known(&self, known: &[f64], offset: f64) -> bool {
-        let reach = SAME * self.scanned.step;
-        known.iter().any(|known| (known - offset).abs() <= reach)
-    }
-
-    /// The minimum near an offset, unless it is too far above the one that was found.
-    fn rival_near(&self, offset: f64) -> Result<Option<Rival>, FitError> {
-        let Fitted {
-            problem,
-            solution,
-            split,
-            ..
-        } = self.fitted;
-        let (mut common, mut chi2) = (Vec::new(), 0.0);
-        let (mut of_file, mut lost) = (0, 0);
-        for (point, residual) in split.fitted.iter().zip(&solution.residuals) {
-            let is_of_file = problem.signals[point.signal].file == self.file;
-            of_file += usize::from(is_of_file);
-            if is_of_file && !self.scanned.is_within(point, offset, split.end) {
-                lost += 1;
-                continue;
-            }
-            let deviate = problem.loss.transformed(*residual);
-            chi2 += deviate * deviate;
-            common.push(*point);
-        }
-        if lost as f64 > (1.0 - MIN_COMMON) * of_file as f64 {
-            return Ok(None);
-        }
-        let mut start = solution.values.clone();
-        start[self.at] = offset;
-        let free = vec![false; start.len()];
-        let values = draft(
-            problem,
-            &common,
-            &start,
-            free.clone(),
-            DRAFT_ITERATIONS,
-            self.monitor,
-        )?;
-        match problem.loss_at(Effort::Final, &values, &common) {
-            // Drafts end a little above their minimum.
-            Ok(loss) if loss < chi2 + 2.0 * self.highest => {}
-            Ok(_) | Err(_) => return Ok(None),
-        }
-        let rival = minimise(problem, &common, &values, None, &free, self.monitor)?;
-        let own = minimise(
-            problem,
-            &common,
-            &solution.values,
-            None,
-            &free,
-            self.monitor,
-        )?;
-        let delta_chi2 = rival.chi2 - own.chi2;
-        let is_rival = rival.is_converged && delta_chi2 < self.highest;
-        Ok(is_rival.then_some(Rival {
-            solution: rival,
-            delta_chi2,
-        }))
-    }
-}
-
 /// The offsets: the index of the parameter, and the file.
-fn clocks(problem: &Problem) -> Vec<(usize, usize)> {
+pub(super) fn clocks(problem: &Problem) -> Vec<(usize, usize)> {
     let mut clocks = Vec::new();
     for (at, parameter) in problem.parameters.iter().enumerate() {
         if let Target::Offset(file) = parameter.target {

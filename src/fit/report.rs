@@ -136,7 +136,7 @@ pub struct Estimate {
     /// Standard deviation; absent for a parameter at a bound, or one that the data don't determine.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sd: Option<f64>,
-    /// 95 % interval, from the curvature of χ². It reaches over all minima with Δχ² < 3.84.
+    /// 95 % interval, from the curvature of χ². It reaches over all minima in `modes`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interval: Option<[f64; 2]>,
     /// One-sided 95 % limit, for a parameter at a bound or not clearly above zero.

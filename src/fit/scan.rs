@@ -18,14 +18,45 @@ const MIN_OVERLAP: f64 = 0.5;
 const FEWEST: usize = 10;
 
 /// Result of a scan.
-pub(super) struct Scanned {
-    /// Offsets that describe the points better than their neighbours do, best first.
+pub(super) struct Scanned<'a> {
+    /// Offsets that describe the points better than their neighbours do: those that noise can't tell from the best with
+    /// the most points first, then the others by their loss.
     pub minima: Vec<Cost>,
     /// Distance between samples of the model, and between offsets, s.
     pub step: f64,
+    problem: &'a Problem,
+    motion: Motion,
+    /// The points that were compared, in order of their times: each `stride`th of all.
+    compared: Vec<Point>,
+    stride: usize,
 }
 
-impl Scanned {
+impl Scanned<'_> {
+    /// The lowest mean loss.
+    pub(super) fn lowest(&self) -> f64 {
+        let losses = self.minima.iter().map(|cost| cost.loss);
+        losses.fold(f64::INFINITY, f64::min)
+    }
+
+    /// The loss with an offset above that with another one, `known`, for the points that both bring into the motion.
+    pub(super) fn excess(&self, offset: f64, known: f64) -> f64 {
+        let mut excess = 0.0;
+        let earliest = offset.min(known);
+        let first = self
+            .compared
+            .partition_point(|point| point.time + earliest < 0.0);
+        for point in &self.compared[first..] {
+            let (Some(here), Some(there)) = (
+                self.motion.loss(self.problem, point, offset),
+                self.motion.loss(self.problem, point, known),
+            ) else {
+                break;
+            };
+            excess += here - there;
+        }
+        excess * self.stride as f64
+    }
+
     /// Whether a point of the file is within the motion, which ends at `end`, s, with room for a small change of the
     /// offset.
     pub(super) fn is_within(&self, point: &Point, offset: f64, end: f64) -> bool {
@@ -54,17 +85,33 @@ pub(super) struct Cost {
     pub offset: f64,
     /// Mean loss of the points within the motion.
     pub loss: f64,
+    /// Number of these points.
+    pub within: usize,
+}
+
+impl Cost {
+    /// The highest mean loss that noise, of which the squares of normal values have the variance 2, can't tell from this
+    /// one.
+    fn highest_equal(&self) -> f64 {
+        highest_equal(self.loss, self.within)
+    }
+}
+
+/// The highest mean of squares that noise can't tell from this mean of so many.
+pub(super) fn highest_equal(mean: f64, count: usize) -> f64 {
+    const SIGMAS: f64 = 3.0;
+    mean * (1.0 + SIGMAS * (2.0 / count as f64).sqrt())
 }
 
 /// Compares the points of a file with the motion of `values` for all offsets of its clock, the parameter with the index
 /// `at`, that keep enough of them within the motion.
-pub(super) fn scan(
-    problem: &Problem,
+pub(super) fn scan<'a>(
+    problem: &'a Problem,
     values: &[f64],
     points: &[Point],
     at: usize,
     end: f64,
-) -> Result<Scanned, FitError> {
+) -> Result<Scanned<'a>, FitError> {
     let parameter = &problem.parameters[at];
     let mut compared = points.to_vec();
     compared.sort_by(|a, b| a.time.total_cmp(&b.time));
@@ -93,13 +140,10 @@ pub(super) fn scan(
         let (mut sum, mut within) = (0.0, 0_usize);
         let first = compared.partition_point(|point| point.time + offset < 0.0);
         for point in &compared[first..] {
-            let Some(value) = motion.value(point, offset) else {
+            let Some(loss) = motion.loss(problem, point, offset) else {
                 break;
             };
-            let residual = problem
-                .loss
-                .transformed((value - point.value) / point.sigma);
-            sum += residual * residual;
+            sum += loss;
             within += 1;
         }
         // A mean over few points may be low by chance.
@@ -107,11 +151,15 @@ pub(super) fn scan(
             costs.push(Cost {
                 offset,
                 loss: sum / within as f64,
+                within,
             });
         }
     }
     let mut minima = local_minima(&costs);
     minima.sort_by(|a, b| a.loss.total_cmp(&b.loss));
+    let highest = minima.first().map_or(0.0, Cost::highest_equal);
+    let equal = minima.partition_point(|cost| cost.loss <= highest);
+    minima[..equal].sort_by_key(|cost| std::cmp::Reverse(cost.within));
     if minima.is_empty() {
         return Err(FitError::OffsetBounds {
             name: parameter.name(),
@@ -123,6 +171,10 @@ pub(super) fn scan(
     Ok(Scanned {
         minima,
         step: motion.step,
+        problem,
+        motion,
+        compared,
+        stride,
     })
 }
 
@@ -169,6 +221,13 @@ impl Motion {
             signals,
             values: problem.predict(values, &grid)?,
         })
+    }
+
+    /// The loss of a point, which is not before the start; `None` after the end.
+    fn loss(&self, problem: &Problem, point: &Point, offset: f64) -> Option<f64> {
+        let residual = problem.residual(self.value(point, offset)?, point);
+        let deviate = problem.loss.transformed(residual);
+        Some(deviate * deviate)
     }
 
     /// The value at the time of a point, which is not before the start; `None` after the end.
@@ -218,6 +277,7 @@ fn vertex(before: Cost, lowest: Cost, after: Cost) -> Cost {
     Cost {
         offset: lowest.offset + part * (after.offset - lowest.offset),
         loss: (lowest.loss + 0.5 * part * slope).max(0.0),
+        within: lowest.within,
     }
 }
 

@@ -353,6 +353,11 @@ impl Signal {
         self.sigmas.fill(sigma);
     }
 
+    /// Whether it is an angle that may turn.
+    pub(super) fn is_turning(&self) -> bool {
+        is_turning(self.field)
+    }
+
     /// Moves an angle by whole turns, so that its first value is nearest to `start`.
     pub(super) fn turn_towards(&mut self, start: f64) {
         if let Some(first) = self.values.first().copied()

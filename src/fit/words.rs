@@ -17,6 +17,9 @@ use std::fmt::{self, Display, Formatter};
 /// Probability of a smaller χ² below which σ was too large.
 const TOO_SMALL: f64 = REJECTED;
 
+/// Number of other minima that are shown unless all are wanted.
+const MAX_MODES: usize = 8;
+
 /// A report in words, without the comparison of laws and profiles.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Words {
@@ -64,7 +67,7 @@ impl Report {
             limits: limits(self),
             signals: signals(&self.signals),
             remarks: remarks(self, interface),
-            modes: modes(&self.parameters, &self.modes),
+            modes: modes(&self.parameters, &self.modes, all),
         }
     }
 }
@@ -331,15 +334,23 @@ fn losses(signal: &SignalReport) -> String {
     losses.join(", ")
 }
 
-fn modes(parameters: &[Estimate], modes: &[Mode]) -> Table {
+/// The other minima. A long list is cut after the best ones unless `all` are wanted.
+fn modes(parameters: &[Estimate], modes: &[Mode], all: bool) -> Table {
     let mut header = vec!["Δχ²".to_owned()];
     header.extend(parameters.iter().map(|parameter| parameter.name.clone()));
     let mut rows = Vec::new();
-    for mode in modes {
+    let shown = if all { modes.len() } else { MAX_MODES };
+    for mode in modes.iter().take(shown) {
         let mut row = vec![fixed(mode.delta_chi2, 2)];
         for (value, sd) in mode.values.iter().zip(&mode.sds) {
             row.push(format_estimate(*value, *sd));
         }
+        rows.push(row);
+    }
+    let hidden = modes.len().saturating_sub(shown);
+    if hidden > 0 {
+        let mut row = vec![format!("{hidden} more")];
+        row.resize(header.len(), "…".to_owned());
         rows.push(row);
     }
     Table { header, rows }

@@ -917,6 +917,33 @@ fn a_cut_recording_gives_a_partial_result() {
 }
 
 #[test]
+fn intervals_over_minima_that_noise_favours_hold_the_truth() {
+    // A pupil's video: the nutation is hardly above the noise, and any spin has its own cycle of noise.
+    let truth = preset("full-coulomb")
+        .with([("friction.k", 0.05.into())])
+        .unwrap();
+    for seed in [5, 6, 7] {
+        let data = measure(&truth, 30.0, 5.0, &[(state::THETA, 5e-3)], Some(seed));
+        let start = preset("full-coulomb");
+        let report = fit(
+            &Request::new(
+                start,
+                data,
+                &["friction.k", "initial.theta", "initial.psi_dot"],
+            ),
+            &|_| {},
+        )
+        .unwrap()
+        .report;
+        assert!(!report.modes.is_empty(), "{seed}");
+        for (estimate, truth) in report.parameters.iter().zip([0.05, 0.5, 170.0]) {
+            let [low, high] = estimate.interval.unwrap();
+            assert!((low..=high).contains(&truth), "{seed}: {estimate:?}");
+        }
+    }
+}
+
+#[test]
 fn minima_do_not_depend_on_the_start() {
     let truth = preset("full-coulomb");
     let data = measure(&truth, 30.0, 2.0, &[(state::THETA, 5e-3)], Some(7));
@@ -948,11 +975,11 @@ fn minima_do_not_depend_on_the_start() {
             .zip(&words.parameters.rows)
             .enumerate()
         {
-            for mode in report.modes.iter().filter(|mode| mode.delta_chi2 < 3.84) {
+            for mode in &report.modes {
                 let distance = (mode.values[at] - estimate.value).abs();
                 // A standard deviation beside minima that it doesn't reach would mislead.
                 assert!(
-                    !row[1].contains('±') || distance < 2.0 * estimate.sd.unwrap(),
+                    !row[1].contains('±') || distance < 3.0 * estimate.sd.unwrap(),
                     "{row:?} {distance}"
                 );
             }
@@ -965,11 +992,11 @@ fn minima_do_not_depend_on_the_start() {
                 distance > 0.5 * spin.sd.unwrap(),
                 "the best one is listed twice"
             );
-            assert!((0.0..6.0).contains(&mode.delta_chi2));
+            // Of 201 minima at most, 2 ln(201/0.05).
+            assert!((0.0..16.6).contains(&mode.delta_chi2));
             for (estimate, value) in report.parameters.iter().zip(&mode.values) {
                 let [low, high] = estimate.interval.unwrap();
-                let is_covered = (low..=high).contains(value);
-                assert!(is_covered || mode.delta_chi2 > 3.84, "{}", estimate.name);
+                assert!((low..=high).contains(value), "{}", estimate.name);
             }
         }
         assert!(

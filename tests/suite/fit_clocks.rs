@@ -122,6 +122,29 @@ fn clocks_of_files_that_are_much_longer_than_the_motion_are_found() {
 }
 
 #[test]
+fn turns_of_an_angle_follow_the_offset() {
+    // The second camera starts when the first one has seen φ turn once, and counts from the same zero.
+    let truth = preset("full-coulomb");
+    let mut both = measure(&truth, 100.0, 4.0, &THETA_PHI, Some(1));
+    let mut later = measure(&truth, 100.0, 4.0, &[(state::PHI, 1e-3)], Some(2));
+    let signal = &later.signals[0];
+    let first = signal.times.partition_point(|time| *time < 2.5);
+    let (times, values) = (&signal.times[first..], &signal.values[first..]);
+    assert!(values[0] > std::f64::consts::PI);
+    later.signals[0] = Signal::from_values(state::PHI, times, values, Some(1e-3)).unwrap();
+    add_file(&mut both, later, 7.5);
+    let request = Request::new(truth, both, &["friction.k", "initial"]);
+    let fitted = fit(&request, &|_| {}).unwrap();
+    let report = &fitted.report;
+    assert_eq!(report.verdict, Verdict::Fitted, "{report:#?}");
+    let found = offset(report);
+    assert!(
+        (found.value - 7.5).abs() < 4.0 * found.sd.unwrap(),
+        "{found:?}"
+    );
+}
+
+#[test]
 fn refuses_offsets_that_leave_a_file_outside_the_motion() {
     let truth = preset("full-coulomb");
     for (name, rate, bounds, expected) in [

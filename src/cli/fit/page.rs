@@ -75,7 +75,7 @@ fn signals(words: &Words) -> Section {
 
 fn modes(words: &Words) -> Section {
     let mut section = Section::with_tone(Tone::Weak, "Other minima");
-    "the data don't exclude them; 95 % intervals reach over those with Δχ² < 3.84"
+    "the data don't exclude them; 95 % intervals reach over all of them"
         .clone_into(&mut section.note);
     section.table(table(&words.modes, 0));
     section

@@ -7,9 +7,12 @@ use super::super::report::{Estimate, Report};
 use super::{estimate_cell, interval_cell, label};
 use crate::run::decimal::fixed;
 
-/// Distance of an interval's end from the estimate, in standard deviations, beyond which the interval reaches over other
-/// minima: that of a single one ends at 1.96.
-const SINGLE: f64 = 2.0;
+/// Distance of an interval's end from the estimate, in standard deviations, beyond which the estimate of the best minimum
+/// would mislead: the interval of a single one ends at 1.96, and is hardly wider if the others agree with it.
+const SINGLE: f64 = 3.0;
+
+/// Minima differ in a parameter if their values do by more than this, in the standard deviations of both.
+const DIFFERENT: f64 = 3.0;
 
 impl Estimate {
     /// Whether the interval reaches over several minima: the standard deviation is that of the best one only.
@@ -26,13 +29,9 @@ impl Estimate {
 /// The spin at the start.
 const SPIN: &str = "initial.psi_dot";
 
-/// Number of minima within the 95 % intervals, with the best one.
+/// Number of minima, with the best one.
 fn number(report: &Report) -> u64 {
-    let others = report
-        .modes
-        .iter()
-        .filter(|mode| mode.delta_chi2 < TWO_SIDED * TWO_SIDED);
-    1 + others.count() as u64
+    1 + report.modes.len() as u64
 }
 
 /// What the title says of several minima; empty if there is only one.
@@ -83,15 +82,30 @@ impl<'a> Ambiguity<'a> {
     /// All that a report has.
     fn all(report: &'a Report) -> Vec<Self> {
         let mut all = Vec::new();
-        for estimate in report.parameters.iter().filter(|e| e.is_over_minima()) {
-            if estimate.name == SPIN {
-                all.push(Self::Spin);
-            } else if is_offset(&estimate.name) {
+        for (at, estimate) in report.parameters.iter().enumerate() {
+            // Minima one cycle apart in the clock have the same spin, but for the noise.
+            if is_offset(&estimate.name) && differs(report, at) {
                 all.push(Self::Clock(&estimate.name));
+            }
+        }
+        for (at, estimate) in report.parameters.iter().enumerate() {
+            if all.is_empty() && estimate.name == SPIN && differs(report, at) {
+                all.push(Self::Spin);
             }
         }
         all
     }
+}
+
+/// Whether minima differ in the parameter with this index.
+fn differs(report: &Report, at: usize) -> bool {
+    let Some(best) = report.parameters.get(at) else {
+        return false;
+    };
+    report.modes.iter().any(|mode| {
+        let (value, sd) = (mode.values[at], mode.sds[at]);
+        (value - best.value).abs() > DIFFERENT * sd.hypot(best.sd.unwrap_or_default())
+    })
 }
 
 /// Why there is no single estimate, and what would give one.
