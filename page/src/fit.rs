@@ -48,10 +48,7 @@ pub fn fit(request: &FitRequest, content: &[u8]) -> Result<Json, Box<dyn Error>>
     let data = read(request, content, &parsed(&specs)?)?;
     let free: Vec<String> = match request.free.trim() {
         "" => usual_parameters(&scenario),
-        names => names
-            .split(',')
-            .map(|name| name.trim().to_owned())
-            .collect(),
+        names => free_names(names, &scenario),
     };
     let names: Vec<&str> = free.iter().map(String::as_str).collect();
     let fitted =
@@ -66,6 +63,32 @@ pub fn fit(request: &FitRequest, content: &[u8]) -> Result<Json, Box<dyn Error>>
     }))
 }
 
+/// Names of parameters, and the groups that the page calls friction and start.
+fn free_names(text: &str, scenario: &Scenario) -> Vec<String> {
+    let mut names = Vec::new();
+    for name in text.replace(" and ", ",").split(',').map(str::trim) {
+        match name {
+            "friction" => names.extend(
+                usual_parameters(scenario)
+                    .into_iter()
+                    .filter(|name| name.starts_with("friction.")),
+            ),
+            "start" => names.push("initial".to_owned()),
+            name => names.push(name.to_owned()),
+        }
+    }
+    names
+}
+
+/// A standard deviation of angles as people write it: in degrees if there is no unit.
+fn sigma_in_degrees(text: &str) -> String {
+    let text = text.replace(',', ".");
+    match text.parse::<f64>() {
+        Ok(_) => format!("{text} deg"),
+        Err(_) => text,
+    }
+}
+
 fn report_progress(progress: Progress) {
     // Derivatives have no χ².
     if progress.chi2.is_finite() {
@@ -77,11 +100,11 @@ fn report_progress(progress: Progress) {
 
 /// The arguments of `--signal`: the columns that are named like fields, if the standard deviation of angles is known.
 fn signals(request: &FitRequest, content: &[u8]) -> Result<Vec<String>, Box<dyn Error>> {
-    let sigma = request.sigma.trim();
     let mut specs = Vec::new();
-    if sigma.is_empty() {
+    if request.sigma.trim().is_empty() {
         return Ok(specs);
     }
+    let sigma = sigma_in_degrees(request.sigma.trim());
     for signal in read(request, content, &[])?.signals {
         let sigma = match signal.field.unit() {
             "rad" => format!(":{sigma}"),

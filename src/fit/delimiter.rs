@@ -95,7 +95,9 @@ pub(super) fn without_runs(record: &StringRecord) -> StringRecord {
     let mut cells: Vec<String> = Vec::new();
     for cell in record.iter().filter(|cell| !cell.is_empty()) {
         match cells.last_mut() {
-            Some(name) if is_bracketed_unit(cell) => *name = format!("{name} {cell}"),
+            Some(name) if is_bracketed_unit(cell) && !is_bracketed_unit(name) => {
+                *name = format!("{name} {cell}");
+            }
             Some(_) | None => cells.push(cell.to_owned()),
         }
     }

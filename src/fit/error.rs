@@ -362,6 +362,11 @@ pub enum KeyError {
     /// A profile of it is wanted, but it is not free.
     #[error("it is not free, so it has no profile")]
     NotFree,
+    /// It is the offset of a file that there is not.
+    #[error(
+        "there is no file with this number; offset is that of the second file, offset.3 that of the third"
+    )]
+    NoFile,
     /// It is the offset of the only clock.
     #[error(
         "a time offset of all data together and a free start are the same motion; the offset of a second file is fitted without being named"

@@ -240,7 +240,9 @@ fn oddity(loss: Loss, fitted: PointResiduals<'_>, signal: usize) -> Option<Oddit
 /// meaning.
 pub(super) fn verdict(quality: &Quality, signals: &[SignalReport]) -> Verdict {
     let is_rejected = quality.p_value.is_some_and(|p| p < REJECTED);
-    let is_odd = signals.iter().any(|signal| signal.oddity.is_some());
+    let is_odd = signals
+        .iter()
+        .any(|signal| signal.oddity.is_some() || signal.is_mostly_outliers());
     if !quality.is_converged {
         Verdict::NotConverged
     } else if is_rejected || is_odd || lowest_p(signals).is_some_and(|p| p < REJECTED) {

@@ -47,7 +47,9 @@ const START: &[&str] = &[
     "initial.theta_dot",
     "initial.psi_dot",
 ];
-const START_OF_FREE_PEG: &[&str] = &["initial.peg_x_dot", "initial.peg_y_dot"];
+const START_OF_FREE_PEG: [&str; 2] = ["initial.peg_x_dot", "initial.peg_y_dot"];
+/// The same for scenarios that give the velocity of the centre of mass.
+const START_OF_CENTER: [&str; 2] = ["initial.center_x_dot", "initial.center_y_dot"];
 
 /// Name of the group of all keys of the start.
 pub(super) const INITIAL: &str = "initial";
@@ -133,7 +135,12 @@ impl Parameter {
 
     /// Whether it is of the start of the motion.
     pub fn is_initial(&self) -> bool {
-        matches!(self.target, Target::Key(key) if START.contains(&key.path) || START_OF_FREE_PEG.contains(&key.path))
+        let Target::Key(key) = self.target else {
+            return false;
+        };
+        [START, &START_OF_FREE_PEG, &START_OF_CENTER]
+            .iter()
+            .any(|keys| keys.contains(&key.path))
     }
 
     /// Restricts the parameter to a range that contains its start.
@@ -255,6 +262,14 @@ pub(super) fn select(
             is_optional: false,
         });
     }
+    for name in names.iter().filter(|name| is_offset(name)) {
+        if !all.iter().any(|one| one.parameter.name() == *name) {
+            return Err(FitError::Key {
+                name: name.clone(),
+                reason: KeyError::NoFile,
+            });
+        }
+    }
     for (name, range) in bounds {
         let selected = all
             .iter_mut()
@@ -269,7 +284,11 @@ pub(super) fn select(
 fn keys_of_start(scenario: &Scenario) -> Vec<&'static str> {
     let mut keys = START.to_vec();
     if scenario.model.support.is_free() {
-        keys.extend(START_OF_FREE_PEG);
+        for (of_peg, of_center) in START_OF_FREE_PEG.iter().zip(START_OF_CENTER) {
+            // A scenario gives the velocity of one of the two points.
+            let is_of_center = value(scenario, of_center).is_some();
+            keys.push(if is_of_center { of_center } else { of_peg });
+        }
     }
     keys
 }

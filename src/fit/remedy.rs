@@ -90,7 +90,8 @@ impl FitError {
             Self::ModelEnds { end, .. } => Some(Remedy::EndEarlier { end: *end }),
             Self::Scenario(_)
             | Self::Key {
-                reason: KeyError::NoProperty | KeyError::NotFree | KeyError::OnlyClock,
+                reason:
+                    KeyError::NoProperty | KeyError::NotFree | KeyError::NoFile | KeyError::OnlyClock,
                 ..
             }
             | Self::UnknownLaw { .. }

@@ -104,6 +104,13 @@ pub struct SignalReport {
     pub oddity: Option<Oddity>,
 }
 
+impl SignalReport {
+    /// Whether more than half of the residuals are outliers: the fit describes a minority.
+    pub(crate) fn is_mostly_outliers(&self) -> bool {
+        2 * self.outliers > self.samples
+    }
+}
+
 /// What makes an estimated standard deviation meaningless.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]

@@ -201,7 +201,11 @@ pub(crate) fn estimates(parameters: &[Estimate], all: bool) -> Table {
             label(estimate),
             estimate_cell(estimate, all),
             interval_cell(estimate),
-            format_rounded(estimate.start, 4),
+            // Clocks differ by days, and offsets by nutations.
+            format_rounded(
+                estimate.start,
+                if is_offset(&estimate.name) { 10 } else { 4 },
+            ),
         ]);
     }
     let mut header = ["", "estimate ± sd", "95 % interval", "start value"].map(str::to_owned);
@@ -424,6 +428,13 @@ fn remarks_on_signal(signal: &SignalReport) -> Vec<String> {
         remarks.push(format!(
             "The residuals of {field} have the mean {} σ: a constant error, such as a camera that is not level.",
             format_rounded(signal.mean, 2)
+        ));
+    }
+    if signal.is_mostly_outliers() {
+        remarks.push(format!(
+            "{} of {} values of {field} are above 5 σ: the fit describes the others, a minority. σ is too small, or the model is wrong.",
+            grouped(signal.outliers as u64),
+            grouped(signal.samples as u64)
         ));
     }
     match signal.oddity {

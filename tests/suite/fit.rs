@@ -944,6 +944,46 @@ fn intervals_over_minima_that_noise_favours_hold_the_truth() {
 }
 
 #[test]
+fn the_start_of_a_free_peg_has_the_velocity_that_the_scenario_gives() {
+    for (name, expected) in [
+        ("tippe-top", "initial.center_x_dot"),
+        ("free-paper", "initial.peg_x_dot"),
+    ] {
+        let truth = preset(name);
+        let data = measure(&truth, 200.0, 0.5, &THETA_PHI, Some(1));
+        let request = Request::new(truth, data, &["initial"]);
+        let report = fit(&request, &|_| {}).unwrap().report;
+        let names: Vec<&str> = report.parameters.iter().map(|p| p.name.as_str()).collect();
+        assert!(names.contains(&expected), "{name}: {names:?}");
+    }
+}
+
+#[test]
+fn a_fit_to_a_minority_does_not_describe_the_data() {
+    let truth = preset("full-coulomb");
+    let mut data = measure(&truth, 100.0, 1.0, &THETA_PHI, Some(1));
+    let mut noise = Noise(2);
+    for signal in &mut data.signals {
+        for value in &mut signal.values {
+            if noise.uniform() < 0.65 {
+                *value += 0.3 * noise.uniform();
+            }
+        }
+    }
+    let mut request = Request::new(truth, data, &["friction.k", "initial"]);
+    request.loss = Loss::Huber;
+    let report = fit(&request, &|_| {}).unwrap().report;
+    let outliers: Vec<usize> = report
+        .signals
+        .iter()
+        .map(|signal| signal.outliers)
+        .collect();
+    assert!(outliers.iter().any(|count| 2 * count > 101), "{outliers:?}");
+    assert_eq!(report.verdict, Verdict::BadFit);
+    assert_contains(&report.text(Interface::Terminal), "a minority");
+}
+
+#[test]
 fn minima_do_not_depend_on_the_start() {
     let truth = preset("full-coulomb");
     let data = measure(&truth, 30.0, 2.0, &[(state::THETA, 5e-3)], Some(7));

@@ -177,6 +177,23 @@ fn refuses_offsets_that_leave_a_file_outside_the_motion() {
 }
 
 #[test]
+fn refuses_offsets_of_files_that_there_are_not() {
+    let truth = preset("full-coulomb");
+    let mut both = measure(&truth, 100.0, 0.5, &THETA_PHI, None);
+    add_file(
+        &mut both,
+        measure(&truth, 100.0, 0.5, &THETA_PHI, None),
+        0.0,
+    );
+    let request = Request::new(truth, both, &["friction.k", "offset.3"]);
+    let error = fit(&request, &|_| {}).unwrap_err().to_string();
+    assert!(
+        error.starts_with("offset.3 can't be fitted: there is no file"),
+        "{error}"
+    );
+}
+
+#[test]
 fn points_of_all_files_are_held_out() {
     let truth = preset("full-coulomb");
     let mut both = measure(&truth, 100.0, 2.0, &THETA_PHI, Some(3));

@@ -27,7 +27,7 @@ pub(super) fn page(fit: &Report, written: &[WrittenFile], all: bool) -> Vec<Sect
         sections.push(modes(&words));
     }
     for profile in &fit.profiles {
-        sections.push(profile_section(profile, all));
+        sections.push(profile_section(profile, !fit.modes.is_empty(), all));
     }
     if let Some(comparison) = &fit.comparison {
         sections.push(laws(fit, comparison));
@@ -90,8 +90,11 @@ fn table(words: &words::Table, left: usize) -> Table {
     }
 }
 
-fn profile_section(profile: &Profile, all: bool) -> Section {
+fn profile_section(profile: &Profile, has_other_minima: bool, all: bool) -> Section {
     let mut section = Section::new(format!("Profile of {}", profile.parameter));
+    if has_other_minima {
+        "around the best minimum only".clone_into(&mut section.note);
+    }
     let half_width = match profile.interval_1 {
         [Some(low), Some(high)] => Some(0.5 * (high - low)),
         [_, None] | [None, _] => None,

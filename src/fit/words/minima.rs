@@ -5,6 +5,7 @@ use super::super::numbers::decimals;
 use super::super::parameter::is_offset;
 use super::super::report::{Estimate, Report};
 use super::{estimate_cell, interval_cell, label};
+use crate::physics::math::hypot;
 use crate::run::decimal::fixed;
 
 /// Distance of an interval's end from the estimate, in standard deviations, beyond which the estimate of the best minimum
@@ -104,7 +105,7 @@ fn differs(report: &Report, at: usize) -> bool {
     };
     report.modes.iter().any(|mode| {
         let (value, sd) = (mode.values[at], mode.sds[at]);
-        (value - best.value).abs() > DIFFERENT * sd.hypot(best.sd.unwrap_or_default())
+        (value - best.value).abs() > DIFFERENT * hypot(sd, best.sd.unwrap_or_default())
     })
 }
 
