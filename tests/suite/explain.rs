@@ -26,11 +26,14 @@ fn facts(explanation: &Explanation) -> impl Iterator<Item = &Fact> {
 
 /// Numbers of a sentence: words that begin with a digit, or with a sign and a digit.
 fn numbers(sentence: &str) -> usize {
-    let is_number = |word: &&str| {
+    let mut count = 0;
+    for word in sentence.split(' ') {
         let word = word.trim_start_matches(['−', '(']);
-        word.starts_with(|c: char| c.is_ascii_digit())
-    };
-    sentence.split(' ').filter(is_number).count()
+        // `3 × 10⁻⁷` is one number.
+        let is_power = word.starts_with("10⁻");
+        count += usize::from(!is_power && word.starts_with(|c: char| c.is_ascii_digit()));
+    }
+    count
 }
 
 #[test]
