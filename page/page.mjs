@@ -39,6 +39,7 @@ const state = {
   speed: 1,
   isSpeedChosen: false, // by the person
   isPlaying: false,
+  isHeld: false, // a person holds the time slider or a curve: playback waits
   guess: null, // in a step of the lesson whose outcome hasn't been played yet: `seen`, the latest time shown
   frictionBefore: null, // the keys of friction and stop conditions, while friction is off
 };
@@ -228,6 +229,18 @@ function choose(when) {
   draw();
 }
 
+/** Chooses a time as a person does: a run that is shown at its end stays there. */
+function seek(when) {
+  choose(when);
+  if (state.isPlaying && state.run && state.time >= latest()) play(false);
+}
+
+/** Lets playback wait while a person holds this element. */
+function holdPlayback(place) {
+  place.addEventListener("pointerdown", () => (state.isHeld = true));
+  for (const end of ["pointerup", "pointercancel"]) addEventListener(end, () => (state.isHeld = false));
+}
+
 /** Shows a window of time; the whole run for null. */
 function zoom(wanted) {
   const [from, to] = wanted ?? [0, latest()];
@@ -256,7 +269,7 @@ function play(wanted = !state.isPlaying) {
 function step(now) {
   if (!state.isPlaying) return;
   frame = Math.min(Math.max(now - before, 0.95 * frame, USUAL_FRAME), MAX_FRAME);
-  if (state.run && now >= pausedUntil) {
+  if (state.run && now >= pausedUntil && !state.isHeld) {
     if (state.time >= latest()) choose(0);
     else choose(state.time + (Math.max(now - before, 0) / 1000) * state.speed);
     if (state.time >= latest()) pausedUntil = now + 1000 * PAUSE_AT_END;
@@ -404,10 +417,10 @@ function showOnly(names) {
   }
 }
 
-const curves = new Curves(at("curves"), { choose, zoom });
-const energy = new EnergyAreas(at("energy"), { choose, zoom });
+const curves = new Curves(at("curves"), { choose: seek, zoom });
+const energy = new EnergyAreas(at("energy"), { choose: seek, zoom });
 const view = new View(at("top"), draw);
-const events = new EventList(at("events"), choose);
+const events = new EventList(at("events"), seek);
 const lesson = new Lesson(at("lesson"), { open: leaveLesson, answered: reveal });
 const knobs = new Knobs(at("knobs"), { changed: put, toggled: toggleFriction });
 const fitPanel = new FitPanel(module, { scenario: () => state.scenario.request, titleOf, take: takeFit, copy });
@@ -435,7 +448,8 @@ at("arrows").replaceChildren(
 );
 at("preset").onchange = () => startPreset(at("preset").value);
 at("play").onclick = () => play();
-at("time").oninput = () => choose(Number(at("time").value));
+at("time").oninput = () => seek(Number(at("time").value));
+for (const id of ["time", "curves", "energy"]) holdPlayback(at(id));
 at("speed").onchange = () => {
   state.speed = Number(at("speed").value);
   state.isSpeedChosen = true;
@@ -481,10 +495,10 @@ for (const id of ["top", "curves", "energy"]) new ResizeObserver(draw).observe(a
 /** What the keys of KEYS do. */
 const ACTIONS = {
   play: () => play(),
-  later: () => choose(state.time + 0.01),
+  later: () => seek(state.time + 0.01),
   earlier: () => choose(state.time - 0.01),
   start: () => choose(0),
-  end: () => choose(Infinity),
+  end: () => seek(Infinity),
   closer: () => zoom((state.window ?? [0, latest()]).map((end) => state.time + (end - state.time) / 2)),
   whole: () => zoom(null),
   keep: () => at("pin").click(),

@@ -500,6 +500,33 @@ const tests = {
     });
     await tab.waitForFunction(() => parseFloat(document.getElementById("clock").textContent) < 5);
   },
+  async "the time slider stays where a person holds or leaves it while the top plays"(tab) {
+    const slider = tab.locator("#time");
+    const { x, y, width, height } = await slider.boundingBox();
+    const end = await slider.evaluate(({ max }) => Number(max));
+    assert.equal(await tab.textContent("#play"), "Pause");
+    await tab.mouse.move(x + width / 2, y + height / 2);
+    await tab.mouse.down();
+    await tab.waitForTimeout(100);
+    const held = await clock(tab);
+    await tab.waitForTimeout(300);
+    assert.equal(await clock(tab), held);
+    await tab.mouse.move(x + width + 20, y + height / 2, { steps: 5 });
+    // Longer than the pause before playback starts again by itself.
+    for (const wait of [100, 2000]) {
+      await tab.waitForTimeout(wait);
+      assert.ok(Math.abs((await clock(tab)) - end) < 0.001);
+    }
+    await tab.mouse.up();
+    await tab.waitForTimeout(2000);
+    assert.ok(Math.abs((await clock(tab)) - end) < 0.001);
+    // Play then starts from the beginning, and goes on after the slider has been let go elsewhere.
+    await tab.click("#play");
+    await tab.waitForFunction((end) => parseFloat(document.getElementById("clock").textContent) < end / 2, end);
+    await tab.mouse.click(x + width / 4, y + height / 2);
+    const left = await clock(tab);
+    await tab.waitForFunction((left) => parseFloat(document.getElementById("clock").textContent) > left, left);
+  },
   async "the playback speed stays what was chosen"(tab) {
     await tab.selectOption("#speed", "0.1");
     await tab.fill("#knob-k", "400");
