@@ -16,6 +16,7 @@
 //! ```
 
 mod claim;
+mod course;
 mod evidence;
 mod fact;
 mod fixed;

@@ -91,6 +91,9 @@ pub enum Claim {
         has_friction: bool,
         /// Whether there is air drag.
         has_air_drag: bool,
+        /// Whether the top is weak from the start, and falls only after its spin has been slowed further.
+        #[serde(skip)]
+        needs_loss: bool,
     },
     /// Friction shortens the part of the angular momentum about the axis, as in fast precession: the axis turns away from
     /// the angular momentum, which is less inclined in the end.

@@ -476,7 +476,11 @@ impl Fact {
             }
             Self::AxialMomentum { first, last } => {
                 let [first, last] = quantities([*first, *last], 4, "kg m²/s");
-                format!("The angular momentum about the axis changes from {first} to {last}.")
+                if first == last {
+                    format!("The angular momentum about the axis is {first}.")
+                } else {
+                    format!("The angular momentum about the axis changes from {first} to {last}.")
+                }
             }
             Self::WeakBelow { critical } => format!(
                 "The top is weak where its size is less than {}.",

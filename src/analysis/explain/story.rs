@@ -1,6 +1,7 @@
 //! Why a top moves as it does, in a paragraph.
 
 use super::claim::{Claim, Hold, Inversion, Stopped};
+use super::course::Course;
 use super::evidence::{Evidence, ROUNDED};
 use super::fact::{Fact, PrecessionRoot};
 use super::fixed;
@@ -21,6 +22,9 @@ use std::f64::consts::FRAC_PI_2;
 pub struct Story {
     /// The claims, with their numbers.
     pub claims: Vec<Claim>,
+    /// Rise and fall of the axis, as the words of all claims have it.
+    #[serde(skip)]
+    course: Course,
 }
 
 impl Story {
@@ -29,10 +33,14 @@ impl Story {
         if self.claims.is_empty() {
             return None;
         }
-        let words: Vec<String> = self
+        let (first, later): (Vec<&Claim>, Vec<&Claim>) = self
             .claims
             .iter()
-            .map(|claim| claim.words_among(&self.claims))
+            .partition(|claim| self.course.comes_first(claim));
+        let words: Vec<String> = first
+            .into_iter()
+            .chain(later)
+            .map(|claim| claim.words_in(self.course, &self.claims))
             .collect();
         Some(words.join(" "))
     }
@@ -61,7 +69,10 @@ pub(super) fn story(evidence: &Evidence) -> Story {
     claims.extend(slip_ends(evidence, rises, is_inversion_claimed));
     claims.extend(weak_top_falls(evidence).or_else(|| friction_lowers(evidence)));
     claims.extend(rests(evidence));
-    Story { claims }
+    let history = &evidence.history;
+    let has_fallen = history.first(EventKind::Fallen).is_some() || history.inverted.is_some();
+    let course = Course::new(&claims, has_fallen);
+    Story { claims, course }
 }
 
 fn conserves(evidence: &Evidence) -> Option<Claim> {
@@ -205,9 +216,15 @@ fn weak_top_falls(evidence: &Evidence) -> Option<Claim> {
     let falls = fallen.state.theta > span.from.theta;
     let is_weak_from_start = axial[0].abs() < critical;
     let falls_without_friction = can_reach(evidence, fallen.state.theta, top.gravity_moment());
-    // Strong at the start, the top falls because of friction; weak, it falls without it.
-    let is_cause = !can_reach(evidence, fallen.state.theta, 0.0)
-        && falls_without_friction == is_weak_from_start;
+    let slows = axial[0].abs() - axial[1].abs() > ROUNDED * axial[0].abs();
+    // Strong at the start, the top falls because of friction; weak, it falls without it, or is slowed further first.
+    let needs_loss = is_weak_from_start && !falls_without_friction;
+    let is_by_spin = if is_weak_from_start {
+        falls_without_friction || slows
+    } else {
+        !falls_without_friction
+    };
+    let is_cause = !can_reach(evidence, fallen.state.theta, 0.0) && is_by_spin;
     // A fall that mostly precedes the weakness has another cause, such as a fast precession.
     let falls_when_weak = is_weak_from_start
         || history.first(EventKind::WeakTop).is_some_and(|weak| {
@@ -220,6 +237,7 @@ fn weak_top_falls(evidence: &Evidence) -> Option<Claim> {
         time: fallen.time,
         has_friction: model.friction.acts_at_contact(),
         has_air_drag: model.friction.has_air_drag(),
+        needs_loss,
     })
 }
 

@@ -322,6 +322,18 @@ fn check_order(claims: &[Claim]) {
     }
 }
 
+/// No sentence denies a fall that happens, and rise and fall are put in order.
+fn check_words(explained: &ExplainedRun) {
+    let text = explained.explanation.story.text().unwrap_or_default();
+    let falls = !explained.times_of(EventKind::Fallen).is_empty();
+    assert!(
+        !(falls && text.contains("neither rises nor falls")),
+        "{text}"
+    );
+    let has_both = text.contains("top rises because") && text.contains("top falls");
+    assert!(!has_both || text.contains("At first, "), "{text}");
+}
+
 fn check_conserves(explained: &ExplainedRun, mean_theta: Option<[f64; 2]>) {
     let energies = explained.numbers(energy::TOTAL);
     let momenta = explained.angular_momenta();
@@ -651,6 +663,7 @@ fn random_tops_have_true_causes() {
         };
         let of_run = &explained.explanation.story.claims;
         check_order(of_run);
+        check_words(&explained);
         for claim in of_run {
             check(&explained, claim);
             claims += 1;

@@ -1,60 +1,59 @@
 //! The words of claims: templates of the sentences of a story.
 
 use super::{Claim, Hold, Inversion, Stopped, SufficientSpin};
+use crate::analysis::explain::course::Course;
 use crate::analysis::phrase::works;
 
 impl Claim {
-    /// Whether friction raises the top and the rise ends before this time, s.
-    fn is_rise_before(&self, time: f64) -> bool {
-        matches!(self, Self::FrictionRaises { until, .. } if *until < time)
+    /// Whether it is about a rise of the top.
+    pub(in crate::analysis::explain) fn is_rise(&self) -> bool {
+        matches!(
+            self,
+            Self::FrictionRaises { .. }
+                | Self::FrictionSpeedsPrecession { .. }
+                | Self::LossesAlign { .. }
+        )
+    }
+
+    /// Whether it is about a fall of the top, or the beginning of one.
+    pub(in crate::analysis::explain) fn is_fall(&self) -> bool {
+        matches!(
+            self,
+            Self::WeakTopFalls { .. } | Self::FrictionLowers { .. }
+        )
     }
 
     /// Whether the top rises, and is more inclined in the end than at the start.
-    fn is_rise_undone(&self) -> bool {
+    pub(in crate::analysis::explain) fn is_rise_undone(&self) -> bool {
         matches!(self, Self::FrictionRaises { theta, theta_at_end, .. } if *theta_at_end > theta[0])
     }
 
-    /// Whether the top falls after this time, s.
-    fn is_fall_after(&self, from: f64) -> bool {
-        match self {
-            Self::WeakTopFalls { time, .. } => *time > from,
-            // The axis is least inclined about when the angular momentum is.
-            Self::FrictionLowers { .. } => true,
-            _ => false,
-        }
-    }
-
-    /// The claim in words, as sentences of a paragraph about all `claims`.
+    /// The claim in words, as sentences of a paragraph about a motion of this course with these `claims`.
     #[allow(clippy::too_many_lines, reason = "a template for each claim")]
-    pub(in crate::analysis::explain) fn words_among(&self, claims: &[Self]) -> String {
+    pub(in crate::analysis::explain) fn words_in(&self, course: Course, claims: &[Self]) -> String {
         match self {
-            Self::Conserves { mean_theta, .. } => {
-                let so = match mean_theta {
-                    Some(_) => {
-                        " So each nutation repeats the one before it, and the top neither rises nor falls."
-                    }
-                    None => "",
-                };
-                format!(
-                    "Without friction, nothing changes the energy, the angular momentum about the vertical or the angular momentum about the axis.{so}"
-                )
-            }
+            Self::Conserves { .. } => format!(
+                "Without friction, nothing changes the energy, the angular momentum about the vertical or the angular momentum about the axis.{}",
+                repetition(course)
+            ),
             Self::FrictionRaises {
                 vertical,
                 is_vertical_constant,
                 has_friction,
                 has_air_drag,
-                until,
                 ..
             } => raises(
                 *vertical,
                 *is_vertical_constant,
                 [*has_friction, *has_air_drag],
-                self.is_rise_undone() || claims.iter().any(|claim| claim.is_fall_after(*until)),
+                course,
             ),
             Self::FrictionSpeedsPrecession { .. } => {
                 // A second argument for what the first has explained already.
-                speeds_precession(claims.iter().any(|claim| claim.is_rise_before(f64::INFINITY)))
+                let is_second = claims
+                    .iter()
+                    .any(|claim| matches!(claim, Self::FrictionRaises { .. }));
+                speeds_precession(is_second, course)
             }
             Self::LossesAlign {
                 has_friction,
@@ -63,42 +62,34 @@ impl Claim {
             } => {
                 let cause = works([*has_friction, *has_air_drag, false]);
                 let verb = if *has_friction && *has_air_drag { "take" } else { "takes" };
+                let start = course.start_of_rise();
                 format!(
-                    "The precession is so fast that the angular momentum is nearly vertical, and {cause} {verb} energy from the motion. A body whose larger moment of inertia is that about its axis has least energy when it turns about this axis. So the axis turns towards the line of the angular momentum, and the top rises."
+                    "{start} precession is so fast that the angular momentum is nearly vertical, and {cause} {verb} energy from the motion. A body whose larger moment of inertia is that about its axis has least energy when it turns about this axis. So the axis turns towards the line of the angular momentum, and the top rises."
                 )
             }
             Self::WeakTopFalls {
                 axial,
                 critical,
-                time,
                 has_friction,
                 has_air_drag,
+                needs_loss,
                 ..
             } => {
-                if axial[0].abs() < *critical {
-                    return "The top falls because it is weak from the start: its spin is too slow to hold the axis up against gravity.".to_owned();
-                }
-                let cause = works([*has_friction, *has_air_drag, false]);
-                let start = if claims.iter().any(|claim| claim.is_rise_before(*time)) {
-                    format!("Later, {cause}")
+                let weakness = if *needs_loss {
+                    Weakness::NeedsLoss
+                } else if axial[0].abs() < *critical {
+                    Weakness::FromStart
                 } else {
-                    capitalized(cause)
+                    Weakness::ByLoss
                 };
-                let verb = if *has_friction && *has_air_drag { "slow" } else { "slows" };
-                format!(
-                    "{start} {verb} the spin until the top is weak: the spin no longer holds the axis up against gravity, and the top falls."
-                )
+                weak_top_falls(weakness, [*has_friction, *has_air_drag], course)
             }
             Self::FrictionLowers {
                 falls,
                 has_friction,
                 has_air_drag,
                 ..
-            } => lowers(
-                claims.iter().any(|claim| claim.is_rise_before(f64::INFINITY)),
-                [*has_friction, *has_air_drag],
-                *falls,
-            ),
+            } => lowers([*has_friction, *has_air_drag], *falls, course),
             Self::StaysUpright {
                 sufficient_spin, ..
             } => stays_upright(*sufficient_spin),
@@ -159,12 +150,69 @@ impl Claim {
     }
 }
 
+/// What follows from the conservation laws for the course of the motion.
+fn repetition(course: Course) -> &'static str {
+    match course {
+        Course::Repeats => {
+            " So each nutation repeats the one before it, and the top neither rises nor falls."
+        }
+        Course::FallsRepeatedly => {
+            " So each nutation repeats the one before it: the axis swings down and up again."
+        }
+        // Without two nutations nothing is repeated.
+        Course::Open
+        | Course::Rises
+        | Course::Falls
+        | Course::RisesThenFalls
+        | Course::FallsThenRises => "",
+    }
+}
+
+/// Why the spin is too slow when a top falls.
+enum Weakness {
+    /// It is from the start.
+    FromStart,
+    /// It is from the start, but the axis would come up again if nothing slowed the spin further.
+    NeedsLoss,
+    /// Friction or air drag have slowed it.
+    ByLoss,
+}
+
+fn weak_top_falls(weakness: Weakness, [friction, air]: [bool; 2], course: Course) -> String {
+    let cause = works([friction, air, false]);
+    let slow = if friction && air { "slow" } else { "slows" };
+    let sentence = match (weakness, course) {
+        (Weakness::FromStart, Course::FallsRepeatedly) => {
+            "the top falls each time because it is weak from the start: its spin is too slow to hold the axis up against gravity.".to_owned()
+        }
+        (Weakness::FromStart, _) => {
+            "the top falls because it is weak from the start: its spin is too slow to hold the axis up against gravity.".to_owned()
+        }
+        (Weakness::NeedsLoss, _) => format!(
+            "the top is weak from the start: its spin is too slow to hold the axis up steadily. It would still sink and rise again without falling, but {cause} {slow} the spin further, and the top falls."
+        ),
+        (Weakness::ByLoss, _) => format!(
+            "{cause} {slow} the spin until the top is weak: the spin no longer holds the axis up against gravity, and the top falls."
+        ),
+    };
+    begun(course.start_of_fall(), &sentence)
+}
+
+/// A sentence after words of time, which may be empty.
+fn begun(time: &str, sentence: &str) -> String {
+    if time.is_empty() {
+        capitalized(sentence)
+    } else {
+        format!("{time}{sentence}")
+    }
+}
+
 /// The paper's argument; `is_second` if another has explained the rise already.
-fn speeds_precession(is_second: bool) -> String {
+fn speeds_precession(is_second: bool, course: Course) -> String {
     let start = if is_second {
         "In the paper's terms, the"
     } else {
-        "The"
+        course.start_of_rise()
     };
     format!(
         "{start} friction term of φ̈ speeds up the precession. Beyond the slow rate of regular precession, θ̈ is negative: the axis rises, and its rise slows the precession again. So the precession stays near the slow rate while the axis rises."
@@ -175,7 +223,7 @@ fn raises(
     vertical: [f64; 2],
     is_constant: bool,
     [friction, air]: [bool; 2],
-    falls_later: bool,
+    course: Course,
 ) -> String {
     let cause = works([friction, air, false]);
     let turn = if friction && air { "turn" } else { "turns" };
@@ -198,28 +246,24 @@ fn raises(
     } else {
         ""
     };
-    let start = if falls_later { "At first, the" } else { "The" };
+    let start = course.start_of_rise();
     format!(
         "{start} top rises because {cause} {turn} {line}its angular momentum upright. {torque} The top spins so fast that its axis stays close to {line}the angular momentum, and rises with it."
     )
 }
 
-fn lowers(is_later: bool, [friction, air]: [bool; 2], falls: bool) -> String {
+fn lowers([friction, air]: [bool; 2], falls: bool, course: Course) -> String {
     let cause = works([friction, air, false]);
     let shorten = if friction && air {
         "shorten"
     } else {
         "shortens"
     };
-    let start = if is_later {
-        format!("Later, {cause}")
-    } else {
-        capitalized(cause)
-    };
     let falls = if falls { "falls" } else { "sinks" };
-    format!(
-        "{start} {shorten} the part of the angular momentum about the axis. So the axis turns away from the line of the angular momentum, which leans less in the end, and the top {falls}."
-    )
+    let sentence = format!(
+        "{cause} {shorten} the part of the angular momentum about the axis. So the axis turns away from the line of the angular momentum, which leans less in the end, and the top {falls}."
+    );
+    begun(course.start_of_fall(), &sentence)
 }
 
 fn stays_upright(sufficient_spin: SufficientSpin) -> String {
