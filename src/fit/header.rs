@@ -480,7 +480,7 @@ mod tests {
             (
                 "units below",
                 "Time Tilt\n (s) (deg)\n0 1",
-                &["Time", "Tilt"],
+                &["Time (s)", "Tilt (deg)"],
             ),
             ("quotes", "\"t\" \"tilt (deg)\"\n0 1", &["t", "tilt (deg)"]),
             (

@@ -155,7 +155,7 @@ mod tests {
         let words = report.words(Interface::Terminal, false);
         assert_eq!(
             words.title,
-            "paper (coulomb): describes the data with 2 different spins"
+            "paper (coulomb): describes the data with 3 different spins"
         );
         assert_eq!(
             words.headline,
@@ -163,7 +163,7 @@ mod tests {
         );
         assert_eq!(words.parameters.rows[0][1], "several minima");
         assert_eq!(words.parameters.rows[1][1], "several minima");
-        assert!(words.remarks[0].starts_with("θ alone does not show the spin: 2 minima"));
+        assert!(words.remarks[0].starts_with("θ alone does not show the spin: 3 minima"));
     }
 
     #[test]
