@@ -527,6 +527,12 @@ const tests = {
     const left = await clock(tab);
     await tab.waitForFunction((left) => parseFloat(document.getElementById("clock").textContent) > left, left);
   },
+  async "a run without a known cause says so"() {
+    const other = await open("#tippe-top&friction.k=0.003");
+    await other.waitForFunction(() => document.querySelector("#explanation p") !== null);
+    assert.match(await other.textContent("#story"), /^The numbers of this run show none of the causes/);
+    await other.close();
+  },
   async "the playback speed stays what was chosen"(tab) {
     await tab.selectOption("#speed", "0.1");
     await tab.fill("#knob-k", "400");
