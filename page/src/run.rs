@@ -210,7 +210,19 @@ fn headline(scenario: &Scenario, outcome: &Outcome) -> String {
         StopReason::Pivot => format!("only turns about the vertical after {time}"),
         StopReason::Interrupted | StopReason::Failed => format!("ends after {time}"),
     };
-    format!("{}{end}", inversion(scenario, outcome))
+    format!("{}{}{end}", inversion(scenario, outcome), swings(outcome))
+}
+
+/// The first fall of a top whose run goes on after it; empty if there is none.
+fn swings(outcome: &Outcome) -> String {
+    let falls = outcome.tally.first(EventKind::Fallen);
+    match (outcome.end.stop, falls) {
+        // Without an inclination that ends the run, the level of a fall is the horizontal.
+        (StopReason::Duration, Some(time)) => {
+            format!("passes the horizontal at {}; ", rounded(time))
+        }
+        _ => String::new(),
+    }
 }
 
 /// What a tippe top has done; empty for others.
@@ -235,7 +247,10 @@ const LEAST_SPIN: f64 = 0.05 * TAU;
 fn state_at_time_limit(outcome: &Outcome) -> String {
     let motion = &outcome.end.motion;
     let (theta, rates) = (motion.angles.theta, motion.tilt.rates);
-    let verb = if (rates.psi + rates.phi * cos(theta)).abs() < LEAST_SPIN {
+    // A top that has fallen may swing with any spin: that is not what "still spinning" promises.
+    let has_fallen = outcome.tally.first(EventKind::Fallen).is_some();
+    let is_slow = (rates.psi + rates.phi * cos(theta)).abs() < LEAST_SPIN;
+    let verb = if is_slow || has_fallen {
         "tilted by"
     } else {
         "still spinning, tilted by"

@@ -153,6 +153,7 @@ const tests = {
       ["drop", /^after 2\.00 s still spinning, tilted by 2\d\.\d°, rolling since 0\.6\d+ s$/],
       ["tippe-top", /^turns over at 5\.49 s; after 12\.00 s still spinning, tilted by 17\d\.\d°$/],
       ["tippe-top-hangs", /^does not turn over; after 5\.00 s still spinning, tilted by \d\.\d°, rolling since 0\.022 s$/],
+      ["frictionless&initial.psi_dot=0", /^passes the horizontal at 0\.119 s; after 20\.00 s tilted by 1\d\d\.\d°$/],
       ["frictionless&initial.psi_dot=0&initial.phi_dot=0&initial.theta_dot=0&stop.duration=0.01", /^after 0\.010 s tilted by/],
     ]) {
       const run = await runOf(link);
