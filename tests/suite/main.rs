@@ -30,6 +30,7 @@ mod figures;
 mod fit;
 #[cfg(feature = "fit")]
 mod fit_clocks;
+#[cfg(feature = "fit")]
 mod fit_laws;
 mod foreign;
 mod forgeries;
