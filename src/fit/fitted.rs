@@ -72,6 +72,7 @@ impl Fitted {
             split,
             ..
         } = self;
+        // Residuals don't depend on whole turns, but data that are drawn or recorded do.
         let predicted = problem.predict(&solution.values, &split.fitted)?;
         for signal in 0..problem.signals.len() {
             let Some(turns) = problem.turns(signal, &predicted, &split.fitted) else {

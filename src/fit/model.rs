@@ -411,6 +411,7 @@ impl Problem {
         points: &[Point],
         fixed: &[bool],
     ) -> Vec<Vec<f64>> {
+        // Only one-sided differences need the motion itself.
         let here = match effort {
             Effort::Draft => self.predict_with(effort, values, points).ok(),
             Effort::Final => None,

@@ -168,6 +168,7 @@ fn find_spin_rates(
         is_complete: scan.is_complete,
     };
     let highest = highest(scan.trials);
+    // Noise may have favoured another spin than that of the first minimum.
     let mut minima = scan.minima(solution, highest)?;
     minima.sort_by(|a, b| a.chi2.total_cmp(&b.chi2));
     *solution = minima.remove(0);

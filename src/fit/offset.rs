@@ -161,6 +161,7 @@ pub(super) fn rivals(
     group.collect(fitted, &scanned, own);
     let common = group.common;
     let free = vec![false; solution.values.len()];
+    // Without the points that only its own offset brings into the motion, the minimum is a little elsewhere.
     let first = minimise(problem, &common, &solution.values, None, &free, monitor)?;
     let mut lowest = first.chi2;
     let mut drafts: Vec<(Vec<f64>, f64)> = Vec::new();
@@ -181,6 +182,7 @@ pub(super) fn rivals(
                 break;
             }
         }
+        // Two starts may end in the same minimum.
         let reach = SAME * scanned.step;
         let is_known = (values[at] - own).abs() <= reach
             || drafts
@@ -237,6 +239,7 @@ impl Group {
                 others.push((scanned.excess(cost.offset, own), cost.offset));
             }
         }
+        // The best first, because each one that joins may leave fewer points in common.
         others.sort_by(|a, b| a.0.total_cmp(&b.0));
         let needed = MIN_COMMON * self.count(problem, &self.common) as f64;
         for (_, offset) in others {

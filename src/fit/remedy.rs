@@ -266,6 +266,7 @@ impl Remedy<'_> {
     }
 
     fn for_page(self) -> String {
+        // A person there changes the file, the sliders or the two fields of the panel.
         match self {
             Self::WriteHeader => FIRST_LINE.to_owned(),
             Self::NameTimes => {

@@ -54,6 +54,7 @@ impl Scanned<'_> {
             };
             excess += here - there;
         }
+        // Each compared point stands for those that were left out.
         excess * self.stride as f64
     }
 
@@ -157,6 +158,7 @@ pub(super) fn scan<'a>(
     }
     let mut minima = local_minima(&costs);
     minima.sort_by(|a, b| a.loss.total_cmp(&b.loss));
+    // A mean over few points is low by chance more often than one over many.
     let highest = minima.first().map_or(0.0, Cost::highest_equal);
     let equal = minima.partition_point(|cost| cost.loss <= highest);
     minima[..equal].sort_by_key(|cost| std::cmp::Reverse(cost.within));
