@@ -5,15 +5,11 @@ use super::super::numbers::decimals;
 use super::super::parameter::is_offset;
 use super::super::report::{Estimate, Report};
 use super::{estimate_cell, interval_cell, label};
-use crate::physics::math::hypot;
 use crate::run::decimal::fixed;
 
 /// Distance of an interval's end from the estimate, in standard deviations, beyond which the estimate of the best minimum
 /// would mislead: the interval of a single one ends at 1.96, and is hardly wider if the others agree with it.
 const SINGLE: f64 = 3.0;
-
-/// Minima differ in a parameter if their values do by more than this, in the standard deviations of both.
-const DIFFERENT: f64 = 3.0;
 
 impl Estimate {
     /// Whether the interval reaches over several minima: the standard deviation is that of the best one only.
@@ -82,31 +78,19 @@ enum Ambiguity<'a> {
 impl<'a> Ambiguity<'a> {
     /// All that a report has.
     fn all(report: &'a Report) -> Vec<Self> {
-        let mut all = Vec::new();
-        for (at, estimate) in report.parameters.iter().enumerate() {
-            // Minima one cycle apart in the clock have the same spin, but for the noise.
-            if is_offset(&estimate.name) && differs(report, at) {
-                all.push(Self::Clock(&estimate.name));
+        let (mut clocks, mut is_spin_open) = (Vec::new(), false);
+        for estimate in report.parameters.iter().filter(|e| e.is_over_minima()) {
+            if is_offset(&estimate.name) {
+                clocks.push(Self::Clock(&estimate.name));
             }
+            is_spin_open |= estimate.name == SPIN;
         }
-        for (at, estimate) in report.parameters.iter().enumerate() {
-            if all.is_empty() && estimate.name == SPIN && differs(report, at) {
-                all.push(Self::Spin);
-            }
+        // Minima of a clock differ a little in the spin, too.
+        if clocks.is_empty() && is_spin_open {
+            return vec![Self::Spin];
         }
-        all
+        clocks
     }
-}
-
-/// Whether minima differ in the parameter with this index.
-fn differs(report: &Report, at: usize) -> bool {
-    let Some(best) = report.parameters.get(at) else {
-        return false;
-    };
-    report.modes.iter().any(|mode| {
-        let (value, sd) = (mode.values[at], mode.sds[at]);
-        (value - best.value).abs() > DIFFERENT * hypot(sd, best.sd.unwrap_or_default())
-    })
 }
 
 /// Why there is no single estimate, and what would give one.
