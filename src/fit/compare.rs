@@ -68,7 +68,7 @@ pub(super) fn compare(
         && best.law() != own.law()
     {
         // Criteria of laws compare fits to the same points, so a better minimum of an offset is only listed.
-        modes::find(best, monitor)?;
+        modes::find(best, modes::Listed::AllButOwn, monitor)?;
     }
     let mut fits: Vec<LawFit> = Vec::new();
     for candidate in &candidates {

@@ -4,11 +4,11 @@
 use super::error::FitError;
 use super::fitted::Fitted;
 use super::identify::{measures_more_than_theta, spin_rate};
-use super::model::{Effort, Point, Problem};
+use super::model::{Point, Problem};
 use super::monitor::Monitor;
 use super::offset::{self, Rivals};
 use super::report::Mode;
-use super::solve::{Solution, complete, draft, minimise};
+use super::solve::{DRAFT_ERROR, Draft, Solution, complete, draft, minimise, promising_draft};
 use crate::physics::math::ln;
 
 /// Distance of trial spin rates, in radians of phase over the data.
@@ -20,21 +20,12 @@ const EXCLUDED: f64 = 0.05;
 /// Δχ² above which minima are not followed: that of the largest number of trials.
 const KEPT: f64 = 17.0;
 
-/// χ² above the best one at which a draft is not worth an exact minimum: drafts end a little above theirs.
-const PROMISING: f64 = 2.0 * KEPT;
-
-/// Iterations with a spin rate that is held, which only follow the trial before, and with a free one. One that needs more
-/// goes on if it is promising.
+/// Iterations with a spin rate that is held, which only follow the trial before.
 const HELD_ITERATIONS: usize = 4;
-const FREE_ITERATIONS: usize = 6;
-const DRAFT_ITERATIONS: usize = 25;
 
 /// Beyond the start value and the first minimum the scan ends after this many trials in a row that are worse than
 /// [`KEPT`].
 const FAILURES: usize = 6;
-
-/// χ² of a draft above its minimum.
-const DRAFT_ERROR: f64 = 0.5;
 
 /// Maximum number of trials on each side.
 const MAX_TRIALS: usize = 100;
@@ -56,16 +47,26 @@ pub(super) fn settle(
     fitted: &mut Fitted,
     monitor: &Monitor<'_>,
 ) -> Result<Option<String>, FitError> {
-    let mut found = find(fitted, monitor)?;
-    for _ in 0..MAX_MOVES {
+    let mut found = find(fitted, Listed::AllButBest, monitor)?;
+    for moves in 1..=MAX_MOVES {
         let Some(better) = found.better else { break };
         offset::move_to(fitted, &better.values, monitor)?;
-        if !better.excludes_own {
+        // Minima near one that was not excluded are listed already.
+        if !better.excludes_own || moves == MAX_MOVES {
             break;
         }
-        found = find(fitted, monitor)?;
+        found = find(fitted, Listed::AllButBest, monitor)?;
     }
     Ok(found.scanned.map(|scanned| scanned.sentence()))
+}
+
+/// The minima of an offset that are listed as the others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Listed {
+    /// All but the best one, to which the fit will move.
+    AllButBest,
+    /// All but the one that was found, at which the fit stays.
+    AllButOwn,
 }
 
 /// What a search for other minima has found.
@@ -104,7 +105,11 @@ struct Better {
 }
 
 /// Lists the other minima of a fit for its points, and moves to the best one of its spin rates.
-pub(super) fn find(fitted: &mut Fitted, monitor: &Monitor<'_>) -> Result<Found, FitError> {
+pub(super) fn find(
+    fitted: &mut Fitted,
+    listed: Listed,
+    monitor: &Monitor<'_>,
+) -> Result<Found, FitError> {
     fitted.modes.clear();
     let scanned = find_spin_rates(fitted, monitor)?;
     let mut better = None;
@@ -119,7 +124,14 @@ pub(super) fn find(fitted: &mut Fitted, monitor: &Monitor<'_>) -> Result<Found, 
                 excludes_own: own.is_none(),
             });
         }
-        for minimum in &minima[1..] {
+        let held = match listed {
+            Listed::AllButBest => Some(0),
+            Listed::AllButOwn => own,
+        };
+        for (index, minimum) in minima.iter().enumerate() {
+            if Some(index) == held {
+                continue;
+            }
             let mode = mode(&fitted.problem, minimum, minimum.chi2 - lowest);
             fitted.modes.push(mode);
         }
@@ -213,12 +225,6 @@ struct Scan<'a> {
     monitor: &'a Monitor<'a>,
 }
 
-/// A minimum for drafts of motions.
-struct Draft {
-    values: Vec<f64>,
-    loss: f64,
-}
-
 impl Scan<'_> {
     /// Tries spin rates on one side of a minimum; the last of them is returned, rad/s.
     fn side(&mut self, from: &Solution, side: f64) -> Result<f64, FitError> {
@@ -272,27 +278,19 @@ impl Scan<'_> {
 
     /// Adds the minimum near these values to those that were found; whether it is worse than the best by [`KEPT`].
     fn is_worse_from(&mut self, values: &[f64]) -> Result<bool, FitError> {
-        let best = self.best();
-        let mut values = values.to_vec();
-        let mut loss = f64::INFINITY;
-        // Most trials are given up after a few iterations.
-        for (iterations, highest) in [(FREE_ITERATIONS, PROMISING), (DRAFT_ITERATIONS, KEPT)] {
-            let free = vec![false; values.len()];
-            values = draft(
-                self.problem,
-                self.points,
-                &values,
-                free,
-                iterations,
-                self.monitor,
-            )?;
-            loss = match self.problem.loss_at(Effort::Draft, &values, self.points) {
-                Ok(loss) if loss - best <= highest => loss,
-                Ok(_) | Err(_) => return Ok(true),
-            };
-        }
+        let highest = self.best() + KEPT;
+        let promising = promising_draft(
+            self.problem,
+            self.points,
+            values,
+            highest,
+            KEPT,
+            self.monitor,
+        )?;
+        let Some(found) = promising else {
+            return Ok(true);
+        };
         let (spin, reach) = (self.spin, self.reach);
-        let found = Draft { values, loss };
         // The step between trials is a little less than the distance of minima, so some are found twice.
         let known = self
             .drafts

@@ -5,12 +5,12 @@
 
 use super::error::FitError;
 use super::fitted::{Fitted, Split};
-use super::model::{Effort, Point, Problem};
+use super::model::{Point, Problem};
 use super::monitor::Monitor;
 use super::parameter::Target;
 use super::scan::{Scanned, highest_equal, is_within, scan, step};
 use super::sigma;
-use super::solve::{Solution, draft, minimise};
+use super::solve::{DRAFT_ERROR, Draft, Solution, minimise, promising_draft};
 
 /// Number of minima of a scan among which the first one is chosen.
 const CANDIDATES: usize = 3;
@@ -28,16 +28,8 @@ const FAILURES: usize = 4;
 /// was found.
 const MIN_COMMON: f64 = 0.5;
 
-/// Iterations after which a rival goes on only if it is promising, and until it is a minimum. The motion hardly changes
-/// from one to the next.
-const FIRST_ITERATIONS: usize = 6;
-const DRAFT_ITERATIONS: usize = 25;
-
 /// Maximum number of times that the points within the motion are found.
 const MAX_ROUNDS: usize = 5;
-
-/// χ² of a draft above its minimum.
-const DRAFT_ERROR: f64 = 0.5;
 
 /// An offset this close to a minimum, in steps of the scan, belongs to it.
 const SAME: f64 = 2.0;
@@ -164,36 +156,30 @@ pub(super) fn rivals(
     // Without the points that only its own offset brings into the motion, the minimum is a little elsewhere.
     let first = minimise(problem, &common, &solution.values, None, &free, monitor)?;
     let mut lowest = first.chi2;
-    let mut drafts: Vec<(Vec<f64>, f64)> = Vec::new();
+    let mut drafts: Vec<Draft> = Vec::new();
     let (mut compared, mut failures) = (1, 0);
+    let kept = highest(MAX_RIVALS + 1);
     for offset in group.offsets {
-        let mut values = solution.values.clone();
-        values[at] = offset;
+        let mut start = solution.values.clone();
+        start[at] = offset;
         compared += 1;
-        let mut loss = f64::INFINITY;
-        let kept = highest(MAX_RIVALS);
-        for (iterations, highest) in [(FIRST_ITERATIONS, 2.0 * kept), (DRAFT_ITERATIONS, kept)] {
-            values = draft(problem, &common, &values, free.clone(), iterations, monitor)?;
-            loss = problem
-                .loss_at(Effort::Final, &values, &common)
-                .unwrap_or(f64::INFINITY);
-            if loss > lowest + highest {
-                loss = f64::INFINITY;
-                break;
-            }
-        }
+        let promising = promising_draft(problem, &common, &start, lowest + kept, kept, monitor)?;
         // Two starts may end in the same minimum.
-        let reach = SAME * scanned.step;
-        let is_known = (values[at] - own).abs() <= reach
-            || drafts
+        let new = promising.filter(|found| {
+            let mut known = vec![own];
+            known.extend(drafts.iter().map(|draft| draft.values[at]));
+            let reach = SAME * scanned.step;
+            known
                 .iter()
-                .any(|(known, _)| (known[at] - values[at]).abs() <= reach);
-        if loss.is_finite() && !is_known {
-            lowest = lowest.min(loss);
-            drafts.push((values, loss));
-            failures = 0;
-        } else {
-            failures += 1;
+                .all(|known| (known - found.values[at]).abs() > reach)
+        });
+        match new {
+            Some(found) => {
+                lowest = lowest.min(found.loss);
+                drafts.push(found);
+                failures = 0;
+            }
+            None => failures += 1,
         }
         if failures == FAILURES {
             break;
@@ -201,8 +187,7 @@ pub(super) fn rivals(
     }
     let highest = highest(compared);
     let mut minima = vec![first.clone()];
-    for (values, loss) in drafts {
-        // Drafts end a little above their minimum.
+    for Draft { values, loss } in drafts {
         if loss < lowest + highest + DRAFT_ERROR {
             let minimum = minimise(problem, &common, &values, None, &free, monitor)?;
             if minimum.is_converged {

@@ -87,6 +87,45 @@ pub(super) fn draft(
         .run_drafts(start, WINDOW_PRECISION)
 }
 
+/// A minimum for drafts of motions.
+pub(super) struct Draft {
+    pub values: Vec<f64>,
+    pub loss: f64,
+}
+
+/// χ² of a draft above its minimum.
+pub(super) const DRAFT_ERROR: f64 = 0.5;
+
+/// Goes from `start` to the minimum near it, if its χ² is at most `highest`. Most are given up after a few iterations:
+/// those that are then more than `room` above it.
+pub(super) fn promising_draft(
+    problem: &Problem,
+    points: &[Point],
+    start: &[f64],
+    highest: f64,
+    room: f64,
+    monitor: &Monitor<'_>,
+) -> Result<Option<Draft>, FitError> {
+    const FIRST_ITERATIONS: usize = 6;
+    const LAST_ITERATIONS: usize = 25;
+    let mut found = Draft {
+        values: start.to_vec(),
+        loss: f64::INFINITY,
+    };
+    for (iterations, limit) in [
+        (FIRST_ITERATIONS, highest + room),
+        (LAST_ITERATIONS, highest),
+    ] {
+        let free = vec![false; start.len()];
+        found.values = draft(problem, points, &found.values, free, iterations, monitor)?;
+        found.loss = match problem.loss_at(Effort::Draft, &found.values, points) {
+            Ok(loss) if loss <= limit => loss,
+            Ok(_) | Err(_) => return Ok(None),
+        };
+    }
+    Ok(Some(found))
+}
+
 /// Finds the minimum from `start`, whose motion must be complete. `fixed` parameters keep their values.
 pub(super) fn minimise(
     problem: &Problem,

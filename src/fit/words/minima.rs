@@ -103,7 +103,7 @@ pub(super) fn remarks(report: &Report) -> Vec<String> {
                 "θ alone does not show the spin: {minima} minima with different spins describe the data, and the intervals reach over them. Measure φ, too, or hold {SPIN} at a known value."
             ),
             Ambiguity::Clock(name) => format!(
-                "{name} may be off by a nutation or more: {minima} minima describe the data, and the intervals reach over them. A signal of that file that does not repeat with the nutation, such as φ or ω·n, would tell them apart."
+                "The data don't exclude several minima of {name}, and the intervals reach over them. A longer overlap of the files, or a signal that does not repeat with the nutation, such as φ or ω·n, would show more."
             ),
         });
     }
@@ -164,7 +164,7 @@ mod tests {
             "friction.k = 0.05870 ± 0.00044, 95 % interval 0.05784 to 0.05956"
         );
         assert_eq!(words.parameters.rows[1][1], "several minima");
-        assert!(words.remarks[0].starts_with("offset may be off by a nutation or more: 2 minima"));
+        assert!(words.remarks[0].starts_with("The data don't exclude several minima of offset, "));
     }
 
     #[test]
