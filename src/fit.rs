@@ -41,6 +41,7 @@ mod sigma;
 mod signal;
 mod solve;
 mod statistics;
+mod step_limit;
 mod table;
 mod text_table;
 mod unit;
@@ -137,7 +138,8 @@ pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitErr
         modes,
     } = &fitted;
     let mut profiles = Vec::new();
-    for name in &request.profile {
+    // Without a minimum there is nothing from which χ² could grow.
+    for name in request.profile.iter().filter(|_| solution.is_converged) {
         let profile = profile::profile(problem, &split.fitted, solution, name, &monitor)?;
         profiles.push(profile);
     }
@@ -168,7 +170,7 @@ pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitErr
     };
     let mut parameters = estimates(problem, solution, modes, rescale);
     for (at, estimate) in parameters.iter_mut().enumerate() {
-        if solution.held[at] {
+        if solution.held[at] && solution.is_converged {
             let limit = profile::limit(problem, &split.fitted, solution, at, &monitor)?;
             estimate.limit = Some(limit);
         }
@@ -224,9 +226,9 @@ pub fn sensitivities(request: &Request) -> Result<Vec<(String, Vec<f64>)>, FitEr
     let problem = Problem::new(scenario, parameters, signals, request.loss, origin)?;
     let start = problem.start();
     let points = &problem.points;
-    problem.predict(&start, points)?;
+    let here = problem.predict(&start, points)?;
     let fixed = vec![false; start.len()];
-    let columns = problem.jacobian(Effort::Final, &start, points, &fixed);
+    let columns = problem.jacobian(Effort::Final, &start, &here, points, &fixed);
     let names = problem.parameters.iter().map(Parameter::name);
     Ok(names.zip(columns).collect())
 }

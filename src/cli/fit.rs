@@ -199,7 +199,7 @@ fn fit(arguments: &FitArguments, drafts: &Drafts) -> Result<Status, anyhow::Erro
     progress.finish();
     let fitted = match result {
         Ok(fitted) => fitted,
-        Err(error @ FitError::ModelEnds { .. }) => {
+        Err(error) if error.is_of_motion() => {
             // The fit came to nothing, but for a reason that lies in the motion and not in the input.
             let message = error.message(Interface::Terminal);
             super::output::error(&message);

@@ -313,7 +313,7 @@ fn fit_law(
     if !solution.is_converged
         && let Some(refusal) = refused_step(&problem, &split.fitted, &solution)
     {
-        return Err(refusal.into());
+        return Err(refusal);
     }
     Ok(Fitted {
         problem,

@@ -4,6 +4,7 @@ use super::data_error::DataError;
 use super::degeneracy::{Degeneracy, join_clauses};
 use super::parameter::is_offset;
 use super::place::{Place, ValuePlace};
+use super::step_limit::MAX_RATIO;
 use crate::run::plural::counted;
 use crate::run::scenario::ScenarioError;
 use crate::run::simulation::SimulationError;
@@ -245,6 +246,11 @@ pub enum FitError {
         /// End of the data, s.
         needed: f64,
     },
+    /// A motion takes many times the steps of that at the start.
+    #[error(
+        "no minimum was found: the motions that come closest to the data take more than {MAX_RATIO} times the integrator steps of that at the start"
+    )]
+    TooManySteps,
     /// A simulation failed.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
@@ -254,6 +260,11 @@ pub enum FitError {
 }
 
 impl FitError {
+    /// Whether the data were read and can determine the parameters, but no motion was found that follows them to their end.
+    pub fn is_of_motion(&self) -> bool {
+        matches!(self, Self::ModelEnds { .. } | Self::TooManySteps)
+    }
+
     /// The key of the scenario that is at fault, if it is a single one.
     pub fn key(&self) -> Option<&str> {
         match self {
@@ -282,6 +293,7 @@ impl FitError {
             | Self::OnlyStart { .. }
             | Self::TooFew { .. }
             | Self::ModelEnds { .. }
+            | Self::TooManySteps
             | Self::Simulation(_)
             | Self::Optimiser(_) => None,
         }

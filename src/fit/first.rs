@@ -8,6 +8,7 @@ use super::monitor::Monitor;
 use super::prepare::{Prepared, prepare};
 use super::request::Request;
 use super::solve::{Solution, grow_window, refused_step};
+use super::step_limit::MAX_MOTIONS;
 use super::{law, modes, offset, sigma};
 
 /// The first law that can be fitted.
@@ -27,7 +28,7 @@ pub(super) fn first(request: &Request, monitor: &Monitor<'_>) -> Result<First, F
     let laws = law::find_laws(&request.compare)?;
     // Another law can help only where the motion ends too early.
     let failure = match fit_law(request, monitor) {
-        Err(error @ FitError::ModelEnds { .. }) => error,
+        Err(error) if error.is_of_motion() => error,
         other => return other,
     };
     let own = request.scenario.word("friction.law");
@@ -42,7 +43,7 @@ pub(super) fn first(request: &Request, monitor: &Monitor<'_>) -> Result<First, F
         let other = law::request_for(request, law)?;
         match fit_law(&other, monitor) {
             Ok(first) => return Ok(First { refused, ..first }),
-            Err(error @ FitError::ModelEnds { .. }) => refused.push(Refused {
+            Err(error) if error.is_of_motion() => refused.push(Refused {
                 law: law.name,
                 reason: error.to_string(),
             }),
@@ -60,11 +61,18 @@ fn fit_law(request: &Request, monitor: &Monitor<'_>) -> Result<First, FitError> 
         origin,
     } = prepare(request)?;
     let (solution, split) = solve_all(&mut problem, request, monitor)?;
+    if problem.step_limit.is_exceeded() {
+        notes.push(format!(
+            "The search was given up after {MAX_MOTIONS} times the steps of the motion at the start; data that follow a motion take 500 times or less."
+        ));
+    }
     if !solution.is_converged
         && let Some(refusal) = refused_step(&problem, &split.fitted, &solution)
     {
-        return Err(refusal.into());
+        return Err(refusal);
     }
+    // What follows a minimum is bounded by itself.
+    problem.step_limit.lift();
     let mut fitted = Fitted {
         problem,
         solution,
@@ -90,6 +98,7 @@ fn solve_all(
     let mut split = Split::from_first_file(problem, request.holdout);
     let has_offsets = request.data.files > 1;
     let start = problem.start();
+    problem.limit_steps(&split.fitted, MAX_MOTIONS * request.data.files as u64);
     // The first file alone gives a motion with which the clocks of the others are compared.
     let mut solution = grow_window(problem, &split.fitted, &start, has_offsets, monitor)?;
     if has_offsets {

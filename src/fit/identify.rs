@@ -36,7 +36,7 @@ pub(super) fn identify(
     let predicted = problem.predict(&start, &points)?;
     check_units(problem, &points, &predicted)?;
     let fixed = vec![false; start.len()];
-    let jacobian = problem.jacobian(Effort::Final, &start, &points, &fixed);
+    let jacobian = problem.jacobian(Effort::Final, &start, &predicted, &points, &fixed);
     let noise = derivative_noise(&points, &predicted);
     let Visibility {
         mut shown,
@@ -47,7 +47,7 @@ pub(super) fn identify(
     // Without any effect, and without one that can be computed, are different things to mend.
     for at in &unseen {
         if problem
-            .derivative(Effort::Final, *at, &start, &points)
+            .derivative(Effort::Final, *at, &start, &predicted, &points)
             .is_none()
         {
             return Err(FitError::NoDerivative {

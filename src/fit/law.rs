@@ -5,6 +5,7 @@ use super::fitted::Fitted;
 use super::model::Problem;
 use super::parameter::{self, INITIAL, Parameter, Target};
 use super::request::Request;
+use super::step_limit::MAX_MOTIONS;
 use crate::run::scenario::{KEYS, LAWS, Law, Scenario, ScenarioError, Values};
 use crate::run::simulation::sample_at;
 
@@ -137,6 +138,7 @@ pub(super) fn problem_for(
     problem.scenario = scenario;
     problem.parameters = parameters;
     problem.precision = PRECISION;
+    problem.limit_steps(&fitted.split.fitted, MAX_MOTIONS);
     Ok(problem)
 }
 

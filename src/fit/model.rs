@@ -3,8 +3,9 @@
 use super::error::FitError;
 use super::parameter::{Parameter, Target};
 use super::signal::Signal;
+use super::step_limit::StepLimit;
 use crate::run::scenario::{Scenario, ScenarioError};
-use crate::run::simulation::{SimulationError, StopReason, sample_at};
+use crate::run::simulation::{Sample, SimulationError, StopReason, sample_at_while};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -88,6 +89,14 @@ pub(super) enum Effort {
 }
 
 impl Effort {
+    /// Number of motions that a derivative takes.
+    pub(super) fn motions(self) -> u64 {
+        match self {
+            Self::Draft => 1,
+            Self::Final => 2,
+        }
+    }
+
     /// Tolerance of the simulations. At 1e-12 derivatives by differences are right to 1e-5 or better; at 1e-9 to 1e-4,
     /// enough for the direction of a step; at 1e-6 they are useless.
     fn tolerance(self) -> f64 {
@@ -128,6 +137,7 @@ pub struct Problem {
     /// Relative change of χ² that counts as none.
     pub(super) precision: f64,
     pub(super) points: Vec<Point>,
+    pub(super) step_limit: StepLimit,
 }
 
 /// Why a set of parameters has no complete motion.
@@ -137,6 +147,8 @@ pub(super) enum Refusal {
     Invalid(ScenarioError),
     /// The simulation failed.
     Failed(SimulationError),
+    /// It takes many times the steps of the motion at the start.
+    TooManySteps,
     /// The run ends before the data.
     Ends {
         time: f64,
@@ -150,6 +162,7 @@ impl From<Refusal> for FitError {
         match refusal {
             Refusal::Invalid(error) => Self::Scenario(error),
             Refusal::Failed(error) => Self::Simulation(error),
+            Refusal::TooManySteps => Self::TooManySteps,
             Refusal::Ends {
                 time,
                 reason,
@@ -192,6 +205,7 @@ impl Problem {
             loss,
             precision: PRECISION,
             points: Vec::new(),
+            step_limit: StepLimit::none(),
         };
         problem.collect_points(origin);
         Ok(problem)
@@ -222,6 +236,25 @@ impl Problem {
             self.points
                 .retain(|point| point.time <= until || signals[point.signal].file > 0);
         }
+    }
+
+    /// Limits further simulations to the steps of many motions like that at the start, which is simulated for it.
+    pub(super) fn limit_steps(&mut self, points: &[Point], motions: u64) {
+        self.step_limit.lift();
+        let before = self.step_limit.taken();
+        let motion = self.predict(&self.start(), points);
+        let steps = self.step_limit.taken() - before;
+        self.step_limit.begin(
+            motions,
+            match motion {
+                Ok(_) => steps,
+                // As if it went on.
+                Err(Refusal::Ends { time, needed, .. }) if time > 0.0 => {
+                    (steps as f64 * needed / time) as u64
+                }
+                Err(_) => 0,
+            },
+        );
     }
 
     /// All points of a file.
@@ -304,7 +337,7 @@ impl Problem {
         self.predict_with(Effort::Final, values, points)
     }
 
-    fn predict_with(
+    pub(super) fn predict_with(
         &self,
         effort: Effort,
         values: &[f64],
@@ -326,7 +359,7 @@ impl Problem {
         let mut predicted = vec![f64::NAN; points.len()];
         let mut pending = order.iter().peekable();
         let mut taken = 0;
-        let ended = sample_at(&scenario, &times, &mut |index, sample| {
+        let mut take = |index: usize, sample: &Sample| {
             while let Some((time, at)) = pending.peek()
                 && *time == times[index]
             {
@@ -335,8 +368,17 @@ impl Problem {
                 pending.next();
             }
             taken = index + 1;
+        };
+        let mut steps = 0;
+        let ended = sample_at_while(&scenario, &times, &mut take, &mut || {
+            steps += 1;
+            steps <= self.step_limit.of_motion()
         });
+        self.step_limit.add(steps);
         let end = ended.map_err(Refusal::Failed)?;
+        if steps > self.step_limit.of_motion() {
+            return Err(Refusal::TooManySteps);
+        }
         if taken < times.len() || predicted.iter().any(|value| !value.is_finite()) {
             return Err(Refusal::Ends {
                 time: end.time,
@@ -354,11 +396,17 @@ impl Problem {
         values: &[f64],
         points: &[Point],
     ) -> Result<Vec<f64>, Refusal> {
-        let mut residuals = self.predict_with(effort, values, points)?;
-        for (residual, point) in residuals.iter_mut().zip(points) {
-            *residual = self.residual(*residual, point);
+        let predicted = self.predict_with(effort, values, points)?;
+        Ok(self.residuals_of(&predicted, points))
+    }
+
+    /// The residuals of a motion that is known at these points.
+    pub(super) fn residuals_of(&self, predicted: &[f64], points: &[Point]) -> Vec<f64> {
+        let mut residuals = Vec::with_capacity(predicted.len());
+        for (value, point) in predicted.iter().zip(points) {
+            residuals.push(self.residual(*value, point));
         }
-        Ok(residuals)
+        residuals
     }
 
     /// The residual of a point at which the model has this value, in σ.
@@ -403,19 +451,15 @@ impl Problem {
     }
 
     /// The derivatives of the residuals: a column for each parameter, zero for those that are `fixed` and where no
-    /// derivative can be computed.
+    /// derivative can be computed. `here` is the motion of `values`.
     pub(super) fn jacobian(
         &self,
         effort: Effort,
         values: &[f64],
+        here: &[f64],
         points: &[Point],
         fixed: &[bool],
     ) -> Vec<Vec<f64>> {
-        // Only one-sided differences need the motion itself.
-        let here = match effort {
-            Effort::Draft => self.predict_with(effort, values, points).ok(),
-            Effort::Final => None,
-        };
         // In the order of the parameters, whatever the threads do.
         (0..self.parameters.len())
             .into_par_iter()
@@ -423,74 +467,41 @@ impl Problem {
                 if fixed[j] {
                     return vec![0.0; points.len()];
                 }
-                let draft = here
-                    .as_deref()
-                    .and_then(|here| self.draft_derivative(j, values, points, here));
-                draft
-                    .or_else(|| self.derivative(effort, j, values, points))
+                self.derivative(effort, j, values, here, points)
                     .unwrap_or_else(|| vec![0.0; points.len()])
             })
             .collect()
     }
 
-    /// The derivatives with respect to a parameter by one-sided differences from the predictions `here`: half the motions
-    /// of central ones, and right to 1e-3, which is enough for the direction of a step. `None` if it can't be computed on
-    /// any side.
-    fn draft_derivative(
-        &self,
-        j: usize,
-        values: &[f64],
-        points: &[Point],
-        here: &[f64],
-    ) -> Option<Vec<f64>> {
-        let size = Effort::Draft.step() * self.parameters[j].change(values[j]);
-        for step in [size, -size] {
-            if let Some(moved) = self.predict_moved(Effort::Draft, j, step, values, points) {
-                let mut column = vec![0.0; points.len()];
-                one_sided(&mut column, step, here, &moved, None);
-                divide_by_sigma(&mut column, points);
-                return Some(column);
-            }
-        }
-        None
-    }
-
-    /// The derivatives with respect to a parameter: by central differences, or one-sided ones at a bound and where the
-    /// model ends on one side. `None` if it can't be computed on any side. Differences are those of the predictions: measured
-    /// values, which may be huge, would only add rounding.
+    /// The derivatives with respect to a parameter. `None` if it can't be computed on any side. Differences are those of the
+    /// predictions: measured values, which may be huge, would only add rounding.
     pub(super) fn derivative(
         &self,
         effort: Effort,
         j: usize,
         values: &[f64],
+        here: &[f64],
         points: &[Point],
     ) -> Option<Vec<f64>> {
-        let parameter = &self.parameters[j];
-        let step = effort.step() * parameter.change(values[j]);
-        let mut column = vec![0.0; points.len()];
-        let (up, down) = (
-            self.predict_moved(effort, j, step, values, points),
-            self.predict_moved(effort, j, -step, values, points),
-        );
-        match (up, down) {
-            (Some(up), Some(down)) => {
-                for (at, derivative) in column.iter_mut().enumerate() {
-                    *derivative = (up[at] - down[at]) / (2.0 * step);
-                }
-            }
-            (Some(one), None) => {
-                let here = self.predict_with(effort, values, points).ok()?;
-                let two = self.predict_moved(effort, j, 2.0 * step, values, points);
-                one_sided(&mut column, step, &here, &one, two.as_deref());
-            }
-            (None, Some(one)) => {
-                let here = self.predict_with(effort, values, points).ok()?;
-                let two = self.predict_moved(effort, j, -2.0 * step, values, points);
-                one_sided(&mut column, -step, &here, &one, two.as_deref());
-            }
-            (None, None) => return None,
+        let step = effort.step() * self.parameters[j].change(values[j]);
+        let moved = |change| self.predict_moved(effort, j, change, values, points);
+        let mut column = match effort {
+            // Half the motions of central differences, and right to 1e-3, which is enough for the direction of a step.
+            Effort::Draft => match moved(step) {
+                Some(up) => one_sided(step, here, &up, None),
+                None => one_sided(-step, here, &moved(-step)?, None),
+            },
+            // One-sided at a bound and where the model ends on one side.
+            Effort::Final => match (moved(step), moved(-step)) {
+                (Some(up), Some(down)) => central(step, &up, &down),
+                (Some(up), None) => one_sided(step, here, &up, moved(2.0 * step).as_deref()),
+                (None, Some(down)) => one_sided(-step, here, &down, moved(-2.0 * step).as_deref()),
+                (None, None) => return None,
+            },
+        };
+        for (derivative, point) in column.iter_mut().zip(points) {
+            *derivative /= point.sigma;
         }
-        divide_by_sigma(&mut column, points);
         Some(column)
     }
 
@@ -514,19 +525,23 @@ impl Problem {
     }
 }
 
-/// From derivatives of predictions to those of residuals.
-fn divide_by_sigma(column: &mut [f64], points: &[Point]) {
-    for (derivative, point) in column.iter_mut().zip(points) {
-        *derivative /= point.sigma;
+/// Differences to both sides.
+fn central(step: f64, up: &[f64], down: &[f64]) -> Vec<f64> {
+    let mut column = Vec::with_capacity(up.len());
+    for (up, down) in up.iter().zip(down) {
+        column.push((up - down) / (2.0 * step));
     }
+    column
 }
 
 /// Differences to one side: of second order if there is a second value, else of first order.
-fn one_sided(column: &mut [f64], step: f64, here: &[f64], one: &[f64], two: Option<&[f64]>) {
-    for (at, derivative) in column.iter_mut().enumerate() {
-        *derivative = match two {
-            Some(two) => (4.0 * one[at] - 3.0 * here[at] - two[at]) / (2.0 * step),
-            None => (one[at] - here[at]) / step,
-        };
+fn one_sided(step: f64, here: &[f64], one: &[f64], two: Option<&[f64]>) -> Vec<f64> {
+    let mut column = Vec::with_capacity(here.len());
+    for (at, here) in here.iter().enumerate() {
+        column.push(match two {
+            Some(two) => (4.0 * one[at] - 3.0 * here - two[at]) / (2.0 * step),
+            None => (one[at] - here) / step,
+        });
     }
+    column
 }

@@ -10,6 +10,7 @@ use super::offset::{self, Rivals};
 use super::report::Mode;
 use super::solve::{DRAFT_ERROR, Draft, Solution, complete, draft, minimise, promising_draft};
 use crate::physics::math::ln;
+use rayon::prelude::*;
 
 /// Distance of trial spin rates, in radians of phase over the data.
 const PHASE_STEP: f64 = 5.0;
@@ -21,7 +22,16 @@ const EXCLUDED: f64 = 0.05;
 const KEPT: f64 = 17.0;
 
 /// Iterations with a spin rate that is held, which only follow the trial before.
-const HELD_ITERATIONS: usize = 4;
+const HELD_ITERATIONS: usize = 2;
+
+/// Relative change of χ² that counts as none in minima that are only listed.
+const LISTED_PRECISION: f64 = 1e-6;
+
+/// Number of minima that are found at once. The last of them may leave a processor idle.
+const MINIMISED_AT_ONCE: usize = 16;
+
+/// Number of motions, in units of the first one's steps, after which the scan ends.
+const MAX_MOTIONS: u64 = 10_000;
 
 /// Beyond the start value and the first minimum the scan ends after this many trials in a row that are worse than
 /// [`KEPT`].
@@ -70,6 +80,7 @@ pub(super) enum Listed {
 }
 
 /// What a search for other minima has found.
+#[derive(Default)]
 pub(super) struct Found {
     scanned: Option<Scanned>,
     better: Option<Better>,
@@ -111,11 +122,13 @@ pub(super) fn find(
     monitor: &Monitor<'_>,
 ) -> Result<Found, FitError> {
     fitted.modes.clear();
+    // A fit that has given up has no minimum to compare.
+    if !fitted.solution.is_converged {
+        return Ok(Found::default());
+    }
     let scanned = find_spin_rates(fitted, monitor)?;
     let mut better = None;
-    // A fit that has given up has no minimum to compare.
-    let clocks = offset::clocks(&fitted.problem);
-    for clock in clocks.into_iter().filter(|_| fitted.solution.is_converged) {
+    for clock in offset::clocks(&fitted.problem) {
         let Rivals { minima, own } = offset::rivals(fitted, clock, highest, monitor)?;
         let lowest = minima[0].chi2;
         if own != Some(0) {
@@ -159,31 +172,28 @@ fn find_spin_rates(
         return Ok(None);
     };
     let points = &split.fitted;
-    let mut scan = Scan {
+    let scan = Scan {
         problem,
         points,
         spin: at,
+        centre: solution.values[at],
         step: PHASE_STEP / points.iter().map(|point| point.time).fold(0.0, f64::max),
         reach: SAME * solution.covariance[(at, at)].sqrt(),
-        drafts: vec![Draft {
-            values: solution.values.clone(),
-            loss: solution.chi2,
-        }],
-        trials: 1,
-        is_complete: true,
-        monitor,
     };
-    let low = scan.side(solution, -1.0)?;
-    let high = scan.side(solution, 1.0)?;
+    let [low, high] = scan.both_sides(solution, monitor)?;
     let scanned = Scanned {
-        range: [low, high],
-        is_complete: scan.is_complete,
+        range: [low.last(at), high.last(at)],
+        is_complete: low.is_complete && high.is_complete,
     };
-    let highest = highest(scan.trials);
-    // Noise may have favoured another spin than that of the first minimum.
-    let mut minima = scan.minima(solution, highest)?;
+    let highest = highest(1 + low.trials + high.trials);
+    let mut minima = scan.minima(solution, [low, high], highest, monitor)?;
     minima.sort_by(|a, b| a.chi2.total_cmp(&b.chi2));
-    *solution = minima.remove(0);
+    // Noise may have favoured another spin than that of the first minimum.
+    let best = minima.remove(0);
+    if best.values != solution.values {
+        let free = vec![false; best.values.len()];
+        *solution = minimise(problem, points, &best.values, None, &free, monitor)?;
+    }
     minima.retain(|other| other.is_converged && other.chi2 - solution.chi2 < highest);
     for other in &minima {
         modes.push(mode(problem, other, other.chi2 - solution.chi2));
@@ -212,85 +222,194 @@ struct Scan<'a> {
     points: &'a [Point],
     /// Index of the spin rate among the parameters.
     spin: usize,
+    /// The spin rate of the minimum that was found, rad/s.
+    centre: f64,
     /// Distance of trials, rad/s.
     step: f64,
     /// A minimum that differs by less is the same, rad/s.
     reach: f64,
-    /// Number of minima that were looked for.
-    trials: usize,
-    /// Whether both sides ended before the last trial, at spin rates that the data or the bounds exclude.
-    is_complete: bool,
-    /// The minima that were found, each once.
-    drafts: Vec<Draft>,
-    monitor: &'a Monitor<'a>,
 }
 
 impl Scan<'_> {
-    /// Tries spin rates on one side of a minimum; the last of them is returned, rad/s.
-    fn side(&mut self, from: &Solution, side: f64) -> Result<f64, FitError> {
-        let centre = from.values[self.spin];
-        // The start value is what a person knows of the spin: all minima between it and the one that was found count.
-        let expected = side * (self.problem.parameters[self.spin].start - centre);
-        let mut values = from.values.clone();
-        let mut failures = 0;
-        for trial in 1..=MAX_TRIALS {
-            let distance = self.step * trial as f64;
-            let last = values[self.spin];
-            values[self.spin] = self.problem.parameters[self.spin].clamp(centre + side * distance);
-            if values[self.spin] == last {
-                return Ok(last);
-            }
-            let Some(held) = self.minimum_at(&values)? else {
-                return Ok(last);
-            };
-            // The other parameters change little from one trial to the next.
-            values = held;
-            let is_failure = self.is_worse_from(&values)?;
-            let counts = is_failure && distance > expected;
-            failures = if counts { failures + 1 } else { 0 };
-            self.trials += 1;
-            if failures == FAILURES {
-                return Ok(values[self.spin]);
+    /// Tries spin rates below and above that of the minimum that was found.
+    fn both_sides(&self, from: &Solution, monitor: &Monitor<'_>) -> Result<[Side; 2], FitError> {
+        let mut low = Side::new(-1.0, from);
+        let mut high = Side::new(1.0, from);
+        let most = self.problem.step_limit.after(MAX_MOTIONS);
+        while !(low.is_over && high.is_over) {
+            let (a, b) = rayon::join(|| low.advance(self), || high.advance(self));
+            monitor.count(a? + b?, from.chi2);
+            if self.problem.step_limit.taken() > most {
+                low.give_up();
+                high.give_up();
             }
         }
-        self.is_complete = false;
-        Ok(values[self.spin])
+        Ok([low, high])
     }
 
     /// The other parameters for which a spin rate describes the data best. `None` if there is no complete motion.
-    fn minimum_at(&self, values: &[f64]) -> Result<Option<Vec<f64>>, FitError> {
+    fn minimum_at(
+        &self,
+        values: &[f64],
+        monitor: &Monitor<'_>,
+    ) -> Result<Option<Vec<f64>>, FitError> {
         let Ok(start) = complete(self.problem, self.points, values.to_vec()) else {
             return Ok(None);
         };
         // With a free spin rate at once, the optimiser would fall back into the minimum that is known.
         let mut fixed = vec![false; start.len()];
         fixed[self.spin] = true;
-        draft(
+        let held = draft(
             self.problem,
             self.points,
             &start,
             fixed,
             HELD_ITERATIONS,
-            self.monitor,
-        )
-        .map(Some)
+            monitor,
+        )?;
+        Ok(Some(held))
     }
 
-    /// Adds the minimum near these values to those that were found; whether it is worse than the best by [`KEPT`].
-    fn is_worse_from(&mut self, values: &[f64]) -> Result<bool, FitError> {
-        let highest = self.best() + KEPT;
-        let promising = promising_draft(
-            self.problem,
-            self.points,
-            values,
-            highest,
-            KEPT,
-            self.monitor,
-        )?;
+    /// The minima that may be kept, each once. `first` is one of them.
+    fn minima(
+        &self,
+        first: &Solution,
+        sides: [Side; 2],
+        highest: f64,
+        monitor: &Monitor<'_>,
+    ) -> Result<Vec<Solution>, FitError> {
+        let highest = sides[0].best.min(sides[1].best) + highest + DRAFT_ERROR;
+        let mut drafts: Vec<Draft> = sides.into_iter().flat_map(|side| side.drafts).collect();
+        drafts.retain(|draft| draft.loss < highest);
+        let mut coarse = self.problem.clone();
+        coarse.precision = LISTED_PRECISION;
+        let mut minima = vec![first.clone()];
+        for part in drafts.chunks(MINIMISED_AT_ONCE) {
+            let found: Vec<Result<_, FitError>> = part
+                .par_iter()
+                .map(|draft| {
+                    let silent = Monitor::new(&|_| {});
+                    let free = vec![false; draft.values.len()];
+                    let minimum =
+                        minimise(&coarse, self.points, &draft.values, None, &free, &silent)?;
+                    Ok((minimum, silent.evaluations()))
+                })
+                .collect();
+            for result in found {
+                let (minimum, evaluations) = result?;
+                monitor.count(evaluations, minimum.chi2);
+                self.insert(minimum, &mut minima);
+            }
+        }
+        Ok(minima)
+    }
+
+    /// Adds a minimum to those that are known, or replaces the same one if it is worse.
+    fn insert(&self, minimum: Solution, minima: &mut Vec<Solution>) {
+        let same = minima.iter_mut().find(|known| {
+            let sd = known.covariance[(self.spin, self.spin)].sqrt();
+            (known.values[self.spin] - minimum.values[self.spin]).abs() <= SAME * sd
+        });
+        match same {
+            Some(known) if minimum.chi2 < known.chi2 => *known = minimum,
+            Some(_) => {}
+            None => minima.push(minimum),
+        }
+    }
+}
+
+/// The spin rates that were tried on one side of a minimum.
+struct Side {
+    /// −1 below, 1 above.
+    sign: f64,
+    /// The last trial.
+    values: Vec<f64>,
+    /// Number of trials.
+    trials: usize,
+    /// Number of trials in a row that are much worse than the best.
+    failures: usize,
+    /// The minima that were found, each once.
+    drafts: Vec<Draft>,
+    /// The lowest loss of these, and of the minimum from which the scan started.
+    best: f64,
+    is_over: bool,
+    /// Whether it ended before the last trial, at a spin rate that the data or the bounds exclude.
+    is_complete: bool,
+}
+
+impl Side {
+    fn new(sign: f64, from: &Solution) -> Self {
+        Self {
+            sign,
+            values: from.values.clone(),
+            trials: 0,
+            failures: 0,
+            drafts: Vec::new(),
+            best: from.chi2,
+            is_over: false,
+            is_complete: true,
+        }
+    }
+
+    /// The last spin rate that was tried, rad/s.
+    fn last(&self, spin: usize) -> f64 {
+        self.values[spin]
+    }
+
+    fn give_up(&mut self) {
+        self.is_complete = self.is_over && self.is_complete;
+        self.is_over = true;
+    }
+
+    /// Tries the next spin rate. Returns the number of simulations.
+    fn advance(&mut self, scan: &Scan<'_>) -> Result<u64, FitError> {
+        let silent = Monitor::new(&|_| {});
+        if self.is_over {
+            return Ok(0);
+        }
+        if self.trials == MAX_TRIALS {
+            self.give_up();
+            return Ok(0);
+        }
+        let parameter = &scan.problem.parameters[scan.spin];
+        let distance = scan.step * (self.trials + 1) as f64;
+        let trial = parameter.clamp(scan.centre + self.sign * distance);
+        if trial == self.values[scan.spin] {
+            self.is_over = true;
+            return Ok(0);
+        }
+        self.trials += 1;
+        let mut values = self.values.clone();
+        values[scan.spin] = trial;
+        let Some(held) = scan.minimum_at(&values, &silent)? else {
+            self.is_over = true;
+            return Ok(silent.evaluations());
+        };
+        // The other parameters change little from one trial to the next.
+        self.values = held;
+        let is_failure = self.is_worse(scan, &silent)?;
+        // The start value is what a person knows of the spin: all minima between it and the one that was found count.
+        let counts = is_failure && distance > self.sign * (parameter.start - scan.centre);
+        self.failures = if counts { self.failures + 1 } else { 0 };
+        self.is_over = self.failures == FAILURES;
+        Ok(silent.evaluations())
+    }
+
+    /// Adds the minimum near the last trial to those that were found; whether it is worse than the best by [`KEPT`].
+    fn is_worse(&mut self, scan: &Scan<'_>, monitor: &Monitor<'_>) -> Result<bool, FitError> {
+        let highest = self.best + KEPT;
+        let Scan {
+            problem,
+            points,
+            spin,
+            reach,
+            ..
+        } = *scan;
+        let promising = promising_draft(problem, points, &self.values, highest, KEPT, monitor)?;
         let Some(found) = promising else {
             return Ok(true);
         };
-        let (spin, reach) = (self.spin, self.reach);
+        self.best = self.best.min(found.loss);
         // The step between trials is a little less than the distance of minima, so some are found twice.
         let known = self
             .drafts
@@ -302,40 +421,5 @@ impl Scan<'_> {
             None => self.drafts.push(found),
         }
         Ok(false)
-    }
-
-    /// The lowest loss of the minima that were found.
-    fn best(&self) -> f64 {
-        self.drafts
-            .iter()
-            .map(|known| known.loss)
-            .fold(f64::INFINITY, f64::min)
-    }
-
-    /// The minima that may be kept, each once. `first` is one of them.
-    fn minima(self, first: &Solution, highest: f64) -> Result<Vec<Solution>, FitError> {
-        let highest = self.best() + highest + DRAFT_ERROR;
-        let mut minima = vec![first.clone()];
-        for draft in self.drafts.iter().filter(|draft| draft.loss < highest) {
-            let free = vec![false; draft.values.len()];
-            let minimum = minimise(
-                self.problem,
-                self.points,
-                &draft.values,
-                None,
-                &free,
-                self.monitor,
-            )?;
-            let same = minima.iter_mut().find(|known| {
-                let sd = known.covariance[(self.spin, self.spin)].sqrt();
-                (known.values[self.spin] - minimum.values[self.spin]).abs() <= SAME * sd
-            });
-            match same {
-                Some(known) if minimum.chi2 < known.chi2 => *known = minimum,
-                Some(_) => {}
-                None => minima.push(minimum),
-            }
-        }
-        Ok(minima)
     }
 }

@@ -46,9 +46,8 @@ impl<'a> Monitor<'a> {
     }
 
     /// Counts simulations and reports the χ² that they found; NaN if they were for derivatives.
-    pub(super) fn count(&self, simulations: usize, chi2: f64) {
-        self.evaluations
-            .set(self.evaluations.get() + simulations as u64);
+    pub(super) fn count(&self, simulations: u64, chi2: f64) {
+        self.evaluations.set(self.evaluations.get() + simulations);
         (self.report)(Progress {
             window: self.window.get(),
             chi2,

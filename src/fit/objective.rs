@@ -4,6 +4,7 @@ use super::error::FitError;
 use super::model::{Effort, Point, Problem};
 use super::monitor::Monitor;
 use rmpfit::{MPConfig, MPError, MPFitter, MPPar, MPResult, MPSide, MPSuccess};
+use std::rc::Rc;
 
 /// What a residual of a refused motion counts: more than any that can be measured, but its square is finite.
 const REFUSED: f64 = 1e30;
@@ -23,10 +24,20 @@ pub(super) struct Objective<'a> {
     effort: Effort,
     config: MPConfig,
     monitor: &'a Monitor<'a>,
-    /// The last values that were computed, and their residuals.
-    last: Option<(Vec<f64>, Vec<f64>)>,
-    /// Whether the last run ended because it had no more iterations.
+    /// The last motion that was computed.
+    last: Option<Rc<Evaluated>>,
+    /// The lowest sum of squares in the last run, and its values.
+    best: (f64, Vec<f64>),
+    /// Whether the last run ended because it had no more iterations or steps.
     is_exhausted: bool,
+}
+
+/// A motion at the points.
+struct Evaluated {
+    /// Values of the parameters.
+    values: Vec<f64>,
+    predicted: Vec<f64>,
+    residuals: Vec<f64>,
 }
 
 impl<'a> Objective<'a> {
@@ -70,11 +81,12 @@ impl<'a> Objective<'a> {
             },
             monitor,
             last: None,
+            best: (f64::INFINITY, Vec::new()),
             is_exhausted: false,
         }
     }
 
-    /// Whether the last run ended because it had no more iterations, and not in a minimum.
+    /// Whether the last run ended because it had no more iterations or steps, and not in a minimum.
     pub(super) fn is_exhausted(&self) -> bool {
         self.is_exhausted
     }
@@ -92,13 +104,12 @@ impl<'a> Objective<'a> {
         start: &[f64],
         precision: f64,
     ) -> Result<Vec<f64>, FitError> {
-        let draft = self.problem.residuals(Effort::Draft, start, self.points);
-        self.monitor.count(1, f64::NAN);
-        if draft.is_err() {
-            return Ok(start.to_vec());
-        }
         self.effort = Effort::Draft;
         self.config.ftol = precision;
+        self.last = None;
+        if self.evaluated(&self.values(&self.scaled(start))).is_none() {
+            return Ok(start.to_vec());
+        }
         self.run(start)
     }
 
@@ -117,23 +128,32 @@ impl<'a> Objective<'a> {
 
     /// Optimises from `start`.
     fn run(&mut self, start: &[f64]) -> Result<Vec<f64>, FitError> {
-        // The optimiser's steps are isotropic, so it gets numbers of order 1.
-        let mut scaled: Vec<f64> = start
-            .iter()
-            .zip(&self.problem.parameters)
-            .map(|(value, parameter)| value / parameter.scale)
-            .collect();
-        // Rounding must not take the start out of the bounds.
-        for (value, limits) in scaled.iter_mut().zip(&self.limits) {
-            *value = value.max(limits.limit_low).min(limits.limit_up);
-        }
+        let mut scaled = self.scaled(start);
+        self.best = (f64::INFINITY, self.values(&scaled));
         match self.mpfit(&mut scaled) {
             Ok(status) => {
                 self.is_exhausted = matches!(status.success, MPSuccess::MaxIter);
                 Ok(self.values(&scaled))
             }
+            // The optimiser was stopped.
+            Err(_) if self.problem.step_limit.is_exceeded() => {
+                self.is_exhausted = true;
+                Ok(self.best.1.clone())
+            }
             Err(error) => Err(FitError::Optimiser(reason(&error))),
         }
+    }
+
+    /// Values in units of the scales: the optimiser's steps are isotropic, so it gets numbers of order 1.
+    fn scaled(&self, values: &[f64]) -> Vec<f64> {
+        let mut scaled = Vec::new();
+        for (at, parameter) in self.problem.parameters.iter().enumerate() {
+            let limits = &self.limits[at];
+            // Rounding must not take the start out of the bounds.
+            let number = (values[at] / parameter.scale).max(limits.limit_low);
+            scaled.push(number.min(limits.limit_up));
+        }
+        scaled
     }
 
     /// The values of the parameters. Dividing by a scale and multiplying again may round to beyond a bound.
@@ -144,6 +164,25 @@ impl<'a> Objective<'a> {
             .zip(scaled)
             .map(|(parameter, scaled)| parameter.clamp(scaled * parameter.scale))
             .collect()
+    }
+
+    /// The motion of these values; `None` if it ends before the data.
+    fn evaluated(&mut self, values: &[f64]) -> Option<Rc<Evaluated>> {
+        if let Some(last) = &self.last
+            && last.values == values
+        {
+            return Some(Rc::clone(last));
+        }
+        let motion = self.problem.predict_with(self.effort, values, self.points);
+        self.monitor.count(1, f64::NAN);
+        let predicted = motion.ok()?;
+        let evaluated = Rc::new(Evaluated {
+            residuals: self.problem.residuals_of(&predicted, self.points),
+            values: values.to_vec(),
+            predicted,
+        });
+        self.last = Some(Rc::clone(&evaluated));
+        Some(evaluated)
     }
 
     /// Fills in the residuals as their loss counts them, and those of the priors.
@@ -162,16 +201,20 @@ impl<'a> Objective<'a> {
 
 impl MPFitter for Objective<'_> {
     fn eval(&mut self, params: &[f64], deviates: &mut [f64]) -> MPResult<()> {
+        if self.problem.step_limit.is_exceeded() {
+            return Err(MPError::Eval);
+        }
         let values = self.values(params);
-        match self.problem.residuals(self.effort, &values, self.points) {
-            Ok(residuals) => {
-                self.fill(&values, &residuals, deviates);
-                let chi2 = deviates.iter().map(|d| d * d).sum();
-                self.monitor.count(1, chi2);
-                self.last = Some((values, residuals));
-            }
+        let Some(evaluated) = self.evaluated(&values) else {
             // A motion that ends before the data is no candidate: the step is shortened.
-            Err(_) => deviates.fill(REFUSED),
+            deviates.fill(REFUSED);
+            return Ok(());
+        };
+        self.fill(&values, &evaluated.residuals, deviates);
+        let chi2 = deviates.iter().map(|deviate| deviate * deviate).sum();
+        self.monitor.count(0, chi2);
+        if chi2 < self.best.0 {
+            self.best = (chi2, values);
         }
         Ok(())
     }
@@ -194,18 +237,24 @@ impl MPFitter for Objective<'_> {
         deviates: &mut [f64],
         derivs: &mut [Option<Vec<f64>>],
     ) -> MPResult<()> {
-        let values = self.values(params);
-        if self.last.as_ref().is_none_or(|(last, _)| *last != values) {
-            self.eval(params, deviates)?;
+        if self.problem.step_limit.is_exceeded() {
+            return Err(MPError::Eval);
         }
-        let Some((_, residuals)) = self.last.as_ref().filter(|(last, _)| *last == values) else {
+        let values = self.values(params);
+        let Some(here) = self.evaluated(&values) else {
             return Err(MPError::Eval);
         };
-        self.fill(&values, residuals, deviates);
-        let jacobian = self
-            .problem
-            .jacobian(self.effort, &values, self.points, &self.held);
-        self.monitor.count(2 * jacobian.len(), f64::NAN);
+        self.fill(&values, &here.residuals, deviates);
+        let jacobian = self.problem.jacobian(
+            self.effort,
+            &values,
+            &here.predicted,
+            self.points,
+            &self.held,
+        );
+        let free = self.held.iter().filter(|is_held| !**is_held).count() as u64;
+        self.monitor.count(self.effort.motions() * free, f64::NAN);
+        let residuals = &here.residuals;
         for (j, derivative) in derivs.iter_mut().enumerate() {
             let Some(column) = derivative else { continue };
             let parameter = &self.problem.parameters[j];

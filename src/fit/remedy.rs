@@ -103,6 +103,7 @@ impl FitError {
             | Self::OffsetBounds { .. }
             | Self::OnlyStart { .. }
             | Self::TooFew { .. }
+            | Self::TooManySteps
             | Self::Simulation(_)
             | Self::Optimiser(_) => None,
         }

@@ -262,9 +262,10 @@ pub(super) fn evaluate(
     fixed: &[bool],
     monitor: &Monitor<'_>,
 ) -> Result<Solution, FitError> {
-    let residuals = problem.residuals(Effort::Final, &values, points)?;
-    let jacobian = problem.jacobian(Effort::Final, &values, points, fixed);
-    monitor.count(1 + 2 * jacobian.len(), f64::NAN);
+    let here = problem.predict(&values, points)?;
+    let residuals = problem.residuals_of(&here, points);
+    let jacobian = problem.jacobian(Effort::Final, &values, &here, points, fixed);
+    monitor.count(1 + 2 * jacobian.len() as u64, f64::NAN);
     let size = values.len();
     let loss = problem.loss;
     let mut chi2 = 0.0;
@@ -333,12 +334,12 @@ pub(super) fn evaluate(
     })
 }
 
-/// Why the optimiser could not go on from where it gave up: the refusal of the next step, shortened until it is small.
+/// The end of the motion that stopped the optimiser where it gave up: that of the next step, shortened until it is small.
 pub(super) fn refused_step(
     problem: &Problem,
     points: &[Point],
     solution: &Solution,
-) -> Option<Refusal> {
+) -> Option<FitError> {
     /// Lengths of the step.
     const PARTS: [f64; 4] = [1.0, 0.1, 0.01, 0.001];
     let slope = DVector::from_column_slice(&solution.gradient);
@@ -357,7 +358,10 @@ pub(super) fn refused_step(
         // A step that is possible shows that something else stopped the optimiser.
         refusal = Some(problem.predict(&values, points).err()?);
     }
-    refusal
+    match refusal? {
+        refusal @ Refusal::Ends { .. } => Some(refusal.into()),
+        Refusal::Invalid(_) | Refusal::Failed(_) | Refusal::TooManySteps => None,
+    }
 }
 
 /// Lets the window grow from the first tenth of a second to all `points`. Weak priors hold what a short window doesn't

@@ -143,12 +143,29 @@ pub fn sample_at(
     times: &[f64],
     take: &mut dyn FnMut(usize, &Sample),
 ) -> Result<RunEnd, SimulationError> {
+    sample_at_while(scenario, times, take, &mut || true)
+}
+
+/// As [`sample_at`]. `carry_on` is called before each integrator step; if it returns false, the run ends as interrupted.
+///
+/// # Errors
+/// As those of a [`Simulation`].
+pub fn sample_at_while(
+    scenario: &Scenario,
+    times: &[f64],
+    take: &mut dyn FnMut(usize, &Sample),
+    carry_on: &mut dyn FnMut() -> bool,
+) -> Result<RunEnd, SimulationError> {
     let detail = Detail::Motion;
     match scenario.formulation {
         _ if scenario.model.support.is_free() => {
-            ShortFree::new(scenario, detail)?.take_samples(times, take)
+            ShortFree::new(scenario, detail)?.take_samples(times, take, carry_on)
         }
-        FormulationKind::Euler => ShortEuler::new(scenario, detail)?.take_samples(times, take),
-        FormulationKind::Body => ShortBody::new(scenario, detail)?.take_samples(times, take),
+        FormulationKind::Euler => {
+            ShortEuler::new(scenario, detail)?.take_samples(times, take, carry_on)
+        }
+        FormulationKind::Body => {
+            ShortBody::new(scenario, detail)?.take_samples(times, take, carry_on)
+        }
     }
 }

@@ -984,6 +984,38 @@ fn a_fit_to_a_minority_does_not_describe_the_data() {
 }
 
 #[test]
+fn gives_up_on_data_that_no_motion_follows() {
+    let times: Vec<f64> = (0..500).map(|i| f64::from(i) / 100.0).collect();
+    let swings: Vec<f64> = times
+        .iter()
+        .map(|time| 0.5 * libm::cos(3.0 * time))
+        .collect();
+    // A pendulum: its plane stays, and the azimuth jumps by half a turn.
+    let theta: Vec<f64> = swings.iter().map(|swing| swing.abs()).collect();
+    let phi: Vec<f64> = swings
+        .iter()
+        .map(|swing| if *swing < 0.0 { PI } else { 0.0 })
+        .collect();
+    let data = Data {
+        signals: vec![
+            Signal::from_values(state::THETA, &times, &theta, None).unwrap(),
+            Signal::from_values(state::PHI, &times, &phi, None).unwrap(),
+        ],
+        files: 1,
+        starts_with_run: false,
+        losses: Vec::new(),
+    };
+    let mut request = Request::new(preset("full-coulomb"), data, &["friction.k", "initial"]);
+    request.profile = vec!["friction.k".to_owned()];
+    let report = fit(&request, &|_| {}).unwrap().report;
+    assert_eq!(report.verdict, Verdict::NotConverged);
+    // Without a minimum, χ² grows from nothing.
+    assert!(report.profiles.is_empty());
+    let notes = report.notes.join(" ");
+    assert_contains(&notes, "The search was given up after 1000 times the steps");
+}
+
+#[test]
 fn minima_do_not_depend_on_the_start() {
     let truth = preset("full-coulomb");
     let data = measure(&truth, 30.0, 2.0, &[(state::THETA, 5e-3)], Some(7));

@@ -14,6 +14,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         mut self,
         times: &[f64],
         take: &mut dyn FnMut(usize, &Sample),
+        carry_on: &mut dyn FnMut() -> bool,
     ) -> Result<RunEnd, SimulationError> {
         let mut next = 0;
         loop {
@@ -30,7 +31,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
                 next += 1;
             }
             let is_done = next == times.len() || self.stopped.is_some();
-            if is_done || !self.advance(&mut || true)? {
+            if is_done || !self.advance(carry_on)? {
                 return Ok(RecordStream::end(&self));
             }
         }
