@@ -234,6 +234,31 @@ mod tests {
         }
     }
 
+    #[test]
+    fn names_why_a_strong_top_falls_without_friction() {
+        for (keys, expected) in [
+            (
+                [
+                    ("initial.psi_dot", "60"),
+                    ("initial.theta", "1.5"),
+                    ("initial.phi_dot", "0"),
+                ],
+                "although its spin",
+            ),
+            (
+                [
+                    ("initial.theta", "0.5"),
+                    ("initial.theta_dot", "200"),
+                    ("initial.phi_dot", "0"),
+                ],
+                "even without gravity",
+            ),
+        ] {
+            let (text, falls) = story_of("frictionless", &keys);
+            assert!(falls && text.contains(expected), "{keys:?}: {text}");
+        }
+    }
+
     /// Slow, weak and strong tops, with and without friction, upright and beyond the horizontal.
     #[test]
     fn stories_do_not_contradict_themselves() {

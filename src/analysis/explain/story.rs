@@ -7,8 +7,10 @@ use super::fact::{Fact, PrecessionRoot};
 use super::fixed;
 use super::momentum::MomentumSpan;
 use super::observations::{Ends, GripSpan};
-use super::{precession, tippe};
+use super::precession;
+use super::tippe::{self, NotInverted};
 use crate::analysis::history::{Constancy, PegPhase, in_phase};
+use crate::physics::kinematics::Tilt;
 use crate::physics::math::sin_cos;
 use crate::run::simulation::{EventKind, StopReason};
 use schemars::JsonSchema;
@@ -25,23 +27,57 @@ pub struct Story {
     /// Rise and fall of the axis, as the words of all claims have it.
     #[serde(skip)]
     course: Course,
+    /// A reason in words that is no claim: reports have had no member for it since version 1.0.
+    #[serde(skip)]
+    remark: Option<Remark>,
+}
+
+/// A reason for what the claims leave open.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Remark {
+    /// A tippe top that has not turned over.
+    NotInverted(NotInverted),
+    /// A strong top that falls without friction.
+    SwingsDown {
+        /// Whether it would without gravity, too.
+        without_gravity: bool,
+    },
+}
+
+impl Remark {
+    fn words(self) -> &'static str {
+        match self {
+            Self::NotInverted(reason) => reason.words(),
+            Self::SwingsDown {
+                without_gravity: true,
+            } => {
+                "The top falls because of its motion at the start, which would carry the axis down so far even without gravity."
+            }
+            Self::SwingsDown {
+                without_gravity: false,
+            } => {
+                "The top falls although its spin could hold it upright: with its motion at the start, gravity swings the axis down so far before the spin turns it up again."
+            }
+        }
+    }
 }
 
 impl Story {
     /// A paragraph in words, without numbers; `None` if there is no claim.
     pub fn text(&self) -> Option<String> {
-        if self.claims.is_empty() {
+        if self.claims.is_empty() && self.remark.is_none() {
             return None;
         }
         let (first, later): (Vec<&Claim>, Vec<&Claim>) = self
             .claims
             .iter()
             .partition(|claim| self.course.comes_first(claim));
-        let words: Vec<String> = first
+        let mut words: Vec<String> = first
             .into_iter()
             .chain(later)
             .map(|claim| claim.words_in(self.course, &self.claims))
             .collect();
+        words.extend(self.remark.map(|remark| remark.words().to_owned()));
         Some(words.join(" "))
     }
 }
@@ -72,7 +108,45 @@ pub(super) fn story(evidence: &Evidence) -> Story {
     let history = &evidence.history;
     let has_fallen = history.first(EventKind::Fallen).is_some() || history.inverted.is_some();
     let course = Course::new(&claims, has_fallen);
-    Story { claims, course }
+    let remark = remark(evidence, &claims);
+    Story {
+        claims,
+        course,
+        remark,
+    }
+}
+
+fn remark(evidence: &Evidence, claims: &[Claim]) -> Option<Remark> {
+    let is_inversion_told = claims.iter().any(|claim| {
+        matches!(
+            claim,
+            Claim::StaysUpright { .. } | Claim::Inverts { .. } | Claim::SlipEnds { .. }
+        )
+    });
+    if !is_inversion_told && let Some(reason) = tippe::not_inverted(evidence) {
+        return Some(Remark::NotInverted(reason));
+    }
+    swings_down(evidence, claims)
+}
+
+/// A top that falls without friction, as its energy and its angular momenta allow, and not because it is weak.
+fn swings_down(evidence: &Evidence, claims: &[Claim]) -> Option<Remark> {
+    let conserves = claims
+        .iter()
+        .any(|claim| matches!(claim, Claim::Conserves { .. }));
+    if !conserves || claims.iter().any(Claim::is_fall) {
+        return None;
+    }
+    let theta = evidence.history.first(EventKind::Fallen)?.state.theta;
+    let top = evidence.scenario.model.nutating_top();
+    let start = Tilt::from_rates(evidence.scenario.angles.theta, evidence.scenario.rates);
+    let falls = theta > evidence.scenario.angles.theta;
+    let is_strong = top.strength_ratio(&start) > 1.0;
+    let [without_gravity, with_gravity] =
+        [0.0, top.gravity_moment()].map(|moment| can_reach(evidence, theta, moment));
+    // Of a weak top, its weakness would be half of the reason.
+    let is_known = without_gravity || (with_gravity && is_strong);
+    (falls && is_known).then_some(Remark::SwingsDown { without_gravity })
 }
 
 fn conserves(evidence: &Evidence) -> Option<Claim> {

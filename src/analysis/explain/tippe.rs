@@ -4,6 +4,7 @@ use super::claim::{Claim, SufficientSpin};
 use super::evidence::{Evidence, ROUNDED};
 use crate::physics::math::sin_cos;
 use crate::physics::top::Top;
+use crate::run::simulation::StopReason;
 use std::f64::consts::FRAC_PI_2;
 
 /// Number of inclinations at which the least energy is computed.
@@ -59,30 +60,129 @@ pub(super) fn stays_upright(evidence: &Evidence) -> Option<Claim> {
     }
     // Otherwise the top may turn over after the end of the recording.
     history.stop_reason()?;
-    let peg = evidence.summary.peg.as_ref()?;
-    let (jellett, jellett_deviation) = (peg.jellett?, peg.jellett_deviation?);
-    let top = &evidence.scenario.model.top;
-    let terms =
-        (top.center_distance.abs() + top.peg_radius) * evidence.observations.momentum.largest();
-    let certain = (jellett.abs() - ROUNDED * terms).max(0.0);
+    let integral = JellettIntegral::new(evidence)?;
+    let barrier = Barrier::new(evidence, &integral, start);
     let energy = history.energies?.first;
-    let (mut needed, mut needed_at) = (f64::NEG_INFINITY, start);
-    for theta in inclinations(start) {
-        let (sin, cos) = sin_cos(theta);
-        let least = top.least_energy(certain, sin, cos);
-        if least > needed {
-            (needed, needed_at) = (least, theta);
-        }
-    }
-    let is_barred = needed - energy > ROUNDED * needed.abs().max(energy.abs());
-    (jellett_deviation <= ROUNDED && is_barred).then_some(Claim::StaysUpright {
+    barrier.stops(energy).then(|| Claim::StaysUpright {
         energy,
-        needed,
-        needed_at,
-        jellett,
-        jellett_deviation,
+        needed: barrier.needed,
+        needed_at: barrier.at,
+        jellett: integral.value,
+        jellett_deviation: integral.deviation,
         sufficient_spin: sufficient_spin(evidence, energy),
     })
+}
+
+/// Jellett's integral of a run, which is constant.
+struct JellettIntegral {
+    /// At the start, kg m³/s.
+    value: f64,
+    /// The largest deviation, relative to its terms.
+    deviation: f64,
+    /// Magnitude that it certainly has, kg m³/s.
+    certain: f64,
+}
+
+impl JellettIntegral {
+    /// `None` if it is not constant.
+    fn new(evidence: &Evidence) -> Option<Self> {
+        let integral = evidence.history.peg.as_ref()?.jellett()?;
+        let top = &evidence.scenario.model.top;
+        let terms =
+            (top.center_distance.abs() + top.peg_radius) * evidence.observations.momentum.largest();
+        // Without spin, its terms are rounding errors of a motion that has angular momentum all the same.
+        let recorded = evidence.summary.peg.as_ref()?.jellett_deviation?;
+        let deviation = if recorded <= ROUNDED {
+            recorded
+        } else {
+            integral.deviation / terms
+        };
+        (deviation <= ROUNDED).then_some(Self {
+            value: integral.first,
+            deviation,
+            certain: (integral.first.abs() - ROUNDED * terms).max(0.0),
+        })
+    }
+}
+
+/// The least energy of the top where it is largest between an inclination and the horizontal.
+struct Barrier {
+    /// The energy, J.
+    needed: f64,
+    /// The inclination, rad.
+    at: f64,
+}
+
+impl Barrier {
+    fn new(evidence: &Evidence, integral: &JellettIntegral, from: f64) -> Self {
+        let top = &evidence.scenario.model.top;
+        let mut barrier = Self {
+            needed: f64::NEG_INFINITY,
+            at: from,
+        };
+        for theta in inclinations(from) {
+            let (sin, cos) = sin_cos(theta);
+            let least = top.least_energy(integral.certain, sin, cos);
+            if least > barrier.needed {
+                barrier = Self {
+                    needed: least,
+                    at: theta,
+                };
+            }
+        }
+        barrier
+    }
+
+    /// Whether a top with this energy, J, can't pass it.
+    fn stops(&self, energy: f64) -> bool {
+        self.needed - energy > ROUNDED * self.needed.abs().max(energy.abs())
+    }
+}
+
+/// Why a tippe top with enough energy at the start has not turned over by the end of its run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum NotInverted {
+    /// Friction has taken so much energy that the rest is not enough: it will not turn over.
+    Spent,
+    /// It has enough energy, and its contact point slips: it may turn over later.
+    NotYet,
+}
+
+/// Why a tippe top that had enough energy has not turned over; `None` if the numbers don't show it.
+pub(super) fn not_inverted(evidence: &Evidence) -> Option<NotInverted> {
+    let history = &evidence.history;
+    let friction = &evidence.scenario.model.friction;
+    let start = evidence.scenario.angles.theta;
+    if friction.has_losses() || !friction.acts_at_contact() {
+        return None;
+    }
+    if !history.is_tippe_top() || start >= FRAC_PI_2 || history.inverted.is_some() {
+        return None;
+    }
+    let stop = history.stop_reason()?;
+    let integral = JellettIntegral::new(evidence)?;
+    let [_, last] = history.states?;
+    let barrier = Barrier::new(evidence, &integral, last.theta.clamp(0.0, FRAC_PI_2));
+    if barrier.stops(history.energies?.last) {
+        return Some(NotInverted::Spent);
+    }
+    // Where the peg rolls, friction does no work and turns nothing over.
+    let still_slips = evidence.observations.grip.is_none();
+    (still_slips && stop == StopReason::Duration).then_some(NotInverted::NotYet)
+}
+
+impl NotInverted {
+    /// The reason in words.
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Self::Spent => {
+                "The top does not turn over. At first it had enough energy for it, but friction has taken so much of it that the rest is not enough: friction at the contact point does not change Jellett's integral, and with this value of the integral the axis could reach the horizontal only with more energy than is left."
+            }
+            Self::NotYet => {
+                "The top has not turned over when the run ends. It still has more energy than it needs to reach the horizontal, and its contact point still slips: a longer run shows whether friction turns it over."
+            }
+        }
+    }
 }
 
 /// Inclinations from that at the start to the horizontal, rad.
@@ -141,5 +241,74 @@ fn least_jellett_moment(top: &Top, start: f64) -> f64 {
         at_horizontal.min(top.jellett_moment((1.0 - cos * cos).sqrt(), cos))
     } else {
         at_horizontal
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::analysis::explain::{Explanation, explain};
+    use crate::run::scenario::{Preset, Scenario};
+    use crate::run::simulation::EventKind;
+
+    fn explained(keys: &[(&str, &str)]) -> Explanation {
+        let mut values = Preset::find("tippe-top").unwrap().values().unwrap();
+        for (key, value) in keys {
+            values.set(key, value).unwrap();
+        }
+        explain(&Scenario::new(values).unwrap()).unwrap()
+    }
+
+    /// The story of a run of this length, s, and whether the top turns over in it.
+    fn story_within(duration: &str, keys: &[(&str, &str)]) -> (String, bool) {
+        let explanation = explained(&[keys, &[("stop.duration", duration)]].concat());
+        let inverts = explanation
+            .events
+            .iter()
+            .any(|event| event.name == EventKind::Inverts.name());
+        (explanation.story.text().unwrap_or_default(), inverts)
+    }
+
+    #[test]
+    fn names_why_a_tippe_top_does_not_turn_over() {
+        for (keys, expected) in [
+            (("initial.psi_dot", "0"), "It spins too slowly"),
+            (("initial.psi_dot", "30"), "It spins too slowly"),
+            (
+                ("initial.theta", "1.45"),
+                "friction has taken so much of it",
+            ),
+            (
+                ("friction.k", "0.003"),
+                "has not turned over when the run ends",
+            ),
+        ] {
+            let text = explained(&[keys]).story.text().unwrap_or_default();
+            assert!(text.contains(expected), "{keys:?}: {text}");
+        }
+    }
+
+    /// Slow and fast, inclined and nearly upright, on slippery and rough tables: a top that is said not to turn over does
+    /// not in a run of four times the length, either, and each one has a reason.
+    #[test]
+    fn reasons_hold_in_longer_runs() {
+        for spin in ["-90", "0", "10", "45", "60", "80", "150"] {
+            for theta in ["0.02", "0.3", "0.9", "1.5"] {
+                for k in ["0.02", "0.1", "0.4"] {
+                    let keys = [
+                        ("initial.psi_dot", spin),
+                        ("initial.theta", theta),
+                        ("friction.k", k),
+                    ];
+                    let (text, has_inverted) = story_within("3", &keys);
+                    assert!(has_inverted || !text.is_empty(), "{keys:?}");
+                    if text.contains("does not turn over") {
+                        assert!(
+                            !has_inverted && !story_within("12", &keys).1,
+                            "{keys:?}: {text}"
+                        );
+                    }
+                }
+            }
+        }
     }
 }

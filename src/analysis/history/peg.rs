@@ -104,6 +104,11 @@ impl PegHistory {
         self.center_distance < 0.0
     }
 
+    /// Jellett's integral at the start, and its largest deviation, kg m³/s.
+    pub(crate) fn jellett(&self) -> Option<Constancy> {
+        self.jellett
+    }
+
     /// Number of impacts after the last sample.
     pub(crate) fn impacts_after_samples(&self) -> u64 {
         self.impacts_after_samples
