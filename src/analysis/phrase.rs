@@ -74,9 +74,17 @@ pub(crate) fn quantity(value: f64, digits: usize, unit: &str) -> String {
     }
 }
 
-/// Two values of a quantity with their unit, for "from … to …".
+/// The zero of the potential energy in recordings, wherever an energy and not its change is shown.
+pub(crate) const ENERGY_ZERO: &str = "zero at the height of the peg's centre";
+
+/// Two values of a quantity with their unit, for "from … to …"; with more than `digits` if they would look equal.
 pub(crate) fn quantities(values: [f64; 2], digits: usize, unit: &str) -> [String; 2] {
-    let [first, last] = pair(values, digits);
+    /// More digits show the error of the integration.
+    const MAX_DIGITS: usize = 9;
+    let [first, last] = (digits..=MAX_DIGITS)
+        .map(|digits| pair(values, digits))
+        .find(|[first, last]| first != last)
+        .unwrap_or_else(|| pair(values, digits));
     [first, format!("{last} {unit}")]
 }
 
@@ -156,6 +164,21 @@ mod tests {
         assert_eq!(duration(0.0), "0 s");
         assert_eq!(duration(9.9999e-4), "1.00 ms");
         assert_eq!(significant(-0.0, 3), "0");
+    }
+
+    #[test]
+    fn values_that_differ_look_different() {
+        for (values, expected) in [
+            ([0.5, 0.02], ["0.5000", "0.0200 m"]),
+            (
+                [1.113_04e-4, 1.112_96e-4],
+                ["1.11304 × 10⁻⁴", "1.11296 × 10⁻⁴ m"],
+            ),
+            ([0.020_000_1, 0.02], ["0.0200001", "0.0200000 m"]),
+            ([0.5, 0.5], ["0.5000", "0.5000 m"]),
+        ] {
+            assert_eq!(quantities(values, 4, "m"), expected);
+        }
     }
 
     #[test]

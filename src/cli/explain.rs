@@ -8,6 +8,7 @@ use super::status::Status;
 use super::table::Table;
 use crate::analysis::explain::{self, EventSummary, Explanation, Fact, Stage};
 use crate::analysis::phrase::significant;
+use crate::run::simulation::EventKind;
 use anyhow::{Context as _, Error};
 use clap::Args;
 use std::path::PathBuf;
@@ -69,12 +70,14 @@ fn events(explanation: &Explanation) -> Section {
 
 /// First time, name and further occurrences of an event.
 fn event_row(event: &EventSummary) -> Vec<String> {
+    // Recordings of later versions may have other kinds.
+    let words = EventKind::find(&event.name)
+        .map_or_else(|| event.name.clone(), |kind| kind.words(event.count));
     let again = match event.count {
         1 => String::new(),
         count => format!("{count} times, last at {:.4} s", event.last),
     };
-    let name = event.name.replace('_', " ");
-    vec![format!("{:.4} s", event.first), name, again]
+    vec![format!("{:.4} s", event.first), words, again]
 }
 
 /// A mean, or a dash if it was not recorded (NaN).

@@ -113,13 +113,14 @@ impl InfoReport {
         if !self.overview.events.is_empty() {
             let mut counts = Vec::new();
             for (name, number) in self.counts() {
-                let is_extreme = EventKind::find(name).is_some_and(EventKind::is_nutation_extreme);
+                let kind = EventKind::find(name);
+                let is_extreme = kind.is_some_and(EventKind::is_nutation_extreme);
                 // There are more nutations than extremes of θ: where θ falls fast, they only slow it down and speed it up.
                 let quantity = if is_extreme { " of θ" } else { "" };
                 counts.push(format!(
                     "{} × {}{quantity}",
                     format_integer(number),
-                    name.replace('_', " ")
+                    event_words(name, number)
                 ));
             }
             facts.push(("events", counts.join(", ")));
@@ -187,13 +188,18 @@ impl InfoReport {
             if counts[event.name.as_str()] <= MAX_LISTED && !is_common {
                 rows.push(vec![
                     format!("{:.6} s", event.time),
-                    event.name.replace('_', " "),
+                    event_words(&event.name, 1),
                     event.description.clone().unwrap_or_default(),
                 ]);
             }
         }
         Table::from_texts(rows)
     }
+}
+
+/// An event in a few words; its name if this version doesn't know the kind.
+fn event_words(name: &str, count: u64) -> String {
+    EventKind::find(name).map_or_else(|| name.replace('_', " "), |kind| kind.words(count))
 }
 
 /// A time in seconds, exact to the nanosecond: Unix times have more digits than a float.

@@ -20,6 +20,7 @@ mod stop;
 mod values;
 
 pub use applicable::{Allowed, ApplicableKey};
+pub(crate) use choice::find_dissipation;
 pub use choice::{FormulationKind, OnStick, SupportKind};
 pub use definition::Scenario;
 pub use error::{Hint, Problem, Requirement, ScenarioError};

@@ -15,6 +15,15 @@ pub fn event_sentence(message: &Message<'_>, top: &Top) -> String {
     )
 }
 
+/// The sentence in the views that recordings contain.
+pub(super) fn recorded_sentence(message: &Message<'_>, top: &Top) -> String {
+    let name = events::NAME.of(message);
+    EventKind::find(name).map_or_else(
+        || name.to_owned(),
+        |kind| kind.recorded_sentence(top, event_state(message)),
+    )
+}
+
 /// The recorded state at the event of a message on `/events`.
 pub(crate) fn event_state(message: &Message<'_>) -> EventState {
     EventState {

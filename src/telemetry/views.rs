@@ -21,7 +21,7 @@ use self::cdr::Cdr;
 use self::envelope::Envelope;
 pub use self::foxglove::foxglove_layout;
 use self::scales::Scales;
-use super::event::event_sentence;
+use super::event::recorded_sentence;
 use super::fields::{
     CONTACT, EVENTS, NUTATION, POSE, STATE, TORQUE, contact, events, pose, state, torque,
 };
@@ -298,7 +298,7 @@ impl Views {
                     return false;
                 }
                 cdr.time(time).u8(INFO).string(name);
-                cdr.string(&event_sentence(message, &self.top));
+                cdr.string(&recorded_sentence(message, &self.top));
                 // File, function and line of the logging code: unused.
                 cdr.string("").string("").u32(0);
             }

@@ -1,6 +1,10 @@
 //! Facts of an explanation, and their text.
 
-use crate::analysis::phrase::{moment, pair, quantities, quantity, significant, works};
+use crate::analysis::phrase::{
+    ENERGY_ZERO, moment, pair, quantities, quantity, significant, works,
+};
+use crate::physics::friction::Dissipation;
+use crate::run::scenario::find_dissipation;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -469,16 +473,17 @@ impl Fact {
                 )
             }
             Self::EnergyToTurnOver { energy, needed } => {
-                let [energy, needed] = pair([*energy, *needed], 4);
+                let [energy, needed] = quantities([*energy, *needed], 4, "J");
                 format!(
-                    "The top starts with {energy} J; to reach the horizontal, it would need at least {needed} J."
+                    "The top starts with {energy}; to reach the horizontal, it would need at least {needed} ({ENERGY_ZERO})."
                 )
             }
             Self::AxialMomentum { first, last } => {
-                let [first, last] = quantities([*first, *last], 4, "kg m²/s");
-                if first == last {
-                    format!("The angular momentum about the axis is {first}.")
+                let size = quantity(*last, 4, "kg m²/s");
+                if size == quantity(*first, 4, "kg m²/s") {
+                    format!("The angular momentum about the axis stays at {size}.")
                 } else {
+                    let [first, last] = quantities([*first, *last], 4, "kg m²/s");
                     format!("The angular momentum about the axis changes from {first} to {last}.")
                 }
             }
@@ -500,21 +505,25 @@ impl Fact {
                 } else {
                     "contact point sticks"
                 };
-                let [least, greatest] = quantities([*least, *greatest], 4, "rad");
-                format!("While the {grip}, θ stays between {least} and {greatest}.")
+                let only = angle(*least);
+                if only == angle(*greatest) {
+                    format!("While the {grip}, θ stays at {only}.")
+                } else {
+                    let [least, greatest] = quantities([*least, *greatest], 4, "rad");
+                    format!("While the {grip}, θ stays between {least} and {greatest}.")
+                }
             }
             Self::ModelPart {
                 dissipation,
                 drops_term: true,
             } => format!(
-                "The model omits friction terms of the equations (friction.dissipation = {dissipation}); this does not correspond to a torque."
+                "The model omits {}; this does not correspond to a torque.",
+                omission(dissipation)
             ),
             Self::ModelPart {
                 dissipation,
                 drops_term: false,
-            } => format!(
-                "The model omits a component of the friction torque (friction.dissipation = {dissipation})."
-            ),
+            } => format!("The model omits {}.", omission(dissipation)),
             Self::Energy {
                 first,
                 last,
@@ -556,14 +565,12 @@ impl Fact {
             Self::Sliding { sliding, losses } if *losses > 0.0 => {
                 let [sliding, losses] = pair([*sliding, *losses], 4);
                 format!(
-                    "In this time, sliding dissipates {sliding} J; rolling resistance, drilling and air drag dissipate {losses} J."
+                    "Sliding dissipates {sliding} J; rolling resistance, drilling and air drag dissipate {losses} J."
                 )
             }
-            Self::Sliding { sliding, .. } => {
-                format!("In this time, sliding dissipates {}.", joule(*sliding))
-            }
+            Self::Sliding { sliding, .. } => format!("Sliding dissipates {}.", joule(*sliding)),
             Self::SlipPath { length } => format!(
-                "In this time, the contact point slips {}.",
+                "The contact point slips {} in all.",
                 quantity(*length, 3, "m")
             ),
             Self::VerticalMomentum {
@@ -581,7 +588,7 @@ impl Fact {
                 deviation,
                 is_constant: true,
             } => format!(
-                "Jellett's integral l L_n + R L_z′ is constant (± {}, relative), as expected for contact forces.",
+                "Jellett's integral l·L_n + R·L_z′ is constant (± {}, relative), as expected for contact forces.",
                 significant(*deviation, 2)
             ),
             Self::Jellett { deviation, .. } => format!(
@@ -602,6 +609,29 @@ fn rate(rate: f64) -> String {
 
 fn joule(energy: f64) -> String {
     quantity(energy, 4, "J")
+}
+
+/// What a value of `friction.dissipation` leaves out of the friction of sliding.
+fn omission(dissipation: &str) -> &'static str {
+    match find_dissipation(dissipation) {
+        Some(Dissipation::WithoutNutationPart) => {
+            "the component of the friction torque that would damp the nutation"
+        }
+        Some(Dissipation::PrecessionTermOnly) => {
+            "the friction terms of the equations but that of the precession"
+        }
+        Some(Dissipation::SpinTermOnly) => {
+            "the friction terms of the equations but that of the spin"
+        }
+        Some(Dissipation::TiltTorqueOnly) => {
+            "the components of the friction torque but the one that tilts the axis"
+        }
+        Some(Dissipation::SpinTorqueOnly) => {
+            "the components of the friction torque but the one about the axis"
+        }
+        // Full friction omits nothing, and reports have no fact about it.
+        Some(Dissipation::Full) | None => "a part of friction",
+    }
 }
 
 /// Number of significant digits, at most 4, of a value with this uncertainty.

@@ -1,6 +1,6 @@
 //! The report of a run.
 
-use crate::analysis::phrase::{significant, works};
+use crate::analysis::phrase::{ENERGY_ZERO, significant, works};
 use crate::cli::numbers::{format_count, format_fixed, format_integer, format_significant};
 use crate::cli::page::{Section, Tone};
 use crate::cli::report::WrittenFile;
@@ -109,11 +109,8 @@ impl RunReport {
         model: &Model,
         not_written: Option<&str>,
     ) -> Vec<Section> {
-        let mut facts = vec![
-            ("state", self.angles()),
-            ("rates", self.rates()),
-            ("energy", self.energy_balance(&model.friction)),
-        ];
+        let mut facts = vec![("state", self.angles()), ("rates", self.rates())];
+        facts.extend(under("energy", self.energy_balance(&model.friction)));
         facts.extend(under("events", self.event_lines(&model.top)));
         facts.extend([("logged", self.logged()), ("took", self.took())]);
         let recorded = &self.recorded;
@@ -155,14 +152,14 @@ impl RunReport {
     fn rates(&self) -> String {
         let rates = &self.outcome.end.motion.tilt.rates;
         format!(
-            "φ̇ = {}, θ̇ = {}, ψ̇ = {} rad/s",
+            "φ̇ = {} rad/s, θ̇ = {} rad/s, ψ̇ = {} rad/s",
             format_fixed(rates.phi, 4),
             format_fixed(rates.theta, 5),
             format_fixed(rates.psi, 3)
         )
     }
 
-    fn energy_balance(&self, friction: &Friction) -> String {
+    fn energy_balance(&self, friction: &Friction) -> Vec<String> {
         let end = &self.outcome.end;
         // Small tops have energies of which six decimals show nothing.
         let is_small = end.energy_at_start.abs() < 1e-3;
@@ -184,7 +181,10 @@ impl RunReport {
             friction.has_air_drag(),
             end.impacts > 0,
         ]);
-        format!("{before} J → {after} J (change {change} J, work of {causes} {work} J)")
+        vec![
+            format!("{before} J → {after} J ({ENERGY_ZERO})"),
+            format!("change {change} J, work of {causes} {work} J"),
+        ]
     }
 
     /// One line for each kind of event except nutation extremes; repeated events are counted, and their ends omitted.
@@ -197,8 +197,11 @@ impl RunReport {
             }
             match (event.count, event.name.plural(top)) {
                 (1, _) => {
-                    let name = event.name.name().replace('_', " ");
-                    lines.push(format!("{name} at {:.4} s", event.first_time));
+                    lines.push(format!(
+                        "{} at {:.4} s",
+                        event.name.words(1),
+                        event.first_time
+                    ));
                 }
                 (several, Some(plural)) => lines.push(format!(
                     "{} {plural} between {:.4} s and {:.4} s",
@@ -218,8 +221,24 @@ impl RunReport {
             format_count(self.samples, "sample"),
             format_significant(1.0 / self.sample_period, 6),
             format_count(self.outcome.end.nutations, "nutation cycle"),
-            format_count(self.events.iter().map(|event| event.count).sum(), "event")
+            self.logged_events()
         )
+    }
+
+    /// Number of events, and how many of them no line lists.
+    fn logged_events(&self) -> String {
+        let (mut all, mut extremes) = (0, 0);
+        for event in &self.events {
+            all += event.count;
+            if event.name.is_nutation_extreme() {
+                extremes += event.count;
+            }
+        }
+        let events = format_count(all, "event");
+        match extremes {
+            0 => events,
+            _ => format!("{events} ({} extremes of θ)", format_integer(extremes)),
+        }
     }
 
     fn took(&self) -> String {

@@ -56,7 +56,7 @@ pub(super) const DISSIPATIONS: &[&str] = &{
 };
 
 /// The meaning of a value of `friction.dissipation`.
-pub(super) fn find_dissipation(word: &str) -> Option<Dissipation> {
+pub(crate) fn find_dissipation(word: &str) -> Option<Dissipation> {
     MEANINGS
         .into_iter()
         .find_map(|(known, dissipation)| (known == word).then_some(dissipation))

@@ -3,7 +3,7 @@
 use crate::physics::dynamics::{Motion, Transition};
 use crate::physics::math::cos;
 use crate::physics::top::Top;
-use crate::run::decimal::fixed;
+use crate::run::decimal::{fixed, with_power};
 use crate::run::listed::listed;
 
 /// An event of a run.
@@ -105,6 +105,35 @@ impl EventKind {
         matches!(self, Self::NutationMinimum | Self::NutationMaximum)
     }
 
+    /// The event in a few words, for a list in which it stands for `count` events.
+    pub fn words(self, count: u64) -> String {
+        match self {
+            Self::Fallen if count > 1 => "falls".to_owned(),
+            Self::LoopingBegins => "precession turns backward".to_owned(),
+            Self::LoopingEnds => "precession turns forward".to_owned(),
+            Self::Start
+            | Self::Risen
+            | Self::Fallen
+            | Self::NutationMinimum
+            | Self::NutationMaximum
+            | Self::UprightPassage
+            | Self::Inverts
+            | Self::WeakTop
+            | Self::StrongTop
+            | Self::SlipStops
+            | Self::Stick
+            | Self::SlipResumes
+            | Self::Rest
+            | Self::Singular
+            | Self::LiftOff
+            | Self::Landing
+            | Self::RollBegins
+            | Self::RollEnds
+            | Self::Jam
+            | Self::Pivot => self.name().replace('_', " "),
+        }
+    }
+
     /// Plural noun for counts, e.g. "10 loops"; `None` for events that end something or occur once.
     pub fn plural(self, top: &Top) -> Option<&'static str> {
         match self {
@@ -120,9 +149,9 @@ impl EventKind {
             Self::Inverts => Some("inversions"),
             Self::NutationMinimum => Some("nutation minima"),
             Self::NutationMaximum => Some("nutation maxima"),
+            Self::Fallen => Some("falls"),
             Self::Start
             | Self::Risen
-            | Self::Fallen
             | Self::LoopingEnds
             | Self::SlipResumes
             | Self::Rest
@@ -136,6 +165,16 @@ impl EventKind {
 
     /// A sentence about an event of `top` in this state.
     pub fn sentence(self, top: &Top, state: EventState) -> String {
+        self.sentence_with(top, state, &small_angle(state.theta))
+    }
+
+    /// The sentence in the views of recordings, whose bytes must stay: small angles have an exponent of ten after an `e`.
+    pub(crate) fn recorded_sentence(self, top: &Top, state: EventState) -> String {
+        self.sentence_with(top, state, &format!("{:.2e}", state.theta))
+    }
+
+    /// A sentence with `from_vertical` for an inclination near zero, rad.
+    fn sentence_with(self, top: &Top, state: EventState, from_vertical: &str) -> String {
         let EventState {
             theta,
             phi_dot,
@@ -153,7 +192,7 @@ impl EventKind {
                 format!("Nutation: the inclination is greatest, {theta:.6} rad.")
             }
             Self::UprightPassage => {
-                format!("The axis swings through upright, {theta:.2e} rad from the vertical.")
+                format!("The axis swings through upright, {from_vertical} rad from the vertical.")
             }
             // Regular precession of a tippe top may be backward: that makes no loops.
             Self::LoopingBegins if top.center_distance < 0.0 => {
@@ -189,7 +228,9 @@ impl EventKind {
             Self::SlipResumes => format!("The contact point slips again, at θ = {theta:.4} rad."),
             Self::Rest => format!("The top rests, inclined by θ = {theta:.4} rad."),
             Self::Singular => {
-                format!("The Euler angles are singular here, {theta:.2e} rad from the vertical.")
+                format!(
+                    "The Euler angles are singular here, {from_vertical} rad from the vertical."
+                )
             }
             Self::LiftOff => format!("The peg leaves the table, at θ = {theta:.4} rad."),
             Self::Landing => format!("The peg is on the table again, at θ = {theta:.4} rad."),
@@ -226,6 +267,15 @@ listed! {
         Interrupted = "interrupted",
         /// The simulation failed.
         Failed = "failed",
+    }
+}
+
+/// An inclination near zero, with a power of ten.
+fn small_angle(theta: f64) -> String {
+    if theta == 0.0 {
+        "0".to_owned()
+    } else {
+        with_power(theta, 3)
     }
 }
 
@@ -328,6 +378,7 @@ impl StopReason {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::run::scenario::Preset;
 
     #[test]
     fn kinds_are_found_by_their_names() {
@@ -335,6 +386,24 @@ mod tests {
             assert_eq!(EventKind::find(kind.name()), Some(kind));
         }
         assert_eq!(EventKind::find("nutation"), None);
+    }
+
+    #[test]
+    fn small_angles_have_powers_of_ten_but_in_recordings() {
+        let top = Preset::find("paper").unwrap().scenario().unwrap().model.top;
+        let state = EventState {
+            theta: 0.008,
+            phi_dot: 0.0,
+            psi_dot: 0.0,
+        };
+        for kind in [EventKind::UprightPassage, EventKind::Singular] {
+            assert!(kind.sentence(&top, state).contains(", 8.00 × 10⁻³ rad "));
+            assert!(
+                kind.recorded_sentence(&top, state)
+                    .contains(", 8.00e-3 rad ")
+            );
+        }
+        assert_eq!(small_angle(0.0), "0");
     }
 
     #[test]
