@@ -26,6 +26,8 @@ pub type PairSink = Stream<Comparison>;
 pub struct Comparison {
     /// Those of A and B.
     runs: [Entities; 2],
+    /// Times of their last messages, ns.
+    ends_ns: [u64; 2],
     difference: Plots,
     magnitude: Plots,
     identity: PairIdentity,
@@ -45,6 +47,7 @@ impl Stream<Comparison> {
         self.end_ns = self.end_ns.max(message.time_ns);
         let (content, output) = (&mut self.content, &mut self.output);
         content.runs[side.index()].write(message, output);
+        content.ends_ns[side.index()] = message.time_ns;
     }
 
     /// Adds the differences B − A of the numbers of a message, at the time of A; texts are ignored.
@@ -74,6 +77,7 @@ impl Comparison {
         });
         let comparison = Self {
             runs,
+            ends_ns: [0; 2],
             difference: Plots::new(
                 |plot| identity.has_difference_of(plot),
                 &Role::Difference,
@@ -108,8 +112,11 @@ impl Content for Comparison {
         // All charts share one time axis, and the differences end with the shorter run.
         self.difference.extend_to(end_ns, output);
         self.magnitude.extend_to(end_ns, output);
-        for run in &mut self.runs {
+        for (run, own_end_ns) in self.runs.iter_mut().zip(self.ends_ns) {
             run.summarize_events(output);
+            if own_end_ns < end_ns {
+                run.end(own_end_ns, output);
+            }
         }
         output.complete();
         let extent = Extent {

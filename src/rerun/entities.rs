@@ -124,6 +124,13 @@ impl Entities {
         }
     }
 
+    /// Marks the end of the run at this time, ns, in a recording that goes on.
+    pub(super) fn end(&mut self, time_ns: u64, output: &mut Output) {
+        if let Some(scene) = &mut self.scene {
+            scene.end(time_ns, output);
+        }
+    }
+
     /// Adds content derived from all events.
     pub(super) fn summarize_events(&mut self, output: &mut Output) {
         if let Some(events) = &mut self.events {

@@ -6,6 +6,7 @@ use super::preview::Preview;
 use crate::physics::kinematics::Tilt;
 use crate::physics::math;
 use crate::physics::top::Top;
+use crate::run::decimal::with_power;
 use crate::run::scenario::Scenario;
 use crate::telemetry::proportions::Proportions;
 
@@ -183,7 +184,7 @@ pub(super) fn legend(per_metre: f64, unit: &str) -> String {
         Some((factor, prefix)) if per_centimetre < 1e4 => {
             format!("1 cm = {:.0} {prefix}{unit}", per_centimetre / factor)
         }
-        _ => format!("1 cm = {per_centimetre:.0e} {unit}"),
+        _ => format!("1 cm = {} {unit}", with_power(per_centimetre, 1)),
     }
 }
 
@@ -284,8 +285,8 @@ mod tests {
             (100.0, "m/s", "1 cm = 1 m/s"),
             (0.002, "N m", "1 cm = 20 µN m"),
             (0.2, "kg m²/s", "1 cm = 2 mN m s"),
-            (5e9, "N", "1 cm = 5e7 N"),
-            (1e-15, "N", "1 cm = 1e-17 N"),
+            (5e9, "N", "1 cm = 5 × 10⁷ N"),
+            (1e-15, "N", "1 cm = 1 × 10⁻¹⁷ N"),
         ] {
             assert_eq!(legend(per_metre, unit), expected);
         }

@@ -27,6 +27,7 @@ use super::palette::{GREEN, GREY, PURPLE, SKY, VERMILION};
 use super::role::Role;
 use super::track::Track;
 use crate::run::simulation::Regime;
+use crate::run::time::seconds;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{CONTACT, POSE, contact, pose};
 use crate::telemetry::proportions::Proportions;
@@ -45,6 +46,9 @@ pub(super) struct Scene {
     /// flies.
     contact_path: Option<Path>,
     arrows: Vec<Arrow>,
+    /// The place for the end of the run in the legend, and the words before it.
+    end_row: Row,
+    role: Role,
     /// Target of the camera, if the peg is free.
     focus: Option<Focus>,
     /// Orientation (world from body) of the last pose.
@@ -79,15 +83,11 @@ impl Scene {
         let contact_path =
             (is_free && identity.has(CONTACT)).then(|| Path::new(role, &colors, 1.6, output));
         let arrows = Arrow::all(identity, role, output);
-        if is_alone {
-            let (text, color) = match contact_path {
-                Some(_) => ("contact path: blue slides, green rolls, red flies", GREY),
-                None => ("path of the symmetry axis", PURPLE),
-            };
-            let row = Row::new(identity, role, arrows.len(), "path", color);
-            row.send(text, output);
-        }
+        log_path_names(identity, role, arrows.len(), output);
         Self {
+            // The arrows, whose first row it takes, are then gone.
+            end_row: Row::new(identity, role, 0, "end", role.color(GREY, 0)),
+            role: role.clone(),
             measured: identity
                 .measurement
                 .as_ref()
@@ -132,6 +132,21 @@ impl Scene {
         }
     }
 
+    /// Marks the end of the run at this time, ns, in a recording that goes on: no arrow stays, and the legend has the time.
+    pub(super) fn end(&mut self, time_ns: u64, output: &mut Output) {
+        let after_ns = time_ns.saturating_add(1);
+        for arrow in &mut self.arrows {
+            arrow.remove(after_ns, output);
+        }
+        let text = self
+            .role
+            .short_name(&format!("ended at {:.4} s", seconds(time_ns)));
+        let place = self.end_row.place();
+        self.end_row
+            .open("time", &text, output)
+            .push(output, after_ns, [Some(place)]);
+    }
+
     fn write_pose(&mut self, message: &Message<'_>, output: &mut Output) {
         let time_ns = message.time_ns;
         // A unit quaternion when it was recorded: normalising would only add a rounding error.
@@ -151,6 +166,24 @@ impl Scene {
             focus.write(time_ns, self.peg, output);
         }
     }
+}
+
+/// Names the paths in the legend, below the rows of the arrows.
+fn log_path_names(identity: &Identity, role: &Role, arrows: usize, output: &mut Output) {
+    let has_contact_path = identity.geometry.is_free && identity.has(CONTACT);
+    let (row, text, color) = match (role.is_alone(), has_contact_path) {
+        (true, true) => (
+            arrows,
+            "contact path: blue slides, green rolls, red flies",
+            GREY,
+        ),
+        (true, false) => (arrows, "path of the symmetry axis", PURPLE),
+        // Below the arrows of both runs, in one view or in two.
+        (false, true) => (arrows + 1, "paths of the axis and the contact", GREY),
+        (false, false) => (arrows + 1, "path of the symmetry axis", PURPLE),
+    };
+    let row = Row::new(identity, role, row, "path", role.color(color, 0));
+    row.send(&role.short_name(text), output);
 }
 
 /// Sends the static parts: the table and, for a fixed peg, the vertical.

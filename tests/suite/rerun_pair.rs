@@ -353,6 +353,42 @@ fn cameras_follow_both_travelling_tops() {
 }
 
 #[test]
+fn shorter_run_is_marked_as_ended() {
+    let directory = tempdir().unwrap();
+    let path = directory.path().join("pair.rrd");
+    let topics = all_topics();
+    let shorter = Run::with("full-coulomb", ("stop.duration", "0.2"));
+    write(&path, (&PAPER, &topics), (&shorter, &topics));
+    let content = Content::read(&path);
+    for (run, ends_first) in [("a", false), ("b", true)] {
+        let force = format!("/{run}/scene/friction_force");
+        let mut last = [f32::NAN; 3];
+        let mut end = Vec::new();
+        for chunk in &content.data {
+            let entity = chunk.entity_path().to_string();
+            if entity == force {
+                for vector in chunk
+                    .iter_slices::<[f32; 3]>("Arrows3D:vectors".into())
+                    .flatten()
+                {
+                    last = *vector;
+                }
+            }
+            if entity == format!("/{run}/scene/focus/legend/end/time") {
+                end.extend(texts(chunk, "Points3D:labels"));
+            }
+        }
+        assert_eq!(last == [0.0; 3], ends_first, "{run}: {last:?}");
+        let expected: &[&str] = if ends_first {
+            &["B: ended at 0.2000 s"]
+        } else {
+            &[]
+        };
+        assert_eq!(end, expected);
+    }
+}
+
+#[test]
 fn missing_topics_leave_no_empty_views() {
     let directory = tempdir().unwrap();
     let path = directory.path().join("pair.rrd");

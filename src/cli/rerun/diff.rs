@@ -141,7 +141,8 @@ fn identity(subjects: [Subject<'_>; 2], names: [&str; 2]) -> Result<PairIdentity
     let (a, b) = (a?, b?);
     Ok(PairIdentity {
         recording_id: format!("{}-against-{}", b.recording_id, a.recording_id),
-        name: format!("{} against {}", b.name, a.name),
+        // A viewer cuts long names at the end: so it shows the beginning of both.
+        name: format!("{} vs {}", a.name, b.name),
         a,
         b,
     })

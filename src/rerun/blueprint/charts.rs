@@ -74,7 +74,11 @@ const GRAVITY: &[Plot] = &[torque::GRAVITY_NODE.plot()];
 const POWER: &[Plot] = &[energy::FRICTION_POWER.plot()];
 const WORK: &[Plot] = &[energy::FRICTION_WORK.plot()];
 const LOST: &[Plot] = &[free_peg::LOST_SLIDING.plot()];
+/// Kinetic and total energy.
 const ENERGY: &[Plot] = &[energy::TOTAL.plot()];
+/// All parts: where the centre of mass is below the peg's centre, the potential energy is negative, and the kinetic energy
+/// is larger than the total.
+const ENERGY_PARTS: &[Plot] = &[ENERGY[0], energy::POTENTIAL.plot()];
 const EXCESS: &[Plot] = &[precession::EXCESS.plot()];
 const MOMENTUM: &[Plot] = &[momentum::VERTICAL.plot()];
 const CENTER: &[Plot] = &[center_of_mass::POSITION.plot()];
@@ -91,6 +95,7 @@ const MOMENTUM_NAME: &str = "Angular momentum";
 pub(super) const GAP_NAME: &str = "Height of the peg";
 pub(super) const REGIME_NAME: &str = "0 rolls, 1 slides, 2 flies";
 const PHI_DOT_NAME: &str = "dφ/dt, precession";
+const ENERGY_NAME: &str = "Energy, 0 at the peg's centre";
 const TORQUE_NAME: &str = "Friction torque, node frame";
 
 const INCLINATION: Chart = chart("θ, inclination", THETA, RightTop);
@@ -100,7 +105,9 @@ const PSI_RATE: Chart = chart("dψ/dt, spin", PSI_DOT, RightTop);
 const FRICTION_TORQUE: Chart = chart(TORQUE_NAME, TORQUE, LeftBottom);
 const THETA_TERMS: Chart = chart("Terms of d²θ/dt²", THETA_DDOT, RightBottom);
 const SLIP_VELOCITY: Chart = chart("Slip velocity, world axes", SLIP, RightTop);
-const ENERGIES: Chart = chart("Total and kinetic energy", ENERGY, LeftBottom);
+// The components oscillate, and would fill the chart behind its legend.
+const SLIDING: Chart = chart("Slip speed", SLIP_SPEED, RightTop);
+const ENERGIES: Chart = chart(ENERGY_NAME, ENERGY, LeftBottom);
 const ANGULAR_MOMENTUM: Chart = chart(MOMENTUM_NAME, MOMENTUM, RightTop);
 
 /// The rise of a top with a fixed peg.
@@ -111,7 +118,7 @@ pub(super) const RISE: [Chart; 8] = [
     PSI_RATE,
     FRICTION_TORQUE,
     THETA_TERMS,
-    SLIP_VELOCITY,
+    SLIDING,
     ENERGIES,
 ];
 
@@ -120,12 +127,12 @@ pub(super) const RISE: [Chart; 8] = [
 pub(super) const TRAVEL: [Chart; 8] = [
     INCLINATION,
     ANGULAR_MOMENTUM,
-    SLIP_VELOCITY,
+    SLIDING,
     chart("Centre of mass", CENTER, LeftTop),
     chart(REGIME_NAME, REGIME, RightTop),
     chart(GAP_NAME, GAP, RightTop),
     FRICTION_TORQUE,
-    ENERGIES,
+    chart(ENERGY_NAME, ENERGY_PARTS, LeftBottom),
 ];
 
 /// Events of a free peg on the table and above it.
@@ -142,13 +149,14 @@ pub(super) const TABLE: [Chart; 6] = [
 pub(super) const RATES: [Chart; 4] = [THETA_RATE, PHI_RATE, PSI_RATE, THETA_TERMS];
 
 /// Further quantities.
-pub(super) const MORE: [Chart; 8] = [
+pub(super) const MORE: [Chart; 9] = [
     chart("Terms of d²φ/dt²", PHI_DDOT, LeftTop),
     chart("Terms of d²ψ/dt²", PSI_DDOT, LeftTop),
     chart("dφ/dt − slow root", EXCESS, LeftTop),
     chart("Nutation period", PERIOD, LeftTop),
     chart("Gravity torque, node frame", GRAVITY, RightTop),
     ANGULAR_MOMENTUM,
+    SLIP_VELOCITY,
     chart("Work of friction", WORK, RightTop),
     chart("Power of friction", POWER, RightBottom),
 ];
@@ -203,7 +211,7 @@ pub(super) const MORE_CONTRASTS: [Chart; 5] = [
     },
     Chart {
         legend: Some(LeftBottom),
-        ..contrast("Energy, total and kinetic", ENERGY, ENERGY)
+        ..contrast(ENERGY_NAME, ENERGY, ENERGY)
     },
     contrast("dφ/dt − slow root", EXCESS, EXCESS),
     contrast("Nutation period", PERIOD, PERIOD),

@@ -161,6 +161,14 @@ impl Arrow {
         arrows
     }
 
+    /// Removes the arrow and its name from this time on, ns.
+    pub(super) fn remove(&mut self, time_ns: u64, output: &mut Output) {
+        self.arrows.push(output, time_ns, [[[0.0; 3]; 2]]);
+        for text in &self.texts {
+            text.push(output, time_ns, [None]);
+        }
+    }
+
     /// Adds a row for a message of the arrow's channel. Orientation (world from body) is that of the last pose; the places
     /// are the centre of the peg and the point of contact, as they are drawn.
     pub(super) fn write(
