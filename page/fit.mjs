@@ -15,19 +15,21 @@ export const quotedWord = (word) => (/^[\w./=,:+-]+$/.test(word) ? word : `'${wo
 const named = (text) =>
   text.replaceAll(/\b(?:friction|initial|top|support|rolling|drilling|air)\.[a-z_]+/g, keyName).replaceAll(/\/top\/state\.([\w.]+)/g, (_, path) => measuredName(path));
 
-/** The head of a row: a key or field with its unit, in the words of the page, and its name in the program. */
+/** The head of a row: a key or field with its unit, in the words of the page; the pointer shows its name in the program. */
 function rowHead(text) {
-  const [name] = text.split(" ");
-  const also = named(text) === text ? [] : [" ", element("small", { textContent: `(${name})` })];
-  return element("th", { scope: "row" }, named(text), ...also);
+  const [title] = text.split(" ");
+  return element("th", { scope: "row", title, textContent: named(text) });
 }
+
+/** The head of a column. A fraction stays in one line. */
+const columnHead = (text) => element("th", { textContent: named(text).replaceAll("/", "\u2060/\u2060") });
 
 /** The table of a report; nothing without rows. Narrow screens show each row as a block with the names of its cells. */
 function wordTable({ header, rows }) {
   if (rows.length === 0) return [];
   const names = header.map(named);
   const isTitled = header[0] === "";
-  const head = element("tr", {}, ...names.map((textContent) => element("th", { textContent })));
+  const head = element("tr", {}, ...header.map(columnHead));
   const body = rows.map((row) => {
     const cells = row.map((textContent, index) => {
       if (index === 0 && isTitled) return rowHead(textContent);
@@ -45,12 +47,13 @@ const headed = (textContent, parts) => (parts.length > 0 ? [element("h3", { text
 
 /** What the columns of the table of signals mean. */
 const SIGNAL_NOTE =
-  "RMS/σ is the size of the residuals (measured minus fitted) and should be near 1. Uncorrelated: the probability p that mere noise is at least as correlated in time; below 0.001 the model misses something.";
+  "σ is the size of the errors of measurement. RMS/σ is the size of the residuals (measured minus fitted) and should be near 1. Uncorrelated: the probability p that mere noise is at least as correlated in time; below 0.001 the model misses something.";
 
-/** What the program says first of a fit that started from the preset with this title. */
-function headlineParts({ words, report }, title) {
+/** What the program says first of a fit that started from the preset with this title. Its law is named if it was chosen. */
+function headlineParts({ words, report }, title, { set }) {
+  const law = "friction.law" in set ? ` (${report.law})` : "";
   return [
-    element("p", { className: "verdict" }, element("b", { textContent: `${title} (${report.law}): ${words.verdict}` }), words.note ? ` · ${words.note}` : ""),
+    element("p", { className: "verdict" }, element("b", { textContent: `${title}${law}: ${words.verdict}` })),
     element("p", { className: "estimate", textContent: named(words.headline) }),
   ];
 }
@@ -81,7 +84,7 @@ export class FitPanel {
     at("fit-choose").onclick = () => this.input.click();
     at("fit-again").onclick = () => this.fit();
     at("fit-hold").onclick = () => this.holdSpin();
-    at("fit-cancel").onclick = () => this.end("Cancelled.");
+    at("fit-cancel").onclick = () => this.end("Stopped.");
     at("fit-take").onclick = () => take({ preset: this.started.preset, set: this.result.set });
     at("fit-copy").onclick = ({ target }) => copy(at("fit-command").textContent, target);
     at("fit-close").onclick = () => this.close();
@@ -156,7 +159,7 @@ export class FitPanel {
     this.result = result;
     at("fit-status").classList.remove("wrong");
     at("fit-result").hidden = !result;
-    at("fit-headline").replaceChildren(...(result ? headlineParts(result, this.titleOf(this.started.preset)) : []));
+    at("fit-headline").replaceChildren(...(result ? headlineParts(result, this.titleOf(this.started.preset), this.started) : []));
     at("fit-report").replaceChildren(...(result ? reportParts(result) : []));
     at("fit-plots").replaceChildren();
     if (!result) return;

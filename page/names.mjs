@@ -33,7 +33,8 @@ function changeText(path, value, keys) {
  */
 export function nameParts(run, other) {
   const { scenario, keys } = run;
-  const changes = Object.entries(scenario.set);
+  // A time limit is no property of the top, and only shortens its name where there is little room.
+  const changes = Object.entries(scenario.set).filter(([path]) => !path.startsWith("stop.") || scenario.preset === other.preset);
   const isNew = ([path, value]) => other.set[path] !== value;
   const inOrder = [...changes.filter(isNew), ...changes.filter((change) => !isNew(change))];
   const isUnnamed = scenario.preset === other.preset && changes.length > 0;

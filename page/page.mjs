@@ -3,7 +3,7 @@
 import { ARROWS, labelColor } from "./arrows.mjs";
 import { Controls } from "./controls.mjs";
 import { Curves } from "./curves.mjs";
-import { at, element } from "./elements.mjs";
+import { at, element, typeset } from "./elements.mjs";
 import { EnergyAreas, changesShown } from "./energy.mjs";
 import { Engine, compiled } from "./engine.mjs";
 import { FitPanel } from "./fit.mjs";
@@ -144,7 +144,7 @@ function showControls(keys) {
   controls.show(scenario, keys);
   knobs.show(scenario, keys);
   at("preset").value = scenario.preset.name;
-  at("description").textContent = scenario.preset.description ?? "";
+  at("description").replaceChildren(...typeset(scenario.preset.description ?? ""));
   at("reset").disabled = Object.keys(scenario.set).length === 0;
   for (const button of at("presets").children) button.setAttribute("aria-pressed", button.value === scenario.preset.name);
 }

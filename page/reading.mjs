@@ -1,6 +1,6 @@
 // The texts about a run: its events, its explanation, and the comparison of A and B.
 
-import { element } from "./elements.mjs";
+import { element, typeset } from "./elements.mjs";
 
 /** Groups items in order of their first appearance. */
 function grouped(items, keyOf) {
@@ -70,7 +70,7 @@ export function showExplanation(story, place, { error, story: paragraph, chapter
   place.replaceChildren(
     ...(chapters ?? []).flatMap(({ heading, sentences }) => [
       element("h3", { textContent: heading }),
-      element("p", { textContent: sentences.join(" ") }),
+      element("p", {}, ...typeset(sentences.join(" "))),
     ]),
   );
 }

@@ -111,14 +111,14 @@ const MAX_WIDTH: usize = 80;
 
 const EXAMPLES: &str = "\
 Start with:
-  toprise run                        simulate the paper's run, record it in recordings/
+  toprise run                        simulate the paper's run into recordings/
   toprise explain paper              explain why the top rises
   toprise --help                     more examples, and the exit codes";
 
 const MORE: &str = "\
 Simulate and view:
-  toprise run                              the rise of the paper's top, into recordings/
-  toprise run full-coulomb --spawn         another preset, shown live in the Rerun viewer
+  toprise run                              the paper's run, into recordings/
+  toprise run full-coulomb --spawn         another preset, shown in Rerun
   toprise run --set friction.k=0.02        change one value
   toprise presets paper > mine.toml        write a scenario file to edit
   toprise run mine.toml -o mine.mcap
@@ -130,14 +130,14 @@ Analyse:
   toprise diff a.mcap b.mcap --rel 1e-9    compare with a tolerance
   toprise fit paper data.csv --free friction.k,initial
                                            estimate k from measured angles
-  toprise figures                          the paper's figures, and more, as SVG and PNG
+  toprise figures                          the paper's figures, as SVG and PNG
   toprise sweep paper --over friction.k=0.005..0.1/64log -o k.parquet
 
 Manage recordings:
   toprise info recordings/paper.mcap       list the contents
   toprise verify recordings/*.mcap         run the scenarios again and compare
   toprise run a.mcap --encoding protobuf   repeat a run in another encoding
-  toprise run a.mcap.partial               repeat an interrupted run from the start
+  toprise run a.mcap.partial               repeat an interrupted run
 
 For scripts: --format json prints each report as JSON, and
 `toprise schema --write DIR` writes the JSON Schemas of reports and of the
@@ -345,6 +345,13 @@ mod tests {
     #[test]
     fn arguments_are_consistent() {
         Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn examples_fit_a_narrow_terminal() {
+        for line in EXAMPLES.lines().chain(MORE.lines()) {
+            assert!(line.chars().count() <= MAX_WIDTH, "{line}");
+        }
     }
 
     /// Options of one name must have one type in all commands: only parsing shows that.

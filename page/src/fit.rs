@@ -23,6 +23,9 @@ const CURVE_SAMPLES: u32 = 4000;
 /// Number of values of a signal in the window in which they can be told apart.
 const DETAIL: usize = 50;
 
+/// What to do with a scenario that has no friction to find.
+const NO_FRICTION: &str = "the top on the screen has no friction to find: switch friction on, or find only its start (write start)";
+
 #[link(wasm_import_module = "page")]
 unsafe extern "C" {
     /// Shows the progress of a fit: the address and the length of its text.
@@ -47,6 +50,8 @@ pub fn fit(request: &FitRequest, content: &[u8]) -> Result<Json, Box<dyn Error>>
     let specs = signals(request, content)?;
     let data = read(request, content, &parsed(&specs)?)?;
     let free: Vec<String> = match request.free.trim() {
+        // Without friction only the start would be left, and no fit of it would describe a real top.
+        "" if scenario.is_frictionless() => return Err(NO_FRICTION.into()),
         "" => usual_parameters(&scenario),
         names => free_names(names, &scenario),
     };

@@ -80,11 +80,11 @@ const tests = {
     await tab.waitForFunction((before) => parseFloat(document.getElementById("clock").textContent) > before + 0.1, before);
   },
   async "a slider changes the run, its curves and the top"(tab) {
-    assert.match(await summary(tab), /^The paper's rise: upright after 24\.72 s$/);
+    assert.match(await summary(tab), /^Rising top: upright after 24\.72 s$/);
     await pause(tab);
     const before = [await picture(tab, "curves"), await picture(tab, "top")];
     await tab.fill("#knob-k", "400");
-    await becomes(tab, "The paper's rise, friction k = 0.119");
+    await becomes(tab, "Rising top, friction k = 0.119");
     await tab.waitForTimeout(100);
     assert.notEqual(await picture(tab, "curves"), before[0]);
     assert.notEqual(await picture(tab, "top"), before[1]);
@@ -105,7 +105,7 @@ const tests = {
     await becomes(tab, "values changed");
     assert.ok(await tab.isDisabled("#knob-k"));
     await tab.check("#friction");
-    await becomes(tab, "The paper's rise, friction k = 0.0475: upright");
+    await becomes(tab, "Rising top, friction k = 0.0475: upright");
     await tab.click('#presets [value="frictionless"]');
     await becomes(tab, "No friction:");
     await tab.check("#friction");
@@ -124,9 +124,9 @@ const tests = {
     await openAll(tab);
     await tab.click("#pin");
     await tab.waitForFunction(() => document.getElementById("comparison").textContent.includes("This run is kept as A."));
-    assert.match(await tab.textContent("#pin-note"), /^A \(grey\) is The paper's rise\./);
+    assert.match(await tab.textContent("#pin-note"), /^A \(grey\) is Rising top\./);
     await box(tab, "friction.k").fill("0.045");
-    await becomes(tab, "The paper's rise, friction k = 0.045");
+    await becomes(tab, "Rising top, friction k = 0.045");
     await tab.waitForSelector("#comparison td");
     const rows = await tab.locator("#comparison td").allTextContents();
     assert.deepEqual(rows.slice(0, 3), ["24.7194", "16.4733", "−8.25 s ± 54.1 ms"]);
@@ -379,10 +379,10 @@ const tests = {
       const other = await open(hash);
       const message = await other.textContent("#error");
       if (error) assert.ok(message.startsWith(error), message);
-      else assert.match(await summary(other), /^The paper's rise:/);
+      else assert.match(await summary(other), /^Rising top:/);
       // A click on a preset leads back.
       await other.click('#presets [value="paper"]');
-      await becomes(other, "The paper's rise: upright");
+      await becomes(other, "Rising top: upright");
       await other.close();
     }
   },
@@ -710,10 +710,10 @@ const tests = {
   },
   async "a CSV that is dropped is fitted, and the sliders take the fit over"(tab) {
     await drop(tab, "camera.csv", readFileSync("tests/data/fit/offset_camera.csv", "utf8"));
-    await tab.waitForFunction(() => /^fitting [\d.]+ s of data: χ² = /.test(document.getElementById("fit-status").textContent));
+    await tab.waitForFunction(() => /^fitting [\d.]+ of [\d.]+ s of data(, with \d+ other spins)?: χ² = /.test(document.getElementById("fit-status").textContent));
     assert.ok(await tab.isVisible("#fit-cancel"));
     await tab.click("#fit-cancel");
-    assert.equal(await tab.textContent("#fit-status"), "Cancelled.");
+    assert.equal(await tab.textContent("#fit-status"), "Stopped.");
     // The top of these data.
     const { truth, start } = JSON.parse(readFileSync("tests/data/fit/offset.json", "utf8"));
     const known = Object.entries({ ...truth.values, ...start }).filter(([key]) => /^(top|initial|friction)\./.test(key));
@@ -721,8 +721,10 @@ const tests = {
     await becomes(tab, "Full friction, ");
     await drop(tab, "camera.csv", readFileSync("tests/data/fit/offset_camera.csv", "utf8"));
     await tab.waitForSelector("#fit-result:not([hidden])", { timeout: 300_000 });
-    assert.match(await tab.textContent("#fit-headline .verdict"), /^Full friction \(coulomb\): describes the data/);
+    assert.match(await tab.textContent("#fit-headline .verdict"), /^Full friction: describes the data$/);
     assert.match(await tab.textContent("#fit-headline .estimate"), /^friction k = 0\.0387\d+ ± 0\.0000\d\d, 95 % interval 0\.038\d+ to 0\.038\d+$/);
+    const cells = await tab.locator("#fit-report th, #fit-report td").allTextContents();
+    assert.ok(cells.includes("tilt θ [°]") && !cells.some((text) => /rad\]?$|initial\.|\/top\//.test(text.replace(/rad\/s\]$/, ""))), cells.join());
     assert.match(await tab.textContent("#fit-command"), /^toprise fit full-coulomb camera\.csv --set .* --free friction\.k,initial$/);
     assert.equal(await tab.locator("#fit-plots canvas").count(), 4);
     await tab.locator("#fit").screenshot({ path: join(directory, "fit.png") });
@@ -761,7 +763,7 @@ const tests = {
     await other.waitForSelector("body.ready");
     await drop(other, "tilt.csv", "t,theta (deg)\n0,28\n");
     await other.waitForSelector("#fit-result:not([hidden])");
-    assert.equal(await other.textContent("#fit-headline"), "The paper's rise (coulomb): describes the data with 9 different spinsfriction k: 0.0288 to 0.0597 (95 %), because θ alone does not show the spin");
+    assert.equal(await other.textContent("#fit-headline"), "Rising top: describes the data with 9 different spinsfriction k: 0.0288 to 0.0597 (95 %), because θ alone does not show the spin");
     assert.match(await other.textContent("#fit-report"), /hold spin ψ̇ at a known value/);
     for (const width of [1366, 390, 320]) {
       await other.setViewportSize({ width, height: 800 });

@@ -323,6 +323,9 @@ const tests = {
     assert.deepEqual(nameParts(b, a.scenario), ["friction k = 0.06", "spin ψ̇ = 100 rad/s"]);
     assert.deepEqual(nameParts(b, c.scenario), ["spin ψ̇ = 100 rad/s", "friction k = 0.06"]);
     assert.deepEqual(nameParts(a, b.scenario), ["Full friction"]);
+    const limited = await runOf("frictionless&stop.duration=25");
+    assert.deepEqual(nameParts(limited, a.scenario), ["No friction"]);
+    assert.deepEqual(nameParts(limited, { preset: "frictionless", set: {} }), ["time limit = 25 s"]);
     assert.deepEqual(nameParts(c, (await runOf("paper")).scenario), ["Full friction", "friction k = 0.06"]);
     assert.equal(runName(b), "Full friction, friction k = 0.06, spin ψ̇ = 100 rad/s");
     assert.equal(runName(await runOf("full-coulomb&friction.k=0.06&initial.psi_dot=100&stop.duration=25")), "Full friction, 3 values changed");

@@ -371,6 +371,9 @@ pub enum KeyError {
     /// The scenario does not have it.
     #[error("the scenario has no value for it")]
     NoValue,
+    /// The scenario has no friction.
+    #[error("the scenario has no friction")]
+    NoFriction,
     /// A profile of it is wanted, but it is not free.
     #[error("it is not free, so it has no profile")]
     NotFree,

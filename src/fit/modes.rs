@@ -238,6 +238,7 @@ impl Scan<'_> {
         let most = self.problem.step_limit.after(MAX_MOTIONS);
         while !(low.is_over && high.is_over) {
             let (a, b) = rayon::join(|| low.advance(self), || high.advance(self));
+            monitor.set_spins(low.trials + high.trials);
             monitor.count(a? + b?, from.chi2);
             if self.problem.step_limit.taken() > most {
                 low.give_up();

@@ -7,6 +7,10 @@ use std::cell::Cell;
 pub struct Progress {
     /// End of the window, s.
     pub window: f64,
+    /// End of the data, s.
+    pub until: f64,
+    /// Number of spins at the start that were tried to find other minima; 0 before that.
+    pub spins: u32,
     /// χ² in it, with priors.
     pub chi2: f64,
     /// Number of simulations so far.
@@ -19,6 +23,8 @@ pub(super) struct Monitor<'a> {
     // Cells, because the optimiser borrows the monitor together with the problem.
     evaluations: Cell<u64>,
     window: Cell<f64>,
+    until: Cell<f64>,
+    spins: Cell<u32>,
 }
 
 impl<'a> Monitor<'a> {
@@ -27,6 +33,8 @@ impl<'a> Monitor<'a> {
             report,
             evaluations: Cell::new(0),
             window: Cell::new(0.0),
+            until: Cell::new(0.0),
+            spins: Cell::new(0),
         }
     }
 
@@ -40,9 +48,15 @@ impl<'a> Monitor<'a> {
         self.evaluations.set(self.evaluations.get() + evaluations);
     }
 
-    /// Sets the end of the window that is fitted now, s.
-    pub(super) fn set_window(&self, end: f64) {
+    /// Sets the end of the window that is fitted now, s, and that of the data.
+    pub(super) fn set_window(&self, end: f64, until: f64) {
         self.window.set(end);
+        self.until.set(until);
+    }
+
+    /// Sets the number of spins at the start that were tried to find other minima.
+    pub(super) fn set_spins(&self, spins: usize) {
+        self.spins.set(spins as u32);
     }
 
     /// Counts simulations and reports the χ² that they found; NaN if they were for derivatives.
@@ -50,6 +64,8 @@ impl<'a> Monitor<'a> {
         self.evaluations.set(self.evaluations.get() + simulations);
         (self.report)(Progress {
             window: self.window.get(),
+            until: self.until.get(),
+            spins: self.spins.get(),
             chi2,
             evaluations: self.evaluations.get(),
         });

@@ -67,6 +67,9 @@ impl Parameter {
         let start = match value(scenario, key.path) {
             Some(value) => value,
             None if section == "initial" => 0.0,
+            None if section == "friction" && scenario.is_frictionless() => {
+                return Err(unfit(key, KeyError::NoFriction));
+            }
             None => {
                 return Err(unfit(key, KeyError::NoValue));
             }

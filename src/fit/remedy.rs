@@ -53,6 +53,10 @@ impl FitError {
                 reason: KeyError::NoValue,
                 ..
             } => Some(Remedy::SetValue),
+            Self::Key {
+                reason: KeyError::NoFriction,
+                ..
+            } => Some(Remedy::ChooseLaw),
             Self::OutOfRange { .. } => Some(Remedy::ChooseTimes),
             Self::Gap { stray, cut, .. } => Some(Remedy::RemoveRows {
                 rows: *stray,
@@ -190,6 +194,8 @@ pub(super) enum Remedy<'a> {
     ChangeStart,
     /// Give a key of the scenario a value.
     SetValue,
+    /// Give the scenario friction.
+    ChooseLaw,
     /// Fix parameters that can't be determined.
     Fix(&'a Degeneracy),
     /// Leave out the data after this time, s.
@@ -256,6 +262,7 @@ impl Remedy<'_> {
             }
             Self::ChangeStart => "change its start (--set) or its bounds (--bound)".to_owned(),
             Self::SetValue => "set one with --set".to_owned(),
+            Self::ChooseLaw => "choose a law, e.g. --set friction.law=coulomb --set friction.k=0.03 --set friction.dissipation=full".to_owned(),
             Self::Fix(degeneracy) => {
                 format!("{} (leave out of --free what is known)", fix(degeneracy))
             }
@@ -308,6 +315,7 @@ impl Remedy<'_> {
                 "check the sensor, leave {source_name} out of the file, or say how right the angles are"
             ),
             Self::ChangeStart | Self::SetValue => "give it another value on the page".to_owned(),
+            Self::ChooseLaw => "switch friction on".to_owned(),
             Self::Fix(degeneracy) => format!(
                 "{} (leave out of the parameters to find what is known)",
                 fix(degeneracy)
@@ -367,6 +375,7 @@ impl Remedy<'_> {
             ),
             Self::ChangeStart => "change its start (overrides) or its bounds".to_owned(),
             Self::SetValue => "set one in overrides".to_owned(),
+            Self::ChooseLaw => "choose a law in overrides: friction.law, such as coulomb, friction.k and friction.dissipation".to_owned(),
             Self::Fix(degeneracy) => {
                 format!("{} (leave out of free what is known)", fix(degeneracy))
             }
@@ -527,6 +536,23 @@ mod tests {
                 let names_options = message.contains("--");
                 assert_eq!(names_options, interface == Interface::Terminal, "{message}");
             }
+        }
+    }
+
+    #[test]
+    fn tops_without_friction_need_a_law() {
+        let scenario = Preset::find("frictionless").unwrap().scenario().unwrap();
+        let content = b"t,theta\n0,0.5\n0.1,0.4\n".to_vec();
+        let data = data::read_bytes(Path::new("a.csv"), content, &[]).unwrap();
+        let request = Request::new(scenario, data, &["friction.k"]);
+        let error = fit(&request, &|_| {}).unwrap_err();
+        for (interface, expected) in [
+            (Interface::Terminal, "--set friction.law=coulomb"),
+            (Interface::Page, "switch friction on"),
+            (Interface::Python, "choose a law in overrides"),
+        ] {
+            let message = error.message(interface);
+            assert!(message.contains(expected), "{message}");
         }
     }
 

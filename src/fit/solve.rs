@@ -391,13 +391,13 @@ pub(super) fn grow_window(
         // Short windows only guide the way: a part of dense data does that as well.
         let part = thinned(&within);
         if !part.is_empty() {
-            monitor.set_window(window);
+            monitor.set_window(window, end);
             values = complete(problem, &part, values)?;
             values = approach_minimum(problem, &part, &values, start, monitor)?;
         }
         window *= 2.0;
     }
-    monitor.set_window(end);
+    monitor.set_window(end, end);
     values = complete(problem, points, values)?;
     let priors = keeps_priors.then_some(start);
     minimise(problem, points, &values, priors, &fixed, monitor)

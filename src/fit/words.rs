@@ -1,6 +1,7 @@
 //! A report in words: the program, the page and Python show the same.
 
 mod minima;
+mod units;
 
 use super::estimate::REJECTED;
 use super::model::Loss;
@@ -8,7 +9,7 @@ use super::monitor::Progress;
 use super::numbers::{decimals, format_estimate, format_probability, format_rounded, format_time};
 use super::parameter::is_offset;
 use super::remedy::{Interface, Remedy};
-use super::report::{Estimate, Limit, Mode, Oddity, Quality, Report, SignalReport, Verdict};
+use super::report::{Estimate, Limit, Oddity, Quality, Report, SignalReport, Verdict};
 use crate::run::decimal::fixed;
 use crate::run::plural::{counted, grouped};
 use serde::Serialize;
@@ -57,17 +58,37 @@ pub struct Table {
 impl Report {
     /// The report in words, in the terms of an interface. `all` shows also estimates that would mislead.
     pub fn words(&self, interface: Interface, all: bool) -> Words {
-        Words {
-            title: title(self),
-            verdict: verdict(self),
-            headline: minima::headline(self),
-            note: note(self),
-            extent: extent(self),
-            parameters: estimates(&self.parameters, all),
-            limits: limits(self),
-            signals: signals(&self.signals),
-            remarks: remarks(self, interface),
-            modes: modes(&self.parameters, &self.modes, all),
+        let report = &*units::shown(self, interface);
+        let mut words = Words {
+            title: title(report),
+            verdict: verdict(report),
+            headline: minima::headline(report),
+            note: note(report),
+            extent: extent(report),
+            parameters: estimates(&report.parameters, all),
+            limits: limits(report),
+            signals: signals(&report.signals),
+            remarks: remarks(report, interface),
+            modes: modes(report, interface, all),
+        };
+        if interface == Interface::Page {
+            words.move_note(report);
+        }
+        words
+    }
+}
+
+impl Words {
+    /// Moves the goodness of the fit from the title to the end, where its symbols don't come before the answer.
+    fn move_note(&mut self, report: &Report) {
+        let note = std::mem::take(&mut self.note);
+        if report.loss == Loss::Squares && report.quality.p_value.is_none() {
+            self.remarks.push(
+                "How well the fit describes the data is not tested, because the size of their errors was estimated from the data themselves. To test it, say how right the angles are."
+                    .to_owned(),
+            );
+        } else if !note.is_empty() {
+            self.extent.push(format!("{note}."));
         }
     }
 }
@@ -106,8 +127,15 @@ impl Display for Progress {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "fitting {:.2} s of data: χ² = {}, {} simulations",
-            self.window,
+            "fitting {:.2} of {:.2} s of data",
+            self.window, self.until
+        )?;
+        if self.spins > 0 {
+            write!(f, ", with {} other spins", self.spins)?;
+        }
+        write!(
+            f,
+            ": χ² = {}, {} simulations",
             format_rounded(self.chi2, 4),
             self.evaluations
         )
@@ -339,9 +367,16 @@ fn losses(signal: &SignalReport) -> String {
 }
 
 /// The other minima. A long list is cut after the best ones unless `all` are wanted.
-fn modes(parameters: &[Estimate], modes: &[Mode], all: bool) -> Table {
+fn modes(report: &Report, interface: Interface, all: bool) -> Table {
+    let modes = &report.modes;
     let mut header = vec!["Δχ²".to_owned()];
-    header.extend(parameters.iter().map(|parameter| parameter.name.clone()));
+    for parameter in &report.parameters {
+        header.push(match interface {
+            // Its units are not those of the keys.
+            Interface::Page => label(parameter),
+            Interface::Terminal | Interface::Python => parameter.name.clone(),
+        });
+    }
     let mut rows = Vec::new();
     let shown = if all { modes.len() } else { MAX_MODES };
     for mode in modes.iter().take(shown) {

@@ -341,3 +341,32 @@ fn scenario_schema_has_every_key() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("schemas/scenario.json");
     assert_eq!(fs::read_to_string(file).unwrap(), text);
 }
+
+/// Commands of documents with files of the repository, run where it was cloned.
+#[cfg(feature = "fit")]
+#[test]
+fn fit_examples_run_in_a_clone() {
+    let mut commands = 0;
+    for (path, text) in documents() {
+        for line in text.lines().filter(|line| line.contains("docs/example/")) {
+            let line = line.split(" #").next().unwrap().trim_start_matches("$ ");
+            let Some(arguments) = line.strip_prefix("toprise ") else {
+                continue;
+            };
+            commands += 1;
+            let output = Command::cargo_bin("toprise")
+                .unwrap()
+                .args(arguments.split_whitespace())
+                .current_dir(root())
+                .output()
+                .unwrap();
+            let report = String::from_utf8_lossy(&output.stdout);
+            assert!(
+                output.status.success(),
+                "{}: {line}: {report}",
+                path.display()
+            );
+        }
+    }
+    assert_eq!(commands, 4, "two in the README, two in docs/fit.md");
+}

@@ -21,7 +21,7 @@ pub(in crate::cli) const SPAWN_HINT: &str = ", --spawn shows both tops in Rerun"
 #[derive(Args, Clone, Debug, PartialEq)]
 pub(in crate::cli) struct ShowArguments {
     /// Write a Rerun recording of both runs and their differences to this file
-    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
+    #[arg(short = 'o', long, value_name = "FILE", help_heading = OUTPUT)]
     rrd: Option<PathBuf>,
 
     #[command(flatten)]

@@ -151,6 +151,42 @@ mod tests {
     }
 
     #[test]
+    fn page_has_degrees() {
+        let other = json!({"delta_chi2": 2.0, "values": [0.0587, 0.6], "sds": [0.00044, 0.001]});
+        let mut report = report(
+            &[other],
+            [0.05784, 0.05956],
+            "initial.theta",
+            [0.498, 0.602],
+        );
+        "rad".clone_into(&mut report.parameters[1].unit);
+        (report.parameters[1].start, report.parameters[1].value) = (0.5, 0.5);
+        report.parameters[1].sd = Some(0.001);
+        let terminal = report.words(Interface::Terminal, false);
+        let page = report.words(Interface::Page, false);
+        assert_eq!(
+            terminal.parameters.rows[1],
+            [
+                "initial.theta [rad]",
+                "several minima",
+                "0.498 to 0.602",
+                "0.5"
+            ]
+        );
+        assert_eq!(
+            page.parameters.rows[1],
+            [
+                "initial.theta [°]",
+                "several minima",
+                "28.5 to 34.5",
+                "28.65"
+            ]
+        );
+        assert_eq!(page.modes.header[2], "initial.theta [°]");
+        assert_eq!(page.modes.rows[0][2], "34.377 ± 0.057");
+    }
+
+    #[test]
     fn several_offsets_leave_the_other_estimates() {
         let other = json!({"delta_chi2": 1.4, "values": [0.0587, 202.0], "sds": [0.00044, 0.5]});
         let report = report(&[other], [0.05784, 0.05956], "offset", [198.4, 202.6]);
