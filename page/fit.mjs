@@ -163,7 +163,6 @@ export class FitPanel {
     at("fit-report").replaceChildren(...(result ? reportParts(result) : []));
     at("fit-plots").replaceChildren();
     if (!result) return;
-    at("fit-free").value = result.free;
     at("fit-loose").hidden = !hasManySpins(result);
     at("fit-take").textContent = hasManySpins(result) ? "Set the sliders to the best of these" : "Set the sliders to this fit";
     at("fit-command").textContent = ["toprise", ...result.arguments].map(quotedWord).join(" ");

@@ -470,7 +470,7 @@ showKeys(at("keys").querySelector("dl"));
 /** Where the page is: its address, or the name of its file. */
 function placeOfPage() {
   const address = location.href.split("#")[0];
-  return location.protocol === "file:" ? decodeURIComponent(address.split("/").at(-1)) : address;
+  return location.protocol === "file:" ? `the file ${decodeURIComponent(address.split("/").at(-1))}` : address;
 }
 
 /** Follows a link in the page, and shows the top, from which the link may be far away. */

@@ -77,6 +77,8 @@ export class View {
 
   reset() {
     this.look = { ...START };
+    // Names stay where they fit; the first picture has them at their best places.
+    this.keptPlaces = [{}, {}];
     this.redraw();
   }
 
@@ -265,7 +267,9 @@ export class View {
     this.labels.line(points);
     const font = `italic 600 16px ${FONT}`;
     const places = [[points[12], [0, -1]], [points[0], [1, 0]], [points[0], [-1, 0]], [points[12], [0, 1]], [points[24], [0, -1]]];
-    this.labels.add({ words: "θ", wide: this.widthOf("θ", font), font, paint: ink, places: places.map(([point, direction]) => ({ point, direction })) });
+    // Small pictures have no room beside the arc.
+    const near = [1, 3].flatMap((far) => places.map(([point, direction]) => ({ point, direction, far })));
+    this.labels.add({ words: "θ", wide: this.widthOf("θ", font), font, paint: ink, places: near });
   }
 
   /** An arc about the axis with an arrowhead, in the sense of the spin; faint where the body or the table hides it. */
@@ -276,6 +280,7 @@ export class View {
     const { places, head } = spinRing(run.shape, axis, camera.toward, Math.sign(rate));
     const isCovered = (place) => isHidden(run.shape, axis, camera.toward, place) || place[2] + peg[2] < 0;
     const moved = (place) => along(place, peg, 1);
+    this.labels.line(places.map((place) => camera.project(moved(place))));
     for (let k = 0; k + 1 < places.length; k++) {
       pen.globalAlpha = isCovered(places[k]) || isCovered(places[k + 1]) ? FAINT : 1;
       this.line([places[k], places[k + 1]].map(moved), colors.ink, 2);

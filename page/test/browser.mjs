@@ -279,7 +279,7 @@ const tests = {
       const printed = await tab.pdf({ format, margin: { top: side, bottom: side, left: side, right: side } });
       assert.match(printed.toString("latin1"), /\/Count 1\b/, format);
     }
-    assert.equal(await tab.textContent("#address"), page.split("/").at(-1));
+    assert.equal(await tab.textContent("#address"), `the file ${page.split("/").at(-1)}`);
     assert.deepEqual(await tab.locator(".fields span").allTextContents(), ["Name", "Class", "Date"]);
     const answers = await tab.locator("#guesses li").all();
     for (const answer of answers) {
@@ -528,7 +528,7 @@ const tests = {
     await tab.waitForFunction((left) => parseFloat(document.getElementById("clock").textContent) > left, left);
   },
   async "a run without a known cause says so"() {
-    const other = await open("#tippe-top&friction.k=0.003");
+    const other = await open("#tippe-top&friction.k=0.003&rolling.arm=1e-6");
     await other.waitForFunction(() => document.querySelector("#explanation p") !== null);
     assert.match(await other.textContent("#story"), /^The numbers of this run show none of the causes/);
     await other.close();

@@ -117,13 +117,13 @@ pub(super) fn story(evidence: &Evidence) -> Story {
 }
 
 fn remark(evidence: &Evidence, claims: &[Claim]) -> Option<Remark> {
-    let is_inversion_told = claims.iter().any(|claim| {
+    let is_inversion_claimed = claims.iter().any(|claim| {
         matches!(
             claim,
             Claim::StaysUpright { .. } | Claim::Inverts { .. } | Claim::SlipEnds { .. }
         )
     });
-    if !is_inversion_told && let Some(reason) = tippe::not_inverted(evidence) {
+    if !is_inversion_claimed && let Some(reason) = tippe::not_inverted(evidence) {
         return Some(Remark::NotInverted(reason));
     }
     swings_down(evidence, claims)

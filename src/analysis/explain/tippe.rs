@@ -179,7 +179,7 @@ impl NotInverted {
                 "The top does not turn over. At first it had enough energy for it, but friction has taken so much of it that the rest is not enough: friction at the contact point does not change Jellett's integral, and with this value of the integral the axis could reach the horizontal only with more energy than is left."
             }
             Self::NotYet => {
-                "The top has not turned over when the run ends. It still has more energy than it needs to reach the horizontal, and its contact point still slips: a longer run shows whether friction turns it over."
+                "The top has not turned over when the run ends. It still has the energy that it needs to reach the horizontal, and its contact point still slips: a longer run shows whether friction turns it over."
             }
         }
     }
