@@ -527,6 +527,15 @@ const tests = {
     const left = await clock(tab);
     await tab.waitForFunction((left) => parseFloat(document.getElementById("clock").textContent) > left, left);
   },
+  async "indices of symbols are set below the line, and keys are not raw"() {
+    const other = await open("#tippe-top");
+    await other.waitForSelector("#explanation sub");
+    assert.deepEqual(await other.locator("#explanation sub").allTextContents(), ["n", "z′"]);
+    await other.goto(`${url}#paper`);
+    await other.waitForFunction(() => document.getElementById("explanation").textContent.includes("would damp the nutation"));
+    assert.ok(!/friction\.|_|In this time/.test(await other.textContent("#reading > section:first-child")));
+    await other.close();
+  },
   async "a run without a known cause says so"() {
     const other = await open("#tippe-top&friction.k=0.003&rolling.arm=1e-6");
     await other.waitForFunction(() => document.querySelector("#explanation p") !== null);

@@ -204,6 +204,9 @@ mod tests {
             parse::<DiffArguments>(line).unwrap(),
             DiffArguments { comparison, ..base }
         );
+        // The only file that it writes has the letter that other commands have for theirs.
+        let is_written = parse::<DiffArguments>("a b -o pair.rrd").is_ok();
+        assert_eq!(is_written, cfg!(feature = "rerun"));
         for line in ["a", "a b c", "a b --rel x", "a b --align time"] {
             assert!(parse::<DiffArguments>(line).is_err(), "{line}");
         }

@@ -389,6 +389,27 @@ mod tests {
     }
 
     #[test]
+    fn words_agree_with_sentences() {
+        let top = Preset::find("tippe-top")
+            .unwrap()
+            .scenario()
+            .unwrap()
+            .model
+            .top;
+        let state = EventState {
+            theta: 0.5,
+            phi_dot: -1.0,
+            psi_dot: 80.0,
+        };
+        for kind in [EventKind::LoopingBegins, EventKind::LoopingEnds] {
+            let sentence = kind.sentence(&top, state).to_lowercase();
+            assert!(sentence.contains(&kind.words(1)), "{sentence}");
+        }
+        assert_eq!(EventKind::Fallen.words(1), "fallen");
+        assert_eq!(EventKind::Fallen.words(57), "falls");
+    }
+
+    #[test]
     fn small_angles_have_powers_of_ten_but_in_recordings() {
         let top = Preset::find("paper").unwrap().scenario().unwrap().model.top;
         let state = EventState {
