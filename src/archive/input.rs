@@ -182,6 +182,7 @@ pub(crate) fn text_of(bytes: Vec<u8>) -> io::Result<String> {
     } else {
         match String::from_utf8(bytes) {
             Ok(text) => return Ok(text),
+            Err(error) if error.as_bytes().contains(&0) => "it is not text".to_owned(),
             Err(error) => {
                 let end = error.utf8_error().valid_up_to();
                 let line = error.as_bytes()[..end].split(|byte| *byte == b'\n').count();
@@ -263,6 +264,7 @@ mod tests {
             message(b"name = '\xfc'"),
             "it is not UTF-8 text (line 1): save it as UTF-8"
         );
+        assert_eq!(message(b"\x89PNG\r\n\0\0"), "it is not text");
         assert_eq!(scenario_from(text.as_bytes()).unwrap(), text);
     }
 

@@ -307,6 +307,12 @@ impl FitArguments {
         if let Some(best) = &self.best {
             FileKind::Scenario.check("--scenario", best)?;
         }
+        if let Some(directory) = self.figures.as_ref().filter(|path| path.is_file()) {
+            return Err(FitArgumentError::NoDirectory {
+                path: directory.clone(),
+            }
+            .into());
+        }
         for output in &outputs {
             check_target(output, Existing::forced(self.force))?;
         }
@@ -421,6 +427,7 @@ fn parse_bound(text: &str) -> Result<Bound, FitArgumentError> {
     let (low, high) = range.split_once("..").ok_or(FitArgumentError::Bound)?;
     match (low.trim().parse::<f64>(), high.trim().parse::<f64>()) {
         (Ok(low), Ok(high)) if low < high => Ok((key.trim().to_owned(), [low, high])),
+        (Ok(low), Ok(high)) => Err(FitArgumentError::BoundOrder { low, high }),
         (Ok(_) | Err(_), Ok(_) | Err(_)) => Err(FitArgumentError::Bound),
     }
 }
@@ -440,16 +447,20 @@ fn parse_part(text: &str) -> Result<f64, FitArgumentError> {
 }
 
 /// What is wrong with the value of an option.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[derive(Clone, Debug, PartialEq, Error)]
 enum FitArgumentError {
     #[error("must be KEY=LOW..HIGH, as in friction.k=0..0.1")]
     Bound,
+    #[error("the lower bound, {low}, must be less than the upper one, {high}")]
+    BoundOrder { low: f64, high: f64 },
     #[error("must be a number")]
     Finite,
     #[error("a name in the list is empty")]
     EmptyName,
     #[error("must be a number from 0 to 0.9")]
     Part,
+    #[error("--figures {} is a file: name a directory", path.display())]
+    NoDirectory { path: PathBuf },
     #[error("two outputs are the same file, {}", path.display())]
     SameOutput { path: PathBuf },
 }

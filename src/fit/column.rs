@@ -28,7 +28,15 @@ pub(super) fn positions(columns: &[String], name: &str) -> Vec<usize> {
 }
 
 /// Names of columns of times.
-const CLOCKS: [&str; 5] = ["t", "time", "timestamp", "zeit", "seconds"];
+const CLOCKS: [&str; 7] = [
+    "t",
+    "time",
+    "timestamp",
+    "elapsed time",
+    "elapsed",
+    "zeit",
+    "seconds",
+];
 
 /// How a name can be one of [`CLOCKS`], the surest first. `T` can be a temperature.
 const CLOCK_MATCHES: [fn(&str, &str) -> bool; 3] =

@@ -105,7 +105,7 @@ pub enum DataError {
         known: Vec<String>,
     },
     /// No line names the columns.
-    #[error("{}: no line names the {}", path.display(), counted(*columns as u64, "column"))]
+    #[error("{}: {}", path.display(), if *columns == 1 { "a single column".to_owned() } else { format!("no line names the {columns} columns") })]
     NoHeader {
         /// The file.
         path: PathBuf,

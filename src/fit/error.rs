@@ -48,11 +48,13 @@ pub enum FitError {
         /// Start value.
         start: f64,
     },
-    /// A bound is given for a parameter that is not free.
-    #[error("bounds of {name}: the parameter is not free")]
+    /// Bounds or a profile are asked for of a parameter that is not free.
+    #[error("{name} is not free, so it can't have {what}")]
     NotFree {
         /// The parameter.
         name: String,
+        /// What it can't have.
+        what: &'static str,
     },
     /// No parameter is free.
     #[error("nothing to fit: none of the free parameters changes any signal")]
@@ -272,7 +274,7 @@ impl FitError {
             // The offset of a clock is a parameter, but no key.
             Self::Key { name, .. }
             | Self::Bounds { name, .. }
-            | Self::NotFree { name }
+            | Self::NotFree { name, .. }
             | Self::NoDerivative { name } => Some(name.as_str()).filter(|name| !is_offset(name)),
             Self::NotIdentifiable { degeneracies } => match &degeneracies[..] {
                 [Degeneracy::Unseen { names }] if names.len() == 1 => Some(&names[0]),
@@ -374,9 +376,6 @@ pub enum KeyError {
     /// The scenario has no friction.
     #[error("the scenario has no friction")]
     NoFriction,
-    /// A profile of it is wanted, but it is not free.
-    #[error("it is not free, so it has no profile")]
-    NotFree,
     /// It is the offset of a file that there is not.
     #[error(
         "there is no file with this number; offset is that of the second file, offset.3 that of the third"

@@ -92,6 +92,11 @@ impl Search<'_> {
             if std::mem::take(&mut named.is_last) && named.add_units(index, &record) {
                 return;
             }
+            if self.delimiter == Delimiter::Blanks && named.lacks_row_names(&record) {
+                named.header.names.insert(0, 1.to_string());
+                self.has_rows = true;
+                return;
+            }
             let cell = record.get(named.clock).unwrap_or_default();
             if Cell::parse(cell).is_number() {
                 // A sentence that begins with a name of times has another number of words.
@@ -160,7 +165,7 @@ impl Search<'_> {
         true
     }
 
-    /// The cells of a comment. NumPy separates names by spaces, whatever separates the numbers.
+    /// The cells of a comment. NumPy separates names by what its user writes, whatever separates the numbers.
     fn uncommented(&self, record: &StringRecord) -> StringRecord {
         let mut cells = record.iter();
         let first = cells.next().unwrap_or_default();
@@ -171,8 +176,15 @@ impl Search<'_> {
         }
         let all: StringRecord = std::iter::once(first).chain(cells).collect();
         match self.delimiter {
-            // The sign may be a cell of its own.
-            Delimiter::Blanks => without_runs(&all),
+            Delimiter::Blanks => {
+                let text = all.iter().collect::<Vec<_>>().join(" ");
+                if text.contains(',') {
+                    text.split(',').map(str::trim).collect()
+                } else {
+                    // The sign may be a cell of its own.
+                    without_runs(&all)
+                }
+            }
             Delimiter::Tab | Delimiter::Semicolon | Delimiter::Comma => all,
         }
     }
@@ -192,6 +204,14 @@ impl Named {
     fn fits(&self, row: &StringRecord) -> bool {
         let names = self.header.names.len();
         names <= row.len() && row.iter().skip(names).all(str::is_empty)
+    }
+
+    /// Whether the first row has a name, for which the header has no column: R and pandas write tables so.
+    fn lacks_row_names(&self, row: &StringRecord) -> bool {
+        let first = row.get(0).unwrap_or_default();
+        let is_name = ["0", "1"].contains(&first) || Cell::parse(first) == Cell::Text;
+        let time = row.get(self.clock + 1).unwrap_or_default();
+        row.len() == self.header.names.len() + 1 && is_name && Cell::parse(time).is_number()
     }
 
     /// Adds the units of a line below the header, if it is one of units.
@@ -237,10 +257,18 @@ fn names(record: &StringRecord) -> Vec<String> {
         if cell.is_empty() {
             names.push((at + 1).to_string());
         } else {
-            names.push(cell.to_owned());
+            names.push(with_run_first(cell));
         }
     }
     names
+}
+
+/// A name as Vernier writes it: `Run #1: Time (s)` for PASCO's `Time (s) Run #1`, so that the unit is at the end.
+fn with_run_first(cell: &str) -> String {
+    match cell.rsplit_once(" Run #") {
+        Some((name, run)) if run.parse::<u32>().is_ok() => format!("Run #{run}: {name}"),
+        Some(_) | None => cell.to_owned(),
+    }
 }
 
 /// Whether a line has units and no numbers.
@@ -420,12 +448,19 @@ mod tests {
                 &["t", "3", "2"],
                 1,
             ),
+            (
+                "PASCO",
+                "Time (s) Run #1,Angle (rad) Run #1\n0,1",
+                None,
+                &["Run #1: Time (s)", "Run #1: Angle (rad)"],
+                1,
+            ),
             ("nothing", "", None, &[], 0),
             (
                 "a comment above names of no times",
-                "# Time, place: Monday\nElapsed,theta\n0,1",
+                "# Time, place: Monday\nMoment,theta\n0,1",
                 None,
-                &["Elapsed", "theta"],
+                &["Moment", "theta"],
                 2,
             ),
             (
@@ -475,7 +510,10 @@ mod tests {
         for (name, text, names) in [
             ("plain", "t theta\n0 1", &["t", "theta"][..]),
             ("NumPy", "# t  theta\n0 1", &["t", "theta"]),
+            ("NumPy, commas", "# t,tilt (deg)\n0 1", &["t", "tilt (deg)"]),
             ("gnuplot", "#t theta\n0 1", &["t", "theta"]),
+            ("R", "\"t\" \"theta\"\n\"1\" 0 1", &["1", "t", "theta"]),
+            ("pandas", "  t theta\n0 5 1", &["1", "t", "theta"]),
             ("units", "t (s) tilt (deg)\n0 1", &["t (s)", "tilt (deg)"]),
             (
                 "units below",

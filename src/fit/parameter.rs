@@ -274,13 +274,38 @@ pub(super) fn select(
         }
     }
     for (name, range) in bounds {
-        let selected = all
-            .iter_mut()
-            .find(|selected| selected.parameter.name() == *name)
-            .ok_or_else(|| FitError::NotFree { name: name.clone() })?;
-        selected.parameter.set_bounds(*range)?;
+        let parameter = find_free(&mut all, name, "bounds", scenario)?;
+        parameter.set_bounds(*range)?;
     }
     Ok(all)
+}
+
+/// What only a free parameter can have.
+pub(super) const PROFILE: &str = "a profile";
+
+/// The free parameter with this name, for what only a free one can have.
+pub(super) fn find_free<'a>(
+    all: &'a mut [SelectedParameter],
+    name: &str,
+    what: &'static str,
+    scenario: &Scenario,
+) -> Result<&'a mut Parameter, FitError> {
+    let mut parameters = all.iter_mut().map(|selected| &mut selected.parameter);
+    if let Some(free) = parameters.find(|parameter| parameter.name() == name) {
+        return Ok(free);
+    }
+    if is_offset(name) {
+        return Err(FitError::Key {
+            name: name.to_owned(),
+            reason: KeyError::NoFile,
+        });
+    }
+    // A key that there is not can't be freed either.
+    Parameter::from_key(name, scenario)?;
+    Err(FitError::NotFree {
+        name: name.to_owned(),
+        what,
+    })
 }
 
 /// The keys of the group `initial`.

@@ -2,7 +2,7 @@
 
 use super::error::{Cut, FitError};
 use super::model::Problem;
-use super::parameter::{SelectedParameter, Target};
+use super::parameter::{PROFILE, SelectedParameter, Target};
 use super::place::Place;
 use super::plausibility::{check_signals, check_span, check_steps};
 use super::request::Request;
@@ -24,6 +24,10 @@ pub(super) fn prepare(request: &Request) -> Result<Prepared, FitError> {
     let scenario = &request.scenario;
     let data = &request.data;
     let mut selected = parameter::select(&request.free, &request.bounds, scenario, data.files)?;
+    // A wrong name is reported before anything is fitted.
+    for name in &request.profile {
+        parameter::find_free(&mut selected, name, PROFILE, scenario)?;
+    }
     let origin = request.origin.unwrap_or_else(|| data.origin());
     let mut signals = data.signals.clone();
     align_clocks(&mut selected, &mut signals, origin);

@@ -1,9 +1,10 @@
 //! Profile likelihoods: χ² as a function of one parameter, minimised over all others.
 
-use super::error::{FitError, KeyError};
+use super::error::FitError;
 use super::estimate::ONE_SIDED;
 use super::model::{Point, Problem};
 use super::monitor::Monitor;
+use super::parameter::PROFILE;
 use super::report::{Limit, Profile};
 use super::solve::{Solution, minimise};
 
@@ -36,9 +37,9 @@ pub(super) fn profile(
 ) -> Result<Profile, FitError> {
     let mut parameters = problem.parameters.iter();
     let Some(at) = parameters.position(|parameter| parameter.name() == name) else {
-        return Err(FitError::Key {
+        return Err(FitError::NotFree {
             name: name.to_owned(),
-            reason: KeyError::NotFree,
+            what: PROFILE,
         });
     };
     let parameter = &problem.parameters[at];

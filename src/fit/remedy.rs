@@ -90,17 +90,16 @@ impl FitError {
             }),
             Self::NoNoise { source_name, .. } => Some(Remedy::GiveNoise { source_name }),
             Self::NoDerivative { .. } => Some(Remedy::ChangeStart),
+            Self::NotFree { name, .. } => Some(Remedy::Free { name }),
             Self::NotIdentifiable { degeneracies } => degeneracies.first().map(Remedy::Fix),
             Self::ModelEnds { end, .. } => Some(Remedy::EndEarlier { end: *end }),
             Self::Scenario(_)
             | Self::Key {
-                reason:
-                    KeyError::NoProperty | KeyError::NotFree | KeyError::NoFile | KeyError::OnlyClock,
+                reason: KeyError::NoProperty | KeyError::NoFile | KeyError::OnlyClock,
                 ..
             }
             | Self::UnknownLaw { .. }
             | Self::Bounds { .. }
-            | Self::NotFree { .. }
             | Self::NothingFree
             | Self::Size { .. }
             | Self::FewWithin { .. }
@@ -118,6 +117,7 @@ impl DataError {
     fn remedy(&self) -> Option<Remedy<'_>> {
         match self {
             Self::InFile { reason, .. } => reason.remedy(),
+            Self::NoHeader { columns: 1, .. } => Some(Remedy::AddTimes),
             Self::NoHeader { .. } => Some(Remedy::WriteHeader),
             Self::NoTimes { .. } => Some(Remedy::NameTimes),
             Self::SeveralTimes { columns, .. } => Some(Remedy::ChooseTimesColumn {
@@ -161,6 +161,8 @@ impl DataError {
 pub(super) enum Remedy<'a> {
     /// Write a first line that names the columns.
     WriteHeader,
+    /// Add a column of times.
+    AddTimes,
     /// Name the column of times.
     NameTimes,
     /// Choose one of several columns of times, such as this one.
@@ -194,6 +196,8 @@ pub(super) enum Remedy<'a> {
     ChangeStart,
     /// Give a key of the scenario a value.
     SetValue,
+    /// Let a parameter be fitted.
+    Free { name: &'a str },
     /// Give the scenario friction.
     ChooseLaw,
     /// Fix parameters that can't be determined.
@@ -218,6 +222,7 @@ impl Remedy<'_> {
             Self::WriteHeader => {
                 format!("{FIRST_LINE}, or use their numbers: --time 1 --signal theta=\"2 (deg)\"")
             }
+            Self::AddTimes => ADD_TIMES.to_owned(),
             Self::NameTimes => "name it with --time".to_owned(),
             Self::ChooseTimesColumn { name } => format!("choose with --time {}", quoted(name)),
             Self::NameFields { column } => format!(
@@ -261,6 +266,7 @@ impl Remedy<'_> {
                 format!("check the sensor, leave {source_name} out, or give σ (--signal)")
             }
             Self::ChangeStart => "change its start (--set) or its bounds (--bound)".to_owned(),
+            Self::Free { name } => format!("add {name} to --free"),
             Self::SetValue => "set one with --set".to_owned(),
             Self::ChooseLaw => "choose a law, e.g. --set friction.law=coulomb --set friction.k=0.03 --set friction.dissipation=full".to_owned(),
             Self::Fix(degeneracy) => {
@@ -277,6 +283,7 @@ impl Remedy<'_> {
         // A person there changes the file, the sliders or the two fields of the panel.
         match self {
             Self::WriteHeader => FIRST_LINE.to_owned(),
+            Self::AddTimes => ADD_TIMES.to_owned(),
             Self::NameTimes => {
                 "call it t in the line that names the columns, e.g. t,theta (deg)".to_owned()
             }
@@ -314,6 +321,7 @@ impl Remedy<'_> {
             Self::GiveNoise { source_name } => format!(
                 "check the sensor, leave {source_name} out of the file, or say how right the angles are"
             ),
+            Self::Free { name } => format!("fit {name}, too"),
             Self::ChangeStart | Self::SetValue => "give it another value on the page".to_owned(),
             Self::ChooseLaw => "switch friction on".to_owned(),
             Self::Fix(degeneracy) => format!(
@@ -332,6 +340,7 @@ impl Remedy<'_> {
             Self::WriteHeader => format!(
                 "{FIRST_LINE}, or use their numbers: time_column=\"1\", columns=[\"theta=2 (deg)\"]"
             ),
+            Self::AddTimes => ADD_TIMES.to_owned(),
             Self::NameTimes => "name it with time_column".to_owned(),
             Self::ChooseTimesColumn { name } => format!("choose with time_column={name:?}"),
             Self::NameFields { column } => {
@@ -374,6 +383,7 @@ impl Remedy<'_> {
                 "check the sensor, leave {source_name} out, or give σ (sigma, or in columns)"
             ),
             Self::ChangeStart => "change its start (overrides) or its bounds".to_owned(),
+            Self::Free { name } => format!("add {name} to free"),
             Self::SetValue => "set one in overrides".to_owned(),
             Self::ChooseLaw => "choose a law in overrides: friction.law, such as coulomb, friction.k and friction.dissipation".to_owned(),
             Self::Fix(degeneracy) => {
@@ -386,6 +396,9 @@ impl Remedy<'_> {
         }
     }
 }
+
+/// What can be done about a table of one column.
+const ADD_TIMES: &str = "write the times beside the values, e.g. t,theta (deg)";
 
 /// What a table without names needs.
 const FIRST_LINE: &str =

@@ -448,9 +448,9 @@ mod tests {
                 "several columns are named like times: Run 1: Time (s), Run 2: Time (s)",
             ),
             (
-                "# Time, place: Monday\nElapsed (s),theta\n0,0.5\n",
+                "# Time, place: Monday\nMoment (s),theta\n0,0.5\n",
                 "theta",
-                "no column of times; there are: Elapsed (s), theta",
+                "no column of times; there are: Moment (s), theta",
             ),
             ("", "theta", "no rows of numbers"),
             ("t,theta\n", "theta", "no rows of numbers"),

@@ -1161,6 +1161,7 @@ fn exit_codes_tell_bad_fits_from_bad_input() {
     }
     folder.write("frames.csv", format!("t,theta\n{frames}"));
     folder.write("bad.csv", "t,theta\n0,0.5\n0.1,abc\n");
+    folder.write("single.csv", "theta\n0.5\n0.4\n0.3\n");
     folder.write("twice.csv", "t,theta,theta\n0,0.5,0.5\n0.1,0.5,0.5\n");
     folder.write("both.csv", "t,theta,tilt\n0,0.5,0.5\n0.1,0.5,0.5\n");
     folder.write("huge.csv", "t,theta\n0,0.5\n0.1,1e290\n0.2,0.5\n");
@@ -1203,6 +1204,30 @@ fn exit_codes_tell_bad_fits_from_bad_input() {
         (
             "fit full-coulomb a.csv --free friction.k,top.peg_radius",
             "only k·R is determined",
+        ),
+        (
+            "fit full-coulomb a.csv --free friction.k --bound friction.k=1..0",
+            "the lower bound, 1, must be less than the upper one, 0",
+        ),
+        (
+            "fit full-coulomb a.csv --free friction.k --bound offset=-1..0",
+            "offset can't be fitted: there is no file with this number",
+        ),
+        (
+            "fit full-coulomb a.csv --free friction.k --profile top.mass",
+            "top.mass is not free, so it can't have a profile; add top.mass to --free",
+        ),
+        (
+            "fit full-coulomb a.csv --free friction.k --profile friction.kk",
+            "unknown key friction.kk (did you mean friction.k?)",
+        ),
+        (
+            "fit full-coulomb a.csv --free friction.k --figures bad.csv",
+            "--figures bad.csv is a file: name a directory",
+        ),
+        (
+            "fit full-coulomb single.csv --free friction.k",
+            "single.csv: a single column; write the times beside the values",
         ),
         (
             "fit full-coulomb a.csv --free friction.k --signal phi",
