@@ -95,6 +95,40 @@ fn minima_of_an_offset_are_compared_over_the_same_points() {
 }
 
 #[test]
+fn other_minima_of_a_preferred_law_are_not_its_own() {
+    let truth = preset("full-coulomb");
+    let viscous = truth
+        .with([
+            ("friction.law", "viscous".into()),
+            ("friction.viscous_speed", 0.5.into()),
+        ])
+        .unwrap();
+    let mut listed = 0;
+    for seed in 0..3 {
+        let mut both = measure(&truth, 100.0, 3.0, &THETA_PHI, Some(seed));
+        let noisy = [(state::THETA_DOT, 0.03)];
+        add_file(
+            &mut both,
+            measure(&truth, 100.0, 3.0, &noisy, Some(100 + seed)),
+            0.4,
+        );
+        let mut request = Request::new(viscous.clone(), both, &["friction.k", "initial"]);
+        request.compare = vec!["coulomb".to_owned()];
+        let report = fit(&request, &|_| {}).unwrap().report;
+        assert_eq!(report.law, "coulomb", "{seed}");
+        let at = report.parameters.iter().position(|p| p.name == "offset");
+        let own = offset(&report);
+        for mode in &report.modes {
+            let distance = (mode.values[at.unwrap()] - own.value).abs();
+            // The next minimum is a nutation away, some hundred standard deviations.
+            assert!(distance > 10.0 * own.sd.unwrap(), "{seed}: {distance}");
+        }
+        listed += report.modes.len();
+    }
+    assert!(listed > 0);
+}
+
+#[test]
 fn clocks_of_files_that_are_much_longer_than_the_motion_are_found() {
     let truth = preset("full-coulomb");
     let mut both = measure(&truth, 100.0, 2.0, &THETA_PHI, Some(1));
