@@ -10,6 +10,7 @@ mod data;
 mod data_error;
 mod degeneracy;
 mod delimiter;
+mod derivatives;
 mod error;
 mod estimate;
 mod extension;

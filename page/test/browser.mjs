@@ -80,11 +80,11 @@ const tests = {
     await tab.waitForFunction((before) => parseFloat(document.getElementById("clock").textContent) > before + 0.1, before);
   },
   async "a slider changes the run, its curves and the top"(tab) {
-    assert.match(await summary(tab), /^Rising top: upright after 24\.72 s$/);
+    assert.match(await summary(tab), /^The paper's rise: upright after 24\.72 s$/);
     await pause(tab);
     const before = [await picture(tab, "curves"), await picture(tab, "top")];
     await tab.fill("#knob-k", "400");
-    await becomes(tab, "Rising top, friction k = 0.119");
+    await becomes(tab, "The paper's rise, friction k = 0.119");
     await tab.waitForTimeout(100);
     assert.notEqual(await picture(tab, "curves"), before[0]);
     assert.notEqual(await picture(tab, "top"), before[1]);
@@ -105,7 +105,7 @@ const tests = {
     await becomes(tab, "values changed");
     assert.ok(await tab.isDisabled("#knob-k"));
     await tab.check("#friction");
-    await becomes(tab, "Rising top, friction k = 0.0475: upright");
+    await becomes(tab, "The paper's rise, friction k = 0.0475: upright");
     await tab.click('#presets [value="frictionless"]');
     await becomes(tab, "No friction:");
     await tab.check("#friction");
@@ -124,9 +124,9 @@ const tests = {
     await openAll(tab);
     await tab.click("#pin");
     await tab.waitForFunction(() => document.getElementById("comparison").textContent.includes("This run is kept as A."));
-    assert.match(await tab.textContent("#pin-note"), /^A \(grey\) is Rising top\./);
+    assert.match(await tab.textContent("#pin-note"), /^A \(grey\) is The paper's rise\./);
     await box(tab, "friction.k").fill("0.045");
-    await becomes(tab, "Rising top, friction k = 0.045");
+    await becomes(tab, "The paper's rise, friction k = 0.045");
     await tab.waitForSelector("#comparison td");
     const rows = await tab.locator("#comparison td").allTextContents();
     assert.deepEqual(rows.slice(0, 3), ["24.7194", "16.4733", "−8.25 s ± 54.1 ms"]);
@@ -379,10 +379,10 @@ const tests = {
       const other = await open(hash);
       const message = await other.textContent("#error");
       if (error) assert.ok(message.startsWith(error), message);
-      else assert.match(await summary(other), /^Rising top:/);
+      else assert.match(await summary(other), /^The paper's rise:/);
       // A click on a preset leads back.
       await other.click('#presets [value="paper"]');
-      await becomes(other, "Rising top: upright");
+      await becomes(other, "The paper's rise: upright");
       await other.close();
     }
   },
@@ -772,7 +772,7 @@ const tests = {
     await other.waitForSelector("body.ready");
     await drop(other, "tilt.csv", "t,theta (deg)\n0,28\n");
     await other.waitForSelector("#fit-result:not([hidden])");
-    assert.equal(await other.textContent("#fit-headline"), "Rising top: describes the data with 9 different spinsfriction k: 0.0288 to 0.0597 (95 %), because θ alone does not show the spin");
+    assert.equal(await other.textContent("#fit-headline"), "The paper's rise: describes the data with 9 different spinsfriction k: 0.0288 to 0.0597 (95 %), because θ alone does not show the spin");
     assert.match(await other.textContent("#fit-report"), /hold spin ψ̇ at a known value/);
     for (const width of [1366, 390, 320]) {
       await other.setViewportSize({ width, height: 800 });

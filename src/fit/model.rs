@@ -6,7 +6,6 @@ use super::signal::Signal;
 use super::step_limit::StepLimit;
 use crate::run::scenario::{Scenario, ScenarioError};
 use crate::run::simulation::{Sample, SimulationError, StopReason, sample_at_while};
-use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -372,11 +371,11 @@ impl Problem {
         let mut steps = 0;
         let ended = sample_at_while(&scenario, &times, &mut take, &mut || {
             steps += 1;
-            steps <= self.step_limit.of_motion()
+            steps <= self.step_limit.most_per_motion()
         });
         self.step_limit.add(steps);
         let end = ended.map_err(Refusal::Failed)?;
-        if steps > self.step_limit.of_motion() {
+        if steps > self.step_limit.most_per_motion() {
             return Err(Refusal::TooManySteps);
         }
         if taken < times.len() || predicted.iter().any(|value| !value.is_finite()) {
@@ -449,99 +448,4 @@ impl Problem {
         }
         Ok(loss)
     }
-
-    /// The derivatives of the residuals: a column for each parameter, zero for those that are `fixed` and where no
-    /// derivative can be computed. `here` is the motion of `values`.
-    pub(super) fn jacobian(
-        &self,
-        effort: Effort,
-        values: &[f64],
-        here: &[f64],
-        points: &[Point],
-        fixed: &[bool],
-    ) -> Vec<Vec<f64>> {
-        // In the order of the parameters, whatever the threads do.
-        (0..self.parameters.len())
-            .into_par_iter()
-            .map(|j| {
-                if fixed[j] {
-                    return vec![0.0; points.len()];
-                }
-                self.derivative(effort, j, values, here, points)
-                    .unwrap_or_else(|| vec![0.0; points.len()])
-            })
-            .collect()
-    }
-
-    /// The derivatives with respect to a parameter. `None` if it can't be computed on any side. Differences are those of the
-    /// predictions: measured values, which may be huge, would only add rounding.
-    pub(super) fn derivative(
-        &self,
-        effort: Effort,
-        j: usize,
-        values: &[f64],
-        here: &[f64],
-        points: &[Point],
-    ) -> Option<Vec<f64>> {
-        let step = effort.step() * self.parameters[j].change(values[j]);
-        let moved = |change| self.predict_moved(effort, j, change, values, points);
-        let mut column = match effort {
-            // Half the motions of central differences, and right to 1e-3, which is enough for the direction of a step.
-            Effort::Draft => match moved(step) {
-                Some(up) => one_sided(step, here, &up, None),
-                None => one_sided(-step, here, &moved(-step)?, None),
-            },
-            // One-sided at a bound and where the model ends on one side.
-            Effort::Final => match (moved(step), moved(-step)) {
-                (Some(up), Some(down)) => central(step, &up, &down),
-                (Some(up), None) => one_sided(step, here, &up, moved(2.0 * step).as_deref()),
-                (None, Some(down)) => one_sided(-step, here, &down, moved(-2.0 * step).as_deref()),
-                (None, None) => return None,
-            },
-        };
-        for (derivative, point) in column.iter_mut().zip(points) {
-            *derivative /= point.sigma;
-        }
-        Some(column)
-    }
-
-    /// The values of the model with one parameter changed by `change`; `None` beyond its bounds or without a complete
-    /// motion.
-    fn predict_moved(
-        &self,
-        effort: Effort,
-        j: usize,
-        change: f64,
-        values: &[f64],
-        points: &[Point],
-    ) -> Option<Vec<f64>> {
-        let mut moved = values.to_vec();
-        moved[j] += change;
-        let [low, high] = self.parameters[j].bounds;
-        if !(low..=high).contains(&moved[j]) {
-            return None;
-        }
-        self.predict_with(effort, &moved, points).ok()
-    }
-}
-
-/// Differences to both sides.
-fn central(step: f64, up: &[f64], down: &[f64]) -> Vec<f64> {
-    let mut column = Vec::with_capacity(up.len());
-    for (up, down) in up.iter().zip(down) {
-        column.push((up - down) / (2.0 * step));
-    }
-    column
-}
-
-/// Differences to one side: of second order if there is a second value, else of first order.
-fn one_sided(step: f64, here: &[f64], one: &[f64], two: Option<&[f64]>) -> Vec<f64> {
-    let mut column = Vec::with_capacity(here.len());
-    for (at, here) in here.iter().enumerate() {
-        column.push(match two {
-            Some(two) => (4.0 * one[at] - 3.0 * here - two[at]) / (2.0 * step),
-            None => (one[at] - here) / step,
-        });
-    }
-    column
 }

@@ -20,7 +20,7 @@ pub(super) struct StepLimit {
     most: u64,
     /// Steps of a motion near the start, and the most that a single one may take.
     motion: u64,
-    of_motion: u64,
+    most_per_motion: u64,
 }
 
 impl StepLimit {
@@ -30,7 +30,7 @@ impl StepLimit {
             taken: AtomicU64::new(0),
             most: u64::MAX,
             motion: LEAST_STEPS,
-            of_motion: u64::MAX,
+            most_per_motion: u64::MAX,
         }
     }
 
@@ -47,7 +47,7 @@ impl StepLimit {
     /// Allows so many motions with these steps each.
     pub(super) fn begin(&mut self, motions: u64, steps: u64) {
         self.motion = steps.max(LEAST_STEPS);
-        self.of_motion = MAX_RATIO.saturating_mul(self.motion);
+        self.most_per_motion = MAX_RATIO.saturating_mul(self.motion);
         self.most = self.after(motions);
     }
 
@@ -58,14 +58,14 @@ impl StepLimit {
     }
 
     /// Number of steps that a single motion may take.
-    pub(super) fn of_motion(&self) -> u64 {
-        self.of_motion
+    pub(super) fn most_per_motion(&self) -> u64 {
+        self.most_per_motion
     }
 
     /// Allows any number of motions.
     pub(super) fn lift(&mut self) {
         self.most = u64::MAX;
-        self.of_motion = u64::MAX;
+        self.most_per_motion = u64::MAX;
     }
 
     pub(super) fn is_exceeded(&self) -> bool {
