@@ -719,7 +719,7 @@ const tests = {
   },
   async "a CSV that is dropped is fitted, and the sliders take the fit over"(tab) {
     await drop(tab, "camera.csv", readFileSync("tests/data/fit/offset_camera.csv", "utf8"));
-    await tab.waitForFunction(() => /^fitting [\d.]+ of [\d.]+ s of data(, with \d+ other spins)?: χ² = /.test(document.getElementById("fit-status").textContent));
+    await tab.waitForFunction(() => /^fitting [\d.]+ of [\d.]+ s of data(, with \d+ of up to \d+ other spins)?: χ² = /.test(document.getElementById("fit-status").textContent));
     assert.ok(await tab.isVisible("#fit-cancel"));
     await tab.click("#fit-cancel");
     assert.equal(await tab.textContent("#fit-status"), "Stopped.");

@@ -30,7 +30,8 @@ const TINY: f64 = 0.1;
 /// or more does not do that.
 const DOMINANT: f64 = 0.8;
 
-/// The estimates of all parameters. Intervals reach over the other minima.
+/// The estimates of all parameters, without uncertainties where there is no minimum. Intervals reach over the other
+/// minima.
 pub(super) fn estimates(
     problem: &Problem,
     solution: &Solution,
@@ -46,7 +47,9 @@ pub(super) fn estimates(
         // An interval that reaches below zero would be meaningless for a magnitude: it gets a limit.
         let is_significant = !parameter.is_magnitude() || value > SIGNIFICANT * sd;
         let (mut interval, mut limit) = (None, None);
-        if solution.held[at] {
+        if !solution.is_converged {
+            // The curvature at no minimum says nothing about uncertainties.
+        } else if solution.held[at] {
             limit = Some(Limit::AtBound);
         } else if !is_known {
             limit = Some(Limit::None);
@@ -65,7 +68,7 @@ pub(super) fn estimates(
             unit: parameter.unit().to_owned(),
             start: parameter.start + parameter.shift,
             value,
-            sd: is_known.then_some(sd),
+            sd: (is_known && solution.is_converged).then_some(sd),
             interval,
             limit,
         });
@@ -76,6 +79,9 @@ pub(super) fn estimates(
 /// The correlations between parameters that are high.
 pub(super) fn correlations(problem: &Problem, solution: &Solution) -> Vec<Correlation> {
     let mut high = Vec::new();
+    if !solution.is_converged {
+        return high;
+    }
     let covariance = &solution.covariance;
     for i in 0..problem.parameters.len() {
         for j in 0..i {

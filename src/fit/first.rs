@@ -63,7 +63,7 @@ fn fit_law(request: &Request, monitor: &Monitor<'_>) -> Result<First, FitError> 
     let (solution, split) = solve_all(&mut problem, request, monitor)?;
     if problem.step_limit.is_exceeded() {
         notes.push(format!(
-            "The search was given up after {MAX_MOTIONS} times the steps of the motion at the start; data that follow a motion take 500 times or less."
+            "The search was given up after {MAX_MOTIONS} times the steps of the motion at the start."
         ));
     }
     if !solution.is_converged

@@ -12,8 +12,11 @@ use super::solve::{DRAFT_ERROR, Draft, Solution, complete, draft, minimise, prom
 use crate::physics::math::ln;
 use rayon::prelude::*;
 
-/// Distance of trial spin rates, in radians of phase over the data.
-const PHASE_STEP: f64 = 5.0;
+/// Distance of trial spin rates, in radians of the nutation's phase over the data: three trials for two minima.
+const PHASE_STEP: f64 = 4.25;
+
+/// A trial this close to a minimum that was found, in steps, would find it again.
+const COVERED: f64 = 0.5;
 
 /// Probability that the true minimum is excluded.
 const EXCLUDED: f64 = 0.05;
@@ -38,7 +41,7 @@ const MAX_MOTIONS: u64 = 10_000;
 const FAILURES: usize = 6;
 
 /// Maximum number of trials on each side.
-const MAX_TRIALS: usize = 100;
+pub(super) const MAX_TRIALS: usize = 100;
 
 /// A minimum that differs from another by less than this, in σ of the spin rate, is the same.
 const SAME: f64 = 0.5;
@@ -177,7 +180,7 @@ fn find_spin_rates(
         points,
         spin: at,
         centre: solution.values[at],
-        step: PHASE_STEP / points.iter().map(|point| point.time).fold(0.0, f64::max),
+        step: step(problem, points),
         reach: SAME * solution.covariance[(at, at)].sqrt(),
     };
     let [low, high] = scan.both_sides(solution, monitor)?;
@@ -199,6 +202,14 @@ fn find_spin_rates(
         modes.push(mode(problem, other, other.chi2 - solution.chi2));
     }
     Ok(Some(scanned))
+}
+
+/// Distance of trial spin rates, rad/s.
+fn step(problem: &Problem, points: &[Point]) -> f64 {
+    let duration = points.iter().map(|point| point.time).fold(0.0, f64::max);
+    // A small nutation turns with the angular momentum about the axis, divided by I_x.
+    let top = &problem.scenario.model.top;
+    PHASE_STEP * top.transverse_moment / (top.axial_moment * duration)
 }
 
 /// Another minimum as reports have it.
@@ -380,6 +391,12 @@ impl Side {
             return Ok(0);
         }
         self.trials += 1;
+        if let Some(found) = self.minimum_near(trial, scan) {
+            self.values = found;
+            self.values[scan.spin] = trial;
+            self.failures = 0;
+            return Ok(0);
+        }
         let mut values = self.values.clone();
         values[scan.spin] = trial;
         let Some(held) = scan.minimum_at(&values, &silent)? else {
@@ -394,6 +411,14 @@ impl Side {
         self.failures = if counts { self.failures + 1 } else { 0 };
         self.is_over = self.failures == FAILURES;
         Ok(silent.evaluations())
+    }
+
+    /// The values of the minimum that a trial with this spin rate, rad/s, would find again.
+    fn minimum_near(&self, trial: f64, scan: &Scan<'_>) -> Option<Vec<f64>> {
+        self.drafts
+            .iter()
+            .find(|draft| (draft.values[scan.spin] - trial).abs() < COVERED * scan.step)
+            .map(|draft| draft.values.clone())
     }
 
     /// Adds the minimum near the last trial to those that were found; whether it is worse than the best by [`KEPT`].

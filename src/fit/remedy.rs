@@ -92,7 +92,10 @@ impl FitError {
             Self::NoDerivative { .. } => Some(Remedy::ChangeStart),
             Self::NotFree { name, .. } => Some(Remedy::Free { name }),
             Self::NotIdentifiable { degeneracies } => degeneracies.first().map(Remedy::Fix),
-            Self::ModelEnds { end, .. } => Some(Remedy::EndEarlier { end: *end }),
+            Self::ModelEnds { end, .. } => Some(Remedy::EndEarlier {
+                // A later end would be after that of the model.
+                end: (end * 1e3).floor() / 1e3,
+            }),
             Self::Scenario(_)
             | Self::Key {
                 reason: KeyError::NoProperty | KeyError::NoFile | KeyError::OnlyClock,
@@ -202,6 +205,8 @@ pub(super) enum Remedy<'a> {
     ChooseLaw,
     /// Fix parameters that can't be determined.
     Fix(&'a Degeneracy),
+    /// Start closer to the motion.
+    StartCloser,
     /// Leave out the data after this time, s.
     EndEarlier { end: f64 },
     /// Let outliers count less.
@@ -272,8 +277,9 @@ impl Remedy<'_> {
             Self::Fix(degeneracy) => {
                 format!("{} (leave out of --free what is known)", fix(degeneracy))
             }
+            Self::StartCloser => format!("start closer to the motion (--set), {CHECK_DATA}"),
             Self::EndEarlier { end } => format!(
-                "fit only the data before that (--until {end:.3}), or start closer to the motion (--set)"
+                "start closer to the motion (--set), or fit only the data before that (--until {end:.3})"
             ),
             Self::CountOutliersLess => "use --loss huber".to_owned(),
         }
@@ -328,8 +334,9 @@ impl Remedy<'_> {
                 "{} (leave out of the parameters to find what is known)",
                 fix(degeneracy)
             ),
+            Self::StartCloser => format!("set the sliders closer to the motion, {CHECK_DATA}"),
             Self::EndEarlier { end } => format!(
-                "leave out the rows more than {end:.3} s after the first one, or set the sliders closer to the motion"
+                "set the sliders closer to the motion, or leave out the rows more than {end:.3} s after the first one"
             ),
             Self::CountOutliersLess => "leave out their rows".to_owned(),
         }
@@ -389,13 +396,17 @@ impl Remedy<'_> {
             Self::Fix(degeneracy) => {
                 format!("{} (leave out of free what is known)", fix(degeneracy))
             }
+            Self::StartCloser => format!("start closer to the motion (overrides), {CHECK_DATA}"),
             Self::EndEarlier { end } => format!(
-                "fit only the data before that (until={end:.3}), or start closer to the motion (overrides)"
+                "start closer to the motion (overrides), or fit only the data before that (until={end:.3})"
             ),
             Self::CountOutliersLess => "use loss=\"huber\"".to_owned(),
         }
     }
 }
+
+/// What else may be wrong if no motion follows the data.
+const CHECK_DATA: &str = "or check what the columns measure, and in which units";
 
 /// What can be done about a table of one column.
 const ADD_TIMES: &str = "write the times beside the values, e.g. t,theta (deg)";

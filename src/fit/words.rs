@@ -5,6 +5,7 @@ mod units;
 
 use super::estimate::REJECTED;
 use super::model::Loss;
+use super::modes::MAX_TRIALS;
 use super::monitor::Progress;
 use super::numbers::{decimals, format_estimate, format_probability, format_rounded, format_time};
 use super::parameter::is_offset;
@@ -28,7 +29,7 @@ pub struct Words {
     pub title: String,
     /// The verdict alone.
     pub verdict: String,
-    /// The first parameter; empty without parameters.
+    /// The first parameter; empty without parameters, or without a minimum.
     pub headline: String,
     /// Goodness of the fit, next to the title.
     pub note: String,
@@ -131,7 +132,12 @@ impl Display for Progress {
             self.window, self.until
         )?;
         if self.spins > 0 {
-            write!(f, ", with {} other spins", self.spins)?;
+            write!(
+                f,
+                ", with {} of up to {} other spins",
+                self.spins,
+                2 * MAX_TRIALS
+            )?;
         }
         write!(
             f,
@@ -260,6 +266,8 @@ fn estimate_cell(estimate: &Estimate, all: bool) -> String {
         (Some(_), None) if estimate.is_over_minima() && !all => "several minima".to_owned(),
         (Some(_), None) if estimate.is_over_minima() => format_rounded(estimate.value, 6),
         (Some(sd), None) => format_estimate(estimate.value, sd),
+        // The search ended there, but in no minimum.
+        (None, None) => format_rounded(estimate.value, 4),
         (Some(_) | None, Some(_)) if all => format_rounded(estimate.value, 6),
         (Some(_) | None, _) => "–".to_owned(),
     }
@@ -401,6 +409,14 @@ fn remarks(report: &Report, interface: Interface) -> Vec<String> {
     remarks.extend(report.notes.iter().cloned());
     for loss in &report.losses {
         remarks.push(format!("Not read: {loss}."));
+    }
+    // Where there is no minimum, the residuals say nothing about the data.
+    if !report.quality.is_converged {
+        remarks.push(format!(
+            "The values are those at which the search ended, and no estimates. To find a minimum, {}.",
+            Remedy::StartCloser.words(interface)
+        ));
+        return remarks;
     }
     remarks.extend(remark_on_size(&report.quality));
     let is_coloured = report

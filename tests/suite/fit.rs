@@ -1011,8 +1011,24 @@ fn gives_up_on_data_that_no_motion_follows() {
     assert_eq!(report.verdict, Verdict::NotConverged);
     // Without a minimum, χ² grows from nothing.
     assert!(report.profiles.is_empty());
-    let notes = report.notes.join(" ");
-    assert_contains(&notes, "The search was given up after 1000 times the steps");
+    assert!(
+        report
+            .parameters
+            .iter()
+            .all(|p| p.sd.is_none() && p.interval.is_none())
+    );
+    let remarks = report.words(Interface::Terminal, false).remarks.join(" ");
+    assert_contains(
+        &remarks,
+        "The search was given up after 1000 times the steps",
+    );
+    assert_contains(
+        &remarks,
+        "To find a minimum, start closer to the motion (--set)",
+    );
+    for finding in ["correlated", "level", "huber"] {
+        assert!(!remarks.contains(finding), "{remarks}");
+    }
 }
 
 #[test]

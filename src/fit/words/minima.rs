@@ -43,7 +43,12 @@ pub(super) fn in_title(report: &Report) -> String {
 
 /// What the fit says of its first parameter, in a sentence; empty without parameters.
 pub(super) fn headline(report: &Report) -> String {
-    let Some(first) = report.parameters.first() else {
+    // Where there is no minimum, there is no estimate either.
+    let Some(first) = report
+        .parameters
+        .first()
+        .filter(|_| report.quality.is_converged)
+    else {
         return String::new();
     };
     let (name, interval) = (label(first), interval_cell(first));
