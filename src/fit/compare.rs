@@ -1,5 +1,6 @@
 //! Comparison of friction laws.
 
+use super::degeneracy::join_names;
 use super::error::FitError;
 use super::estimate::{PointResiduals, REJECTED, estimates, lowest_p, signals, verdict};
 use super::extension::extensions;
@@ -226,19 +227,27 @@ fn conclusion(fits: &[LawFit]) -> Conclusion {
         return Conclusion::undecided(sentence);
     }
     let others = &fits[1..];
-    let mut equals = Vec::new();
-    // Both criteria: AIC favours laws with more parameters, BIC those with fewer.
+    let (mut equals, mut unfinished) = (Vec::new(), Vec::new());
     for other in others {
-        if other.delta_aic - best.delta_aic < DECISIVE || other.delta_bic < DECISIVE {
-            equals.push(other.law.as_str());
+        // Both criteria: AIC favours laws with more parameters, BIC those with fewer.
+        let is_equal = other.delta_aic - best.delta_aic < DECISIVE || other.delta_bic < DECISIVE;
+        if other.verdict == Verdict::NotConverged {
+            unfinished.push((other.law.clone(), is_equal));
+        } else if is_equal {
+            equals.push(other.law.clone());
         }
     }
+    let caveat = caveat(&unfinished);
     if !equals.is_empty() {
+        let equals = join_names(&equals);
         let sentence = format!(
-            "Undecided: the data do not tell {} from {}.",
-            best.law,
-            equals.join(" and ")
+            "Undecided: the data do not tell {} from {equals}.{caveat}",
+            best.law
         );
+        return Conclusion::undecided(sentence);
+    }
+    if unfinished.iter().any(|(_, is_equal)| *is_equal) {
+        let sentence = format!("Undecided: {} describes the data.{caveat}", best.law);
         return Conclusion::undecided(sentence);
     }
     let mut sentence = match others {
@@ -251,17 +260,26 @@ fn conclusion(fits: &[LawFit]) -> Conclusion {
             next.delta_bic
         ),
     };
-    for other in others {
-        if other.verdict == Verdict::NotConverged {
-            sentence += &format!(
-                " No minimum was found for {}: its criteria may be lower than shown.",
-                other.law
-            );
-        }
-    }
+    sentence += &caveat;
     Conclusion {
         is_decided: true,
         sentence,
+    }
+}
+
+/// A sentence on laws for which no minimum was found.
+fn caveat(unfinished: &[(String, bool)]) -> String {
+    let laws: Vec<String> = unfinished.iter().map(|(law, _)| law.clone()).collect();
+    match laws.len() {
+        0 => String::new(),
+        1 => format!(
+            " No minimum was found for {}: its criteria may be lower than shown.",
+            laws[0]
+        ),
+        _ => format!(
+            " No minimum was found for {}: their criteria may be lower than shown.",
+            join_names(&laws)
+        ),
     }
 }
 

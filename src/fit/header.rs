@@ -108,7 +108,11 @@ impl Search<'_> {
                 self.named = None;
             }
         }
-        if self.name_columns(index, &record, false) {
+        let names = match self.delimiter {
+            Delimiter::Blanks => between_commas(&record),
+            Delimiter::Tab | Delimiter::Semicolon | Delimiter::Comma => None,
+        };
+        if self.name_columns(index, names.as_ref().unwrap_or(&record), false) {
             return;
         }
         if self.named.as_ref().is_some_and(|named| !named.is_comment) {
@@ -176,15 +180,8 @@ impl Search<'_> {
         }
         let all: StringRecord = std::iter::once(first).chain(cells).collect();
         match self.delimiter {
-            Delimiter::Blanks => {
-                let text = all.iter().collect::<Vec<_>>().join(" ");
-                if text.contains(',') {
-                    text.split(',').map(str::trim).collect()
-                } else {
-                    // The sign may be a cell of its own.
-                    without_runs(&all)
-                }
-            }
+            // The sign may be a cell of its own.
+            Delimiter::Blanks => between_commas(&all).unwrap_or_else(|| without_runs(&all)),
             Delimiter::Tab | Delimiter::Semicolon | Delimiter::Comma => all,
         }
     }
@@ -248,6 +245,13 @@ impl Titles {
             first_row: self.end,
         }
     }
+}
+
+/// The names in a line of a table between spaces, if they are between commas.
+fn between_commas(record: &StringRecord) -> Option<StringRecord> {
+    let text = record.iter().collect::<Vec<_>>().join(" ");
+    text.contains(',')
+        .then(|| text.split(',').map(str::trim).collect())
 }
 
 /// The names in a line; numbers from 1 where a cell is empty.
@@ -511,6 +515,7 @@ mod tests {
             ("plain", "t theta\n0 1", &["t", "theta"][..]),
             ("NumPy", "# t  theta\n0 1", &["t", "theta"]),
             ("NumPy, commas", "# t,tilt (deg)\n0 1", &["t", "tilt (deg)"]),
+            ("commas", "t,tilt (deg)\n0 1", &["t", "tilt (deg)"]),
             ("gnuplot", "#t theta\n0 1", &["t", "theta"]),
             ("R", "\"t\" \"theta\"\n\"1\" 0 1", &["1", "t", "theta"]),
             ("pandas", "  t theta\n0 5 1", &["1", "t", "theta"]),

@@ -1,6 +1,7 @@
 //! What can be done about errors and remarks of fits, in the terms of the interface that a user has. Errors themselves have
 //! facts only.
 
+use super::column::is_time;
 use super::data_error::DataError;
 use super::degeneracy::{Degeneracy, join_names, pronoun};
 use super::error::{Cut, FitError, KeyError};
@@ -89,8 +90,9 @@ impl FitError {
                 may_be_frames: *may_be_frames,
             }),
             Self::NoNoise { source_name, .. } => Some(Remedy::GiveNoise { source_name }),
-            Self::NoDerivative { .. } => Some(Remedy::ChangeStart),
+            Self::NoDerivative { .. } | Self::Bounds { .. } => Some(Remedy::ChangeStart),
             Self::NotFree { name, .. } => Some(Remedy::Free { name }),
+
             Self::NotIdentifiable { degeneracies } => degeneracies.first().map(Remedy::Fix),
             Self::ModelEnds { end, .. } => Some(Remedy::EndEarlier {
                 // A later end would be after that of the model.
@@ -102,7 +104,6 @@ impl FitError {
                 ..
             }
             | Self::UnknownLaw { .. }
-            | Self::Bounds { .. }
             | Self::NothingFree
             | Self::Size { .. }
             | Self::FewWithin { .. }
@@ -127,7 +128,10 @@ impl DataError {
                 name: columns.first().map_or("t", String::as_str),
             }),
             Self::NoSignals { columns, .. } => Some(Remedy::NameFields {
-                column: columns.last().map_or("COLUMN", String::as_str),
+                column: columns
+                    .iter()
+                    .find(|column| !is_time(column))
+                    .map_or("COLUMN", String::as_str),
             }),
             Self::UnusedFile(_) => Some(Remedy::LeaveFileOut),
             Self::ChooseSignals { .. } => Some(Remedy::ChooseFields),
@@ -228,7 +232,7 @@ impl Remedy<'_> {
                 format!("{FIRST_LINE}, or use their numbers: --time 1 --signal theta=\"2 (deg)\"")
             }
             Self::AddTimes => ADD_TIMES.to_owned(),
-            Self::NameTimes => "name it with --time".to_owned(),
+            Self::NameTimes => format!("name it with --time, {OR_FRAMES}"),
             Self::ChooseTimesColumn { name } => format!("choose with --time {}", quoted(name)),
             Self::NameFields { column } => format!(
                 "name the columns with --signal, e.g. --signal theta={}",
@@ -348,7 +352,7 @@ impl Remedy<'_> {
                 "{FIRST_LINE}, or use their numbers: time_column=\"1\", columns=[\"theta=2 (deg)\"]"
             ),
             Self::AddTimes => ADD_TIMES.to_owned(),
-            Self::NameTimes => "name it with time_column".to_owned(),
+            Self::NameTimes => format!("name it with time_column, {OR_FRAMES}"),
             Self::ChooseTimesColumn { name } => format!("choose with time_column={name:?}"),
             Self::NameFields { column } => {
                 format!("name the columns, e.g. columns=[\"theta={column}\"]")
@@ -407,6 +411,9 @@ impl Remedy<'_> {
 
 /// What else may be wrong if no motion follows the data.
 const CHECK_DATA: &str = "or check what the columns measure, and in which units";
+
+/// What can be done about a table without times.
+const OR_FRAMES: &str = "or add one: the number of the frame divided by the frame rate";
 
 /// What can be done about a table of one column.
 const ADD_TIMES: &str = "write the times beside the values, e.g. t,theta (deg)";

@@ -190,7 +190,7 @@ fn note(report: &Report) -> String {
         }
         Loss::Squares => goodness(&report.quality),
         // The loss has no known distribution.
-        Loss::Huber => format!("Huber's loss {:.1}", report.quality.chi2),
+        Loss::Huber => "χ² can't be tested, because outliers count less".to_owned(),
     }
 }
 
@@ -275,11 +275,14 @@ fn estimate_cell(estimate: &Estimate, all: bool) -> String {
 
 fn interval_cell(estimate: &Estimate) -> String {
     match (estimate.interval, estimate.limit) {
+        (_, Some(Limit::Below(limit) | Limit::Above(limit)))
+            if format_rounded(limit, 3) == format_rounded(estimate.value, 3) =>
+        {
+            at_bound(estimate)
+        }
         (_, Some(Limit::Below(limit))) => format!("< {} (95 %)", format_rounded(limit, 3)),
         (_, Some(Limit::Above(limit))) => format!("> {} (95 %)", format_rounded(limit, 3)),
-        (_, Some(Limit::AtBound)) => {
-            format!("at its bound, {}", format_rounded(estimate.value, 3))
-        }
+        (_, Some(Limit::AtBound)) => at_bound(estimate),
         (_, Some(Limit::None)) => "not determined".to_owned(),
         (Some([low, high]), None) if estimate.is_over_minima() => {
             minima::ends(low, high).join(" to ")
@@ -291,6 +294,10 @@ fn interval_cell(estimate: &Estimate) -> String {
         }
         (None, None) => "–".to_owned(),
     }
+}
+
+fn at_bound(estimate: &Estimate) -> String {
+    format!("at its bound, {}", format_rounded(estimate.value, 3))
 }
 
 /// Sentences on parameters that have a limit and no estimate, and on correlations.
@@ -434,12 +441,17 @@ fn remarks(report: &Report, interface: Interface) -> Vec<String> {
         remarks.extend(remarks_on_signal(signal));
     }
     let outliers: usize = report.signals.iter().map(|signal| signal.outliers).sum();
-    if outliers > 0 && report.loss == Loss::Squares {
-        remarks.push(format!(
-            "{} above 5 σ: if these are outliers, {}.",
-            counted(outliers as u64, "residual"),
-            Remedy::CountOutliersLess.words(interface)
-        ));
+    if outliers > 0 {
+        let count = counted(outliers as u64, "residual");
+        remarks.push(match report.loss {
+            Loss::Squares => format!(
+                "{count} above 5 σ: if these are outliers, {}.",
+                Remedy::CountOutliersLess.words(interface)
+            ),
+            Loss::Huber => format!(
+                "{count} above 5 σ: they are in RMS/σ, but count less in the fit (Huber's loss)."
+            ),
+        });
     }
     let has_offsets = report
         .parameters

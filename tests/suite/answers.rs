@@ -435,7 +435,7 @@ fn json_errors_have_text_and_key() {
         ),
         (
             "fit paper a.csv --free friction.k --bound gravity=1..20 --format json",
-            "bounds of gravity",
+            "gravity is not free",
             Some("gravity"),
         ),
         (

@@ -104,9 +104,8 @@ fn profile_section(profile: &Profile, has_other_minima: bool, all: bool) -> Sect
         ("95.4 % (Δχ² < 4)", profile.interval_4),
     ] {
         section.line(format!(
-            "{level}: {} to {}",
-            format_bound(low, half_width),
-            format_bound(high, half_width)
+            "{level}: {}",
+            format_interval(low, high, half_width)
         ));
     }
     if let Some(error) = profile.curvature_error
@@ -133,11 +132,17 @@ fn profile_section(profile: &Profile, has_other_minima: bool, all: bool) -> Sect
     section
 }
 
-/// Formats an end of an interval, which a profile may not have reached.
-fn format_bound(bound: Option<f64>, half_width: Option<f64>) -> String {
-    match bound {
-        Some(value) => format_place(value, half_width),
-        None => "not reached".to_owned(),
+/// Formats an interval, whose ends a profile may not have reached.
+fn format_interval(low: Option<f64>, high: Option<f64>, half_width: Option<f64>) -> String {
+    match (low, high) {
+        (Some(low), Some(high)) => format!(
+            "{} to {}",
+            format_place(low, half_width),
+            format_place(high, half_width)
+        ),
+        (None, Some(high)) => format!("up to {}; no lower end", format_place(high, half_width)),
+        (Some(low), None) => format!("from {} on; no upper end", format_place(low, half_width)),
+        (None, None) => "no ends".to_owned(),
     }
 }
 
