@@ -441,7 +441,8 @@ fn remarks(report: &Report, interface: Interface) -> Vec<String> {
         remarks.extend(remarks_on_signal(signal));
     }
     let outliers: usize = report.signals.iter().map(|signal| signal.outliers).sum();
-    if outliers > 0 {
+    let is_minority = report.signals.iter().any(SignalReport::is_mostly_outliers);
+    if outliers > 0 && !is_minority {
         let count = counted(outliers as u64, "residual");
         remarks.push(match report.loss {
             Loss::Squares => format!(
@@ -484,10 +485,17 @@ fn remark_on_size(quality: &Quality) -> Option<String> {
     }
 }
 
+/// Whether the residuals have a mean other than zero, and are noise about it: where the model misses something else, their
+/// mean follows from that.
+fn has_constant_error(signal: &SignalReport) -> bool {
+    let is_white = signal.whiteness.is_none_or(|p| p >= REJECTED);
+    is_white && signal.mean_p_value.is_some_and(|p| p < REJECTED)
+}
+
 fn remarks_on_signal(signal: &SignalReport) -> Vec<String> {
     let SignalReport { field, unit, .. } = signal;
     let mut remarks = Vec::new();
-    if signal.mean_p_value.is_some_and(|p| p < REJECTED) {
+    if has_constant_error(signal) {
         remarks.push(format!(
             "The residuals of {field} have the mean {} σ: a constant error, such as a camera that is not level.",
             format_rounded(signal.mean, 2)

@@ -371,11 +371,33 @@ fn a_constant_error_does_not_describe_the_data() {
     assert!(report.quality.p_value.unwrap() > 1e-3);
     assert!(report.signals[1].mean_p_value.unwrap() < 1e-3);
     assert_eq!(report.verdict, Verdict::BadFit);
+    assert_contains(
+        &report.text(Interface::Terminal),
+        "a camera that is not level",
+    );
     request.compare = ["coulomb", "viscous"].map(str::to_owned).to_vec();
     let report = fit(&request, &|_| {}).unwrap().report;
     assert_eq!(report.verdict, Verdict::BadFit);
     let sentence = report.comparison.unwrap().sentence;
     assert!(sentence.starts_with("None of the laws"), "{sentence}");
+}
+
+#[test]
+fn means_of_a_wrong_model_are_no_constant_error() {
+    let truth = preset("full-coulomb");
+    let data = measure(&truth, 100.0, 2.0, &THETA_PHI, Some(3));
+    let faster = truth.with([("initial.psi_dot", 171.0.into())]).unwrap();
+    let request = Request::new(faster, data, &["friction.k"]);
+    let report = fit(&request, &|_| {}).unwrap().report;
+    assert_eq!(report.verdict, Verdict::BadFit);
+    let p_values = report
+        .signals
+        .iter()
+        .filter_map(|signal| signal.mean_p_value);
+    assert!(p_values.fold(1.0, f64::min) < 1e-3);
+    let text = report.text(Interface::Terminal);
+    assert_contains(&text, "the model misses something");
+    assert!(!text.contains("not level"), "{text}");
 }
 
 #[test]
