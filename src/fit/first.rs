@@ -61,7 +61,7 @@ fn fit_law(request: &Request, monitor: &Monitor<'_>) -> Result<First, FitError> 
         origin,
     } = prepare(request)?;
     let (solution, split) = solve_all(&mut problem, request, monitor)?;
-    if problem.step_limit.is_exceeded() {
+    if problem.step_limit.is_exceeded() && !solution.is_converged {
         notes.push(format!(
             "The search was given up after {MAX_MOTIONS} times the steps of the motion at the start."
         ));
