@@ -59,6 +59,10 @@ pub(super) fn estimates(
                 range[0] = range[0].min(mode.values[at] - TWO_SIDED * mode.sds[at]);
                 range[1] = range[1].max(mode.values[at] + TWO_SIDED * mode.sds[at]);
             }
+            // Far minima are less exact, and may be near a bound.
+            if !modes.is_empty() {
+                range = range.map(|end| end.clamp(low, high));
+            }
             interval = Some(range);
         } else {
             limit = Some(Limit::Below((value + ONE_SIDED * sd).min(high)));

@@ -1107,6 +1107,7 @@ fn minima_do_not_depend_on_the_start() {
             for (estimate, value) in report.parameters.iter().zip(&mode.values) {
                 let [low, high] = estimate.interval.unwrap();
                 assert!((low..=high).contains(value), "{}", estimate.name);
+                assert!(estimate.name != "friction.k" || low >= 0.0);
             }
         }
         assert!(
