@@ -77,15 +77,35 @@ pub(crate) fn quantity(value: f64, digits: usize, unit: &str) -> String {
 /// The zero of the potential energy in recordings, wherever an energy and not its change is shown.
 pub(crate) const ENERGY_ZERO: &str = "zero at the height of the peg's centre";
 
-/// Two values of a quantity with their unit, for "from … to …"; with more than `digits` if they would look equal.
+/// More digits show the error of the integration.
+const MAX_DIGITS: usize = 9;
+
+/// Two values of a quantity with their unit, for "from … to …"; with more than `digits` if they would look equal. The
+/// unit follows the second one, or both if only one has a power of ten.
 pub(crate) fn quantities(values: [f64; 2], digits: usize, unit: &str) -> [String; 2] {
-    /// More digits show the error of the integration.
-    const MAX_DIGITS: usize = 9;
     let [first, last] = (digits..=MAX_DIGITS)
         .map(|digits| pair(values, digits))
         .find(|[first, last]| first != last)
         .unwrap_or_else(|| pair(values, digits));
-    [first, format!("{last} {unit}")]
+    if has_power(&first) == has_power(&last) {
+        [first, format!("{last} {unit}")]
+    } else {
+        [first, last].map(|number| format!("{number} {unit}"))
+    }
+}
+
+/// Whether a number has a power of ten.
+fn has_power(number: &str) -> bool {
+    number.contains('×')
+}
+
+/// Two values of a quantity, each with its unit, for different parts of a sentence; with more than `digits` if they
+/// would look equal.
+pub(crate) fn separate_quantities(values: [f64; 2], digits: usize, unit: &str) -> [String; 2] {
+    (digits..=MAX_DIGITS)
+        .map(|digits| values.map(|value| quantity(value, digits, unit)))
+        .find(|[first, last]| first != last)
+        .unwrap_or_else(|| values.map(|value| quantity(value, digits, unit)))
 }
 
 /// Units with their scale factors, largest first.
@@ -176,8 +196,15 @@ mod tests {
             ),
             ([0.020_000_1, 0.02], ["0.0200001", "0.0200000 m"]),
             ([0.5, 0.5], ["0.5000", "0.5000 m"]),
+            ([0.5, 2.0e-10], ["0.5000 m", "2.000 × 10⁻¹⁰ m"]),
         ] {
             assert_eq!(quantities(values, 4, "m"), expected);
+        }
+        for (values, expected) in [
+            ([-0.5, 0.0], ["−0.5000 m", "0 m"]),
+            ([0.020_000_1, 0.02], ["0.0200001 m", "0.0200000 m"]),
+        ] {
+            assert_eq!(separate_quantities(values, 4, "m"), expected);
         }
     }
 

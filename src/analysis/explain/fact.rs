@@ -1,7 +1,7 @@
 //! Facts of an explanation, and their text.
 
 use crate::analysis::phrase::{
-    ENERGY_ZERO, moment, pair, quantities, quantity, significant, works,
+    ENERGY_ZERO, moment, pair, quantities, quantity, separate_quantities, significant, works,
 };
 use crate::physics::friction::Dissipation;
 use crate::run::scenario::find_dissipation;
@@ -473,9 +473,9 @@ impl Fact {
                 )
             }
             Self::EnergyToTurnOver { energy, needed } => {
-                let [energy, needed] = quantities([*energy, *needed], 4, "J");
+                let [energy, needed] = separate_quantities([*energy, *needed], 4, "J");
                 format!(
-                    "The top starts with {energy}; to reach the horizontal, it would need at least {needed} ({ENERGY_ZERO})."
+                    "The top starts with an energy of {energy}; to reach the horizontal, it would need at least {needed} ({ENERGY_ZERO})."
                 )
             }
             Self::AxialMomentum { first, last } => {

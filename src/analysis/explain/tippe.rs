@@ -120,8 +120,7 @@ impl Barrier {
             needed: f64::NEG_INFINITY,
             at: from,
         };
-        for theta in inclinations(from) {
-            let (sin, cos) = sin_cos(theta);
+        for Inclination { theta, sin, cos } in inclinations(from) {
             let least = top.least_energy(integral.certain, sin, cos);
             if least > barrier.needed {
                 barrier = Self {
@@ -185,11 +184,29 @@ impl NotInverted {
     }
 }
 
-/// Inclinations from that at the start to the horizontal, rad.
-fn inclinations(start: f64) -> impl Iterator<Item = f64> {
+/// An inclination of the axis.
+struct Inclination {
+    /// The angle, rad.
+    theta: f64,
+    sin: f64,
+    cos: f64,
+}
+
+/// Inclinations from that at the start, rad, to the horizontal.
+fn inclinations(start: f64) -> impl Iterator<Item = Inclination> {
     (0..=INCLINATIONS).map(move |at| {
+        if at == INCLINATIONS {
+            // π/2 isn't a floating-point number, and its cosine isn't zero.
+            return Inclination {
+                theta: FRAC_PI_2,
+                sin: 1.0,
+                cos: 0.0,
+            };
+        }
         let part = f64::from(at) / f64::from(INCLINATIONS);
-        start + part * (FRAC_PI_2 - start)
+        let theta = start + part * (FRAC_PI_2 - start);
+        let (sin, cos) = sin_cos(theta);
+        Inclination { theta, sin, cos }
     })
 }
 
@@ -215,8 +232,7 @@ fn sufficient_spin(evidence: &Evidence, energy: f64) -> SufficientSpin {
     let unspun_energy = energy - axial * rates.psi * (0.5 * rates.psi + carried);
     // Rounding of the energies, which may be much larger than the least that is lacking.
     let rounded = 64.0 * f64::EPSILON * energy.abs() + ROUNDED * unspun_energy.abs();
-    for theta in inclinations(start) {
-        let (sin, cos) = sin_cos(theta);
+    for Inclination { sin, cos, .. } in inclinations(start) {
         let moment = top.jellett_moment(sin, cos);
         let square = 0.5 * (per_spin * per_spin / moment - axial);
         let linear = per_spin * unspun / moment - axial * carried;
@@ -246,7 +262,7 @@ fn least_jellett_moment(top: &Top, start: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use crate::analysis::explain::{Explanation, explain};
+    use crate::analysis::explain::{Explanation, Fact, explain};
     use crate::run::scenario::{Preset, Scenario};
     use crate::run::simulation::EventKind;
 
@@ -285,6 +301,22 @@ mod tests {
             let text = explained(&[keys]).story.text().unwrap_or_default();
             assert!(text.contains(expected), "{keys:?}: {text}");
         }
+    }
+
+    #[test]
+    fn energies_to_turn_over_have_a_noun_and_units() {
+        let explanation = explained(&[("initial.psi_dot", "0")]);
+        let sentences: Vec<String> = explanation
+            .chapters
+            .iter()
+            .flat_map(|chapter| &chapter.facts)
+            .map(Fact::sentence)
+            .collect();
+        let expected = "The top starts with an energy of −0.001173 J; to reach the horizontal, it would need at least 0 J (zero at the height of the peg's centre).";
+        assert!(
+            sentences.iter().any(|sentence| sentence == expected),
+            "{sentences:?}"
+        );
     }
 
     /// Slow and fast, inclined and nearly upright, on slippery and rough tables: a top that is said not to turn over does
