@@ -11,8 +11,8 @@ use crate::physics::math::{atan2, hypot, sin_cos};
 use crate::run::time::seconds;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{
-    CENTER_OF_MASS, CONTACT, MOMENTUM, POSE, STATE, TORQUE, center_of_mass, contact, momentum,
-    pose, state, torque,
+    CENTER_OF_MASS, CONTACT, IMPACTS, MOMENTUM, POSE, STATE, TORQUE, center_of_mass, contact,
+    impacts, momentum, pose, state, torque,
 };
 use nalgebra::Vector3;
 use std::f64::consts::PI;
@@ -68,7 +68,8 @@ impl MomentumState {
 pub(super) struct MomentumSpan {
     pub(super) from: MomentumState,
     pub(super) to: MomentumState,
-    /// Change of the horizontal part by the torque of friction and air drag in the samples, kg m²/s.
+    /// Change of the horizontal part by the torque of friction and air drag in the samples, and by friction in impacts,
+    /// kg m²/s.
     pub(super) by_friction: f64,
     /// The largest angle between the line of the angular momentum and the axis, rad.
     pub(super) angle_to_axis: f64,
@@ -88,12 +89,12 @@ impl MomentumSpan {
         }
     }
 
-    /// The span to the next sample. `shortening` is the mean torque along the horizontal part in between, N m.
-    fn extended(self, state: MomentumState, shortening: f64) -> Self {
+    /// The span to the next sample, with the change of the horizontal part by friction in between, kg m²/s.
+    fn extended(self, state: MomentumState, by_friction: f64) -> Self {
         Self {
             from: self.from,
             to: state,
-            by_friction: self.by_friction + (state.time - self.to.time) * shortening,
+            by_friction: self.by_friction + by_friction,
             angle_to_axis: self.angle_to_axis.max(state.angle_to_axis),
             inclination: self.inclination.max(state.inclination()),
         }
@@ -121,13 +122,37 @@ struct PendingSample {
     central_momentum: Option<Vector3<f64>>,
 }
 
+/// Where friction acts in impacts after a sample: these come between samples, and take no time.
+#[derive(Clone, Copy, Debug)]
+struct ImpactLever {
+    /// From the centre of mass to the centre of the peg, m.
+    to_peg: Vector3<f64>,
+    /// Direction of the horizontal part of the angular momentum.
+    direction: Vector3<f64>,
+}
+
+impl ImpactLever {
+    /// Change of the horizontal part of the angular momentum by the friction in an impact, kg m²/s.
+    fn shortening(&self, impulse: Vector3<f64>, peg_radius: f64) -> f64 {
+        let to_contact = self.to_peg - Vector3::new(0.0, 0.0, peg_radius);
+        let friction = Vector3::new(impulse.x, impulse.y, 0.0);
+        to_contact.cross(&friction).dot(&self.direction)
+    }
+}
+
 /// The angular momentum of a run.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MomentumHistory {
     is_free: bool,
+    /// Radius of the peg, m.
+    peg_radius: f64,
     pending: PendingSample,
     /// Torque along the horizontal part of the angular momentum in the previous sample, N m.
     shortening: f64,
+    /// That of the previous sample of a free top.
+    lever: Option<ImpactLever>,
+    /// Change of the horizontal part by friction in impacts since the previous sample, kg m²/s.
+    by_impacts: f64,
     /// From the first sample to the last.
     whole: Option<MomentumSpan>,
     /// From the first sample to the one in which the axis is least inclined.
@@ -143,9 +168,11 @@ pub(super) struct MomentumHistory {
 }
 
 impl MomentumHistory {
-    pub(super) fn new(is_free: bool) -> Self {
+    /// Creates the history of a top with a peg of this radius, m.
+    pub(super) fn new(is_free: bool, peg_radius: f64) -> Self {
         Self {
             is_free,
+            peg_radius,
             ..Self::default()
         }
     }
@@ -205,6 +232,12 @@ impl MomentumHistory {
                 sample.center = Some(center_of_mass::POSITION.of(message));
                 sample.central_momentum = Some(center_of_mass::ANGULAR_MOMENTUM.of(message));
             }
+            IMPACTS => {
+                let impulse = impacts::IMPULSE.of(message);
+                if let Some(lever) = self.lever {
+                    self.by_impacts += lever.shortening(impulse, self.peg_radius);
+                }
+            }
             _ => {}
         }
     }
@@ -214,6 +247,9 @@ impl MomentumHistory {
         let sample = std::mem::take(&mut self.pending);
         if let Some((state, shortening)) = sample.evaluate(self.is_free) {
             self.add(state, shortening);
+        }
+        if let Some(lever) = sample.lever() {
+            self.lever = Some(lever);
         }
     }
 
@@ -225,22 +261,31 @@ impl MomentumHistory {
         self.largest = self.largest.max(state.size());
         // The trapezoidal rule: the torque of friction hardly changes within a sampling period.
         let mean = 0.5 * (self.shortening + shortening);
+        let by_impacts = std::mem::take(&mut self.by_impacts);
         let span = match self.whole {
             None => MomentumSpan::new(state),
-            Some(span) => span.extended(state, mean),
+            Some(span) => {
+                let by_friction = (state.time - span.to.time) * mean + by_impacts;
+                self.extend_descent(state, by_friction);
+                span.extended(state, by_friction)
+            }
         };
         // A top may sink again after its rise, which the whole run would hide.
-        match &mut self.descent {
-            Some(descent) if state.theta >= descent.from.theta => {
-                *descent = descent.extended(state, mean);
-            }
-            descent => {
-                self.rise = Some(span);
-                *descent = Some(MomentumSpan::new(state));
-            }
+        if self
+            .descent
+            .is_none_or(|descent| state.theta < descent.from.theta)
+        {
+            self.rise = Some(span);
+            self.descent = Some(MomentumSpan::new(state));
         }
         self.shortening = shortening;
         self.whole = Some(span);
+    }
+
+    fn extend_descent(&mut self, state: MomentumState, by_friction: f64) {
+        self.descent = self
+            .descent
+            .map(|descent| descent.extended(state, by_friction));
     }
 }
 
@@ -277,6 +322,15 @@ impl PendingSample {
         };
         let is_known = state.angle_to_axis.is_finite() && shortening.is_finite();
         is_known.then_some((state, shortening))
+    }
+
+    /// `None` without a free peg, or if the angular momentum is vertical.
+    fn lever(&self) -> Option<ImpactLever> {
+        let momentum = self.central_momentum?;
+        Some(ImpactLever {
+            to_peg: self.peg_position? - self.center?,
+            direction: Vector3::new(momentum.x, momentum.y, 0.0).try_normalize(0.0)?,
+        })
     }
 }
 

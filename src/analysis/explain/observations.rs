@@ -71,9 +71,10 @@ pub(super) struct Observations {
 }
 
 impl Observations {
-    pub(super) fn new(is_free: bool) -> Self {
+    /// Creates the observations of a top with a peg of this radius, m.
+    pub(super) fn new(is_free: bool, peg_radius: f64) -> Self {
         Self {
-            momentum: MomentumHistory::new(is_free),
+            momentum: MomentumHistory::new(is_free, peg_radius),
             ..Self::default()
         }
     }
