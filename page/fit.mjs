@@ -2,8 +2,10 @@
 
 import { at, element } from "./elements.mjs";
 import { Engine } from "./engine.mjs";
+import { angleError, freeParameters, heldText } from "./free.mjs";
 import { drawMeasured, measuredName } from "./measured.mjs";
 import { keyName } from "./names.mjs";
+import { unbroken } from "./numbers.mjs";
 
 /** Phones give text tables types of their own, so names count, too. */
 const TABLES = ".csv,.tsv,.txt,text/csv,text/plain,text/tab-separated-values,text/comma-separated-values,application/vnd.ms-excel";
@@ -13,7 +15,7 @@ export const quotedWord = (word) => (/^[\w./=,:+-]+$/.test(word) ? word : `'${wo
 
 /** A text with keys and fields in the words of the page. */
 const named = (text) =>
-  text.replaceAll(/\b(?:friction|initial|top|support|rolling|drilling|air)\.[a-z_]+/g, keyName).replaceAll(/\/top\/state\.([\w.]+)/g, (_, path) => measuredName(path));
+  unbroken(text).replaceAll(/\b(?:friction|initial|top|support|rolling|drilling|air)\.[a-z_]+/g, keyName).replaceAll(/\/top\/state\.([\w.]+)/g, (_, path) => measuredName(path));
 
 /** The head of a row: a key or field with its unit, in the words of the page; the pointer shows its name in the program. */
 function rowHead(text) {
@@ -50,11 +52,13 @@ const SIGNAL_NOTE =
   "σ is the size of the errors of measurement. RMS/σ is the size of the residuals (measured minus fitted) and should be near 1. Uncorrelated: the probability p that mere noise is at least as correlated in time; below 0.001 the model misses something.";
 
 /** What the program says first of a fit that started from the preset with this title. Its law is named if it was chosen. */
-function headlineParts({ words, report }, title, { set }) {
-  const law = "friction.law" in set ? ` (${report.law})` : "";
+function headlineParts({ words, report }, title, scenario) {
+  const law = "friction.law" in scenario.set ? ` (${report.law})` : "";
+  const held = heldText(report.parameters.map(({ name }) => name), scenario);
   return [
     element("p", { className: "verdict" }, element("b", { textContent: `${title}${law}: ${words.verdict}` })),
     element("p", { className: "estimate", textContent: named(words.headline) }),
+    ...(held ? [element("p", { className: "held", textContent: held })] : []),
   ];
 }
 
@@ -74,8 +78,8 @@ const hasManySpins = ({ report }) => report.modes.length > 0;
 
 export class FitPanel {
   /**
-   * `scenario` gives the scenario to start from, `titleOf` the title of a preset; `take` is called with a fitted
-   * scenario, `copy` with a command and a button.
+   * `scenario` gives the scenario to start from, with its applicable keys and their values, `titleOf` the title of a
+   * preset; `take` is called with a fitted scenario, `copy` with a command and a button.
    */
   constructor(module, { scenario, titleOf, take, copy }) {
     Object.assign(this, { module, scenario, titleOf });
@@ -126,13 +130,16 @@ export class FitPanel {
     this.engine?.worker.terminate();
     this.show(null);
     this.started = this.scenario();
+    const { preset, set, keys } = this.started;
+    const [{ free, error }, { sigma, error: sigmaError }] = [freeParameters(at("fit-free").value, keys), angleError(at("fit-sigma").value)];
+    if (error ?? sigmaError) return this.end(error ?? sigmaError, true);
     const status = at("fit-status");
     status.textContent = "Fitting …";
     at("fit-cancel").hidden = false;
     const engine = new Engine(this.module, (text) => (status.textContent = text));
     this.engine = engine;
     const { name, bytes } = this.file;
-    const request = { fit: { scenario: this.started, file: name, free: at("fit-free").value, sigma: at("fit-sigma").value } };
+    const request = { fit: { scenario: { preset, set }, file: name, free, sigma } };
     const response = await engine.send({ request, file: bytes });
     if (engine !== this.engine) return;
     this.end(response.error ?? "", Boolean(response.error));
@@ -142,13 +149,13 @@ export class FitPanel {
   /** Fits again with the spin of the slider. */
   holdSpin() {
     const names = this.result.report.parameters.map(({ name }) => name);
-    at("fit-free").value = names.filter((name) => name !== "initial.psi_dot").join(",");
+    at("fit-free").value = names.filter((name) => name !== "initial.psi_dot").map(keyName).join(", ");
     return this.fit();
   }
 
   /** Ends a fit with a message. */
   end(message, isError = false) {
-    this.engine.worker.terminate();
+    this.engine?.worker.terminate();
     this.engine = null;
     at("fit-cancel").hidden = true;
     at("fit-status").textContent = message;

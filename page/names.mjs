@@ -3,7 +3,7 @@
 import { written } from "./numbers.mjs";
 
 /** What people call the keys of the sliders and their like. */
-const WORDS = {
+export const WORDS = {
   "friction.k": "friction k",
   "initial.theta": "tilt θ",
   "initial.phi": "precession angle φ",

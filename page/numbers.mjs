@@ -18,6 +18,11 @@ export function written(value, digits = 4) {
   return `${mantissa} × 10${raised}`;
 }
 
+const UNIT = /(?<=[\d⁰¹²³⁴-⁹]) (?=(?:[mµnc]?(?:rad|rev|s|m|J|N|g|W)|kg|deg|%)(?![\p{L}\d]))/gu;
+
+/** A text in which no line ends between a number and its unit. */
+export const unbroken = (text) => text.replaceAll(UNIT, "\u00a0");
+
 /** A quantity with an SI prefix: `5 mN`. */
 export function prefixed(value, unit, digits = 3) {
   const size = Math.abs(value);

@@ -11,6 +11,7 @@ import { Knobs } from "./knobs.mjs";
 import { Lesson, STEPS_OF_LESSON } from "./lesson.mjs";
 import { runName } from "./names.mjs";
 import { EventList, showComparison, showExplanation } from "./reading.mjs";
+import { unbroken } from "./numbers.mjs";
 import { Scenario, linkOf, parseLink, scenarioFrom } from "./scenario.mjs";
 import { View } from "./top.mjs";
 import { KEYS, showKeys } from "./keys.mjs";
@@ -109,7 +110,7 @@ function showSummary() {
 /** How the run ends, and the pinned one. */
 function sentenceOfRuns() {
   const [b, a] = [state.run, state.pinned].map((run) => run && `${runName(run)}: ${run.outcome}`);
-  return a ? `A: ${a}. B: ${b}.` : b;
+  return unbroken(a ? `A: ${a}. B: ${b}.` : b);
 }
 
 /** Slows the playback of short runs, so that they can be followed, unless a person has chosen its speed. */
@@ -423,7 +424,13 @@ const view = new View(at("top"), draw);
 const events = new EventList(at("events"), seek);
 const lesson = new Lesson(at("lesson"), { open: leaveLesson, answered: reveal });
 const knobs = new Knobs(at("knobs"), { changed: put, toggled: toggleFriction });
-const fitPanel = new FitPanel(module, { scenario: () => state.scenario.request, titleOf, take: takeFit, copy });
+/** The scenario on the screen, with its applicable keys and their values. */
+const describedScenario = () => ({
+  ...state.scenario.request,
+  keys: state.run?.keys ?? [],
+  values: { ...state.scenario.preset.values, ...state.scenario.set },
+});
+const fitPanel = new FitPanel(module, { scenario: describedScenario, titleOf, take: takeFit, copy });
 /** Whether other keys may have to change with a key: it is a choice, or is set or removed. */
 const hasFollowers = (key, value) => key.words || value === "" || state.scenario.value(key.path) === undefined;
 const controls = new Controls(at("controls"), (key, value) => (hasFollowers(key, value) ? change(key, value) : put(key, value)));

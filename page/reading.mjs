@@ -1,6 +1,7 @@
 // The texts about a run: its events, its explanation, and the comparison of A and B.
 
 import { element, typeset } from "./elements.mjs";
+import { unbroken } from "./numbers.mjs";
 
 /** Groups items in order of their first appearance. */
 function grouped(items, keyOf) {
@@ -66,11 +67,11 @@ export class EventList {
 
 /** Shows the causal paragraph and the chapters of the program's explanation. */
 export function showExplanation(story, place, { error, story: paragraph, chapters }) {
-  story.textContent = error ?? paragraph ?? "The numbers of this run show none of the causes that toprise knows. They show this:";
+  story.textContent = error ?? paragraph ?? "This run's numbers bear out none of the causes that are checked. They show this:";
   place.replaceChildren(
     ...(chapters ?? []).flatMap(({ heading, sentences }) => [
       element("h3", { textContent: heading }),
-      element("p", {}, ...typeset(sentences.join(" "))),
+      element("p", {}, ...typeset(unbroken(sentences.join(" ")))),
     ]),
   );
 }

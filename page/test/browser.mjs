@@ -22,7 +22,7 @@ async function open(hash = "") {
   return tab;
 }
 const summary = (tab) => tab.textContent("#summary");
-const becomes = (tab, text) => tab.waitForFunction((text) => document.getElementById("summary").textContent.includes(text), text);
+const becomes = (tab, text) => tab.waitForFunction((text) => document.getElementById("summary").textContent.replaceAll("\u00a0", " ").includes(text), text);
 const picture = (tab, id) => tab.evaluate((id) => document.getElementById(id).toDataURL(), id);
 const box = (tab, path) => tab.locator(`[data-path="${path}"] input[type=text]`);
 const titleOf = (tab, preset) => tab.textContent(`#preset option[value="${preset}"]`);
@@ -80,7 +80,7 @@ const tests = {
     await tab.waitForFunction((before) => parseFloat(document.getElementById("clock").textContent) > before + 0.1, before);
   },
   async "a slider changes the run, its curves and the top"(tab) {
-    assert.match(await summary(tab), /^The paper's rise: upright after 24\.72 s$/);
+    assert.match(await summary(tab), /^The paper's rise: upright after 24\.72\u00a0s$/);
     await pause(tab);
     const before = [await picture(tab, "curves"), await picture(tab, "top")];
     await tab.fill("#knob-k", "400");
@@ -486,7 +486,7 @@ const tests = {
   },
   async "a run of one sample says that it has no curves"() {
     const other = await open("#paper&stop.duration=1e-9");
-    assert.match(await summary(other), /after 0\.000 s/);
+    assert.match(await summary(other), /after 0\.000\u00a0s/);
     await other.waitForTimeout(200);
     assert.match(await other.getAttribute("#curves", "aria-label"), /ends at its start/);
     await shot(other, "moment");
@@ -731,7 +731,7 @@ const tests = {
     await drop(tab, "camera.csv", readFileSync("tests/data/fit/offset_camera.csv", "utf8"));
     await tab.waitForSelector("#fit-result:not([hidden])", { timeout: 300_000 });
     assert.match(await tab.textContent("#fit-headline .verdict"), /^Full friction: describes the data$/);
-    assert.match(await tab.textContent("#fit-headline .estimate"), /^friction k = 0\.0387\d+ ± 0\.0000\d\d, 95 % interval 0\.038\d+ to 0\.038\d+$/);
+    assert.match(await tab.textContent("#fit-headline .estimate"), /^friction k = 0\.0387\d+ ± 0\.0000\d\d, 95\u00a0% interval 0\.038\d+ to 0\.038\d+$/);
     const cells = await tab.locator("#fit-report th, #fit-report td").allTextContents();
     assert.ok(cells.includes("tilt θ [°]") && !cells.some((text) => /rad\]?$|initial\.|\/top\//.test(text.replace(/rad\/s\]$/, ""))), cells.join());
     assert.match(await tab.textContent("#fit-command"), /^toprise fit full-coulomb camera\.csv --set .* --free friction\.k,initial$/);
@@ -772,7 +772,7 @@ const tests = {
     await other.waitForSelector("body.ready");
     await drop(other, "tilt.csv", "t,theta (deg)\n0,28\n");
     await other.waitForSelector("#fit-result:not([hidden])");
-    assert.equal(await other.textContent("#fit-headline"), "The paper's rise: describes the data with 9 different spinsfriction k: 0.0288 to 0.0597 (95 %), because θ alone does not show the spin");
+    assert.equal(await other.textContent("#fit-headline"), "The paper's rise: describes the data with 9 different spinsfriction k: 0.0288 to 0.0597 (95\u00a0%), because θ alone does not show the spin");
     assert.match(await other.textContent("#fit-report"), /hold spin ψ̇ at a known value/);
     for (const width of [1366, 390, 320]) {
       await other.setViewportSize({ width, height: 800 });
@@ -787,6 +787,16 @@ const tests = {
     await other.click("#fit-hold");
     await other.waitForFunction(() => window.asked.length === 2);
     assert.deepEqual(await other.evaluate(() => window.asked), ["", "friction.k,initial.theta,initial.phi_dot,initial.theta_dot"]);
+    assert.equal(await other.inputValue("#fit-free"), "friction k, tilt θ, precession φ̇, change of tilt θ̇");
+    // One sentence says what is wrong, without a fit.
+    await other.fill("#fit-free", "foo");
+    await other.click("#fit-again");
+    assert.match(await other.textContent("#fit-status.wrong"), /^“foo” is nothing that can be found/);
+    await other.fill("#fit-free", "");
+    await other.fill("#fit-sigma", "abc");
+    await other.click("#fit-again");
+    assert.match(await other.textContent("#fit-status.wrong"), /^“abc” is no error of an angle/);
+    assert.equal(await other.evaluate(() => window.asked.length), 2);
     await other.close();
   },
   async "a broken CSV is named with line and column, and can be chosen again"(tab) {

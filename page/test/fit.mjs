@@ -7,6 +7,9 @@ import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { gunzipSync } from "node:zlib";
 import { quotedWord } from "../fit.mjs";
+import { angleError, freeParameters, heldText } from "../free.mjs";
+import { keyName } from "../names.mjs";
+import { unbroken } from "../numbers.mjs";
 import { measuredRange } from "../measured.mjs";
 import { load } from "../toprise.mjs";
 
@@ -95,6 +98,56 @@ const tests = {
     assert.match(fit({ preset: "frictionless", set: {} }, "a.csv", text).error, /no friction to find: switch friction on/);
     assert.match(fit({ preset: "frictionless", set: {} }, "a.csv", text, { free: "friction.k" }).error, /has no friction; switch friction on/);
     assert.doesNotMatch(fit({ preset: "frictionless", set: {} }, "a.csv", text, { free: "start" }).error ?? "", /friction/);
+  },
+  "parameters are found in the words of the sliders, and in any case"() {
+    const keys = toprise.ask({ form: { preset: "full-coulomb", set: {} } });
+    for (const [text, free] of [
+      ["", ""],
+      ["friction and start", "friction,start"],
+      ["Friction, START", "friction,start"],
+      ["k", "friction.k"],
+      ["Friction k, SPIN", "friction.k,initial.psi_dot"],
+      ["friction.k,initial", "friction.k,start"],
+      ["k, tilt θ and spin ψ̇", "friction.k,initial.theta,initial.psi_dot"],
+      ["Θ, ψ̇, φ", "initial.theta,initial.psi_dot,initial.phi"],
+      ["change of tilt", "initial.theta_dot"],
+      ["top.mass", "top.mass"],
+    ]) {
+      assert.deepEqual(freeParameters(text, keys), { free }, text);
+    }
+    // What the page writes into the field, it reads.
+    for (const { path } of keys) assert.deepEqual(freeParameters(keyName(path), keys), { free: path }, path);
+    for (const text of ["foo", "friction.q", "k, foo"]) {
+      const { error } = freeParameters(text, keys);
+      assert.match(error, /is nothing that can be found\. Write friction, start, or some of k, spin, tilt, precession,/, text);
+      assert.ok(error.length < 200 && !error.includes("initial."), error);
+    }
+  },
+  "errors of angles are read with their sign, and nonsense is answered in a sentence"() {
+    for (const [text, sigma] of [["", ""], ["±", ""], ["0.3", "0.3"], ["0,3 deg", "0.3 deg"], ["± 0.3 deg", "0.3 deg"], ["±5 mrad", "5 mrad"], ["+/- 0.3°", "0.3°"], ["1e-3 rad", "1e-3 rad"]]) {
+      assert.deepEqual(angleError(text), { sigma }, text);
+    }
+    for (const text of ["abc", "-1 deg", "0", "0.3.4", "1-2 deg"]) {
+      assert.match(angleError(text).error, /is no error of an angle: write a positive number of degrees, such as 0\.3/, text);
+    }
+  },
+  "a fit names what it held"() {
+    const keys = toprise.ask({ form: { preset: "full-coulomb", set: {} } });
+    const scenario = { keys, values: { "friction.k": "0.03", "initial.theta": "0.5", "initial.psi_dot": "120", "initial.phi_dot": "0", "initial.theta_dot": "0" } };
+    const start = ["initial.theta", "initial.theta_dot", "initial.phi_dot"];
+    assert.equal(heldText(["friction.k", ...start], scenario), "Held at spin ψ̇ = 120\u00a0rad/s: the result holds only if this is right.");
+    assert.equal(heldText(["friction.k", ...start, "initial.psi_dot"], scenario), "");
+    assert.match(heldText(start, scenario), /friction k = 0\.03, spin ψ̇ = 120\u00a0rad\/s: the result holds only if these are right/);
+  },
+  "no line ends between a number and its unit"() {
+    for (const [text, joined] of [
+      ["fallen after 50.83 s", "fallen after 50.83~s"],
+      ["θ = 0.5 rad, 170 rad/s. 5.9 × 10⁻³ kg m²/s", "θ = 0.5~rad, 170~rad/s. 5.9 × 10⁻³~kg m²/s"],
+      ["3 samples, 2 mrad, 0.7 %", "3 samples, 2~mrad, 0.7~%"],
+      ["rises 12 times, from 5 s to 7 m", "rises 12 times, from 5~s to 7~m"],
+    ]) {
+      assert.equal(unbroken(text), joined.replaceAll("~", "\u00a0"));
+    }
   },
   "words of the command are quoted for a shell"() {
     for (const word of ["a.csv", "theta=tilt (deg):1deg", "it's.csv", "friction.k,initial"]) {
