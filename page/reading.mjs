@@ -67,7 +67,7 @@ export class EventList {
 
 /** Shows the causal paragraph and the chapters of the program's explanation. */
 export function showExplanation(story, place, { error, story: paragraph, chapters }) {
-  story.textContent = error ?? paragraph ?? "This run's numbers bear out none of the causes that are checked. They show this:";
+  story.textContent = error ?? paragraph ?? "The numbers of this run show none of the causes that are checked. They show this:";
   place.replaceChildren(
     ...(chapters ?? []).flatMap(({ heading, sentences }) => [
       element("h3", { textContent: heading }),
