@@ -13,6 +13,8 @@ pub(super) struct Header {
     pub names: Vec<String>,
     /// Index of the first record that can be a row.
     pub first_row: usize,
+    /// Whether the first column has the names of rows, for which the line has no name.
+    pub has_row_names: bool,
 }
 
 /// Finds the header: the last line that names the column of times before the first row with a time. All below it are
@@ -93,7 +95,8 @@ impl Search<'_> {
                 return;
             }
             if self.delimiter == Delimiter::Blanks && named.lacks_row_names(&record) {
-                named.header.names.insert(0, 1.to_string());
+                named.header.names.insert(0, "1".to_owned());
+                named.header.has_row_names = true;
                 self.has_rows = true;
                 return;
             }
@@ -160,6 +163,7 @@ impl Search<'_> {
             header: Header {
                 names,
                 first_row: index + 1,
+                has_row_names: false,
             },
             clock,
             is_comment,
@@ -243,8 +247,15 @@ impl Titles {
         Header {
             names,
             first_row: self.end,
+            has_row_names: false,
         }
     }
+}
+
+/// Whether the first cell can be the name of a row: a whole number or a text.
+pub(super) fn is_row_name(row: &StringRecord) -> bool {
+    let first = row.get(0).unwrap_or_default();
+    first.parse::<u64>().is_ok() || Cell::parse(first) == Cell::Text
 }
 
 /// The names in a line of a table between spaces, if they are between commas.
@@ -505,7 +516,11 @@ mod tests {
         ] {
             let header = find(text, Delimiter::Comma, time).unwrap();
             let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
-            assert_eq!(header, Header { names, first_row }, "{name}");
+            assert_eq!(
+                (header.names, header.first_row),
+                (names, first_row),
+                "{name}"
+            );
         }
     }
 

@@ -3,7 +3,7 @@
 use super::cell::{Cell, Mark, Marks};
 use super::data_error::DataError;
 use super::delimiter::Delimiter;
-use super::header::{self, Header, is_blank, is_comment};
+use super::header::{self, Header, is_blank, is_comment, is_row_name};
 use super::signal::{FileSignals, SignalSpec};
 use super::table::{Line, MAX_ROWS, Rows, Table};
 use crate::archive::input::{read_file, text_of};
@@ -69,7 +69,11 @@ pub(super) fn read_bytes(
 fn parse<'a>(path: &'a Path, text: &str, time: Option<&str>) -> Result<Table<'a>, DataError> {
     let delimiter = Delimiter::find(text);
     let header = header::find(text, delimiter, time);
-    let Header { names, first_row } = header.map_err(|error| unreadable(path, error))?;
+    let Header {
+        names,
+        first_row,
+        has_row_names,
+    } = header.map_err(|error| unreadable(path, error))?;
     let mut lines: Vec<Line> = Vec::new();
     let mut marks: Vec<Marks> = Vec::new();
     let mut width = names.len();
@@ -87,6 +91,16 @@ fn parse<'a>(path: &'a Path, text: &str, time: Option<&str>) -> Result<Table<'a>
         let number = line_of(&record);
         if width == 0 {
             width = record.len();
+        }
+        // A row without a name shows that the first one had a cell too many.
+        if has_row_names && !is_row_name(&record) {
+            return Err(DataError::Width {
+                path: path.to_owned(),
+                line: number,
+                cells: record.len(),
+                columns: width - 1,
+                has_commas: false,
+            });
         }
         // Where spaces separate cells, a missing one can't be seen.
         let has_lost_cells = delimiter == Delimiter::Blanks && record.len() < width;
@@ -441,6 +455,11 @@ mod tests {
                 ": column theta (rpm): \"rpm\" is not",
             ),
             ("t theta\n0 0.5\n1\n", "theta", ":3: 1 cell, but 2 columns"),
+            (
+                "t theta\n0 0.5 1\n0.1 0.4 1\n",
+                "theta",
+                ":3: 3 cells, but 2 columns",
+            ),
             ("0,0.5\n1,0.5\n", "theta", "no line names the 2 columns"),
             (
                 "Run 1: Time (s),Run 2: Time (s),theta\n0,0,0.5\n",
