@@ -17,6 +17,7 @@
 
 mod claim;
 mod course;
+mod drift;
 mod evidence;
 mod fact;
 mod fixed;

@@ -156,6 +156,15 @@ pub(crate) fn works([has_friction, has_air_drag, has_impacts]: [bool; 3]) -> &'s
     }
 }
 
+/// A text with a capital first letter.
+pub(crate) fn capitalized(text: &str) -> String {
+    let mut characters = text.chars();
+    match characters.next() {
+        Some(first) => first.to_uppercase().chain(characters).collect(),
+        None => String::new(),
+    }
+}
+
 /// A point in time, s.
 pub(crate) fn moment(seconds: f64) -> String {
     format!("{seconds:.4} s")

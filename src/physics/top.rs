@@ -1,9 +1,9 @@
 //! The rigid body: a heavy symmetric top with a spherical peg.
 
 use crate::physics::kinematics::{Euler, Tilt};
-use crate::physics::math::cos;
+use crate::physics::math::{cos, sin_cos};
 use nalgebra::Vector3;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// A symmetric top whose peg is a sphere, on a horizontal table, in uniform gravity.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -214,6 +214,33 @@ impl Top {
         let quadratic = (self.transverse_moment - self.axial_moment) * tilt.cos;
         let spin = self.axial_moment * tilt.rates.psi;
         PrecessionRoots::new(quadratic, spin, self.gravity_moment())
+    }
+
+    /// The inclination of regular precession with these angular momenta about the vertical, L_z′, and about the axis,
+    /// L_n, kg m²/s: that of least energy, about which the axis nutates; in rad.
+    ///
+    /// The energy without its part in θ̇ is `(L_z′ − L_n u)²/(2 I_x (1 − u²)) + M g l u` with u = cos θ (H. Goldstein,
+    /// *Classical Mechanics*, section 5.7). It is a convex function of u and has one minimum, which is at the vertical
+    /// if a strong top stands upright.
+    pub fn regular_inclination(&self, vertical: f64, axial: f64) -> f64 {
+        let gravity = self.gravity_moment() * self.transverse_moment;
+        let [mut least, mut greatest] = [0.0, PI];
+        loop {
+            let middle = 0.5 * (least + greatest);
+            if middle <= least || middle >= greatest {
+                return middle;
+            }
+            let (sin, cos) = sin_cos(middle);
+            let square = sin * sin;
+            let slope =
+                (vertical - axial * cos) * (axial - vertical * cos) - gravity * square * square;
+            // Energy decreases with θ up to the minimum.
+            if slope < 0.0 {
+                least = middle;
+            } else {
+                greatest = middle;
+            }
+        }
     }
 
     /// The period of nutation without friction, s, given a state and the extremes of θ, rad: exact for any amplitude.

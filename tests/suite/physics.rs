@@ -2,6 +2,7 @@
 
 use crate::support::{Run, assert_near, scenario};
 use nalgebra::Vector3;
+use std::f64::consts::PI;
 use toprise::physics::kinematics::{Euler, Tilt};
 use toprise::run::scenario::Scenario;
 use toprise::run::simulation::{EventKind, Sample, StopReason};
@@ -151,6 +152,39 @@ fn val_regular_precession_stays_regular() {
             assert!(drift < 1e-9 * rate, "{formulation} {rate}: {drift:e}");
         }
     }
+}
+
+/// A top that precesses at the inclination that belongs to its angular momenta does not nutate.
+#[test]
+fn val_regular_inclination_is_that_of_regular_precession() {
+    let frictionless = scenario("frictionless", &[]);
+    let top = frictionless.model.top;
+    for (theta, spin) in [
+        (0.2, 170.0),
+        (0.5, 60.0),
+        (1.4, -300.0),
+        (2.6, 40.0),
+        (0.9, 80.0),
+    ] {
+        let rates = Euler {
+            psi: spin,
+            ..Euler::default()
+        };
+        let roots = top
+            .precession_roots(&Tilt::from_rates(theta, rates))
+            .unwrap();
+        for rate in [roots.slow, roots.fast] {
+            let tilt = Tilt::from_rates(theta, Euler { phi: rate, ..rates });
+            let axial = top.axial_moment * tilt.axial_rate();
+            let vertical = top.transverse_moment * rate * tilt.sin * tilt.sin + axial * tilt.cos;
+            let found = top.regular_inclination(vertical, axial);
+            assert_near("inclination", found, theta, 1e-9);
+        }
+    }
+    // A strong top that stands upright stays so; one without angular momentum hangs down in the end.
+    let strong = 1.01 * (4.0 * top.gravity_moment() * top.transverse_moment).sqrt();
+    assert!(top.regular_inclination(strong, strong) < 1e-7);
+    assert_near("hanging", top.regular_inclination(0.0, 0.0), PI, 1e-9);
 }
 
 #[test]

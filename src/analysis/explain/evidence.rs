@@ -43,6 +43,17 @@ impl Evidence {
         Some([first.means[0], last.means[0]])
     }
 
+    /// Whether the peg may have hit the table.
+    pub(super) fn may_have_impacts(&self) -> bool {
+        let peg = self.summary.peg.as_ref();
+        peg.is_some_and(|peg| peg.impacts != Some(0))
+    }
+
+    /// Whether the change from one inclination to another, rad, is not larger than the integration error.
+    pub(super) fn is_constant_theta(&self, [first, last]: [f64; 2]) -> bool {
+        (last - first).abs() <= self.integration_error(first.abs().max(last.abs()))
+    }
+
     /// Accumulated integration error at the end of the run in a quantity of this size; an upper estimate.
     pub(super) fn integration_error(&self, size: f64) -> f64 {
         let steps = self

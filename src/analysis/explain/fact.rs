@@ -335,7 +335,7 @@ impl Fact {
                 moment(*time)
             ),
             Self::MeanTheta { first, last } if angle(*first) == angle(*last) => format!(
-                "The mean inclination θ stays at {} (change {}).",
+                "The mean inclination θ, {}, hardly changes (last nutation minus first nutation: {}).",
                 angle(*first),
                 quantity(last - first, 2, "rad")
             ),
@@ -517,7 +517,7 @@ impl Fact {
                 dissipation,
                 drops_term: true,
             } => format!(
-                "The model omits {}; this does not correspond to a torque.",
+                "The model omits {}; what is left does not correspond to a torque.",
                 omission(dissipation)
             ),
             Self::ModelPart {
@@ -618,13 +618,13 @@ fn omission(dissipation: &str) -> &'static str {
             "the component of the friction torque that would damp the nutation"
         }
         Some(Dissipation::PrecessionTermOnly) => {
-            "the friction terms of the equations but that of the precession"
+            "all friction terms of the equations except the one of φ̈"
         }
         Some(Dissipation::SpinTermOnly) => {
-            "the friction terms of the equations but that of the spin"
+            "all friction terms of the equations except the one of ψ̈"
         }
         Some(Dissipation::TiltTorqueOnly) => {
-            "the components of the friction torque but the one that tilts the axis"
+            "all components of the friction torque except the one that tilts the axis"
         }
         Some(Dissipation::SpinTorqueOnly) => {
             "the components of the friction torque but the one about the axis"

@@ -69,9 +69,7 @@ pub(super) fn start(evidence: &Evidence) -> Fact {
 /// The inclination in the first and the last nutation.
 pub(super) fn mean_theta(evidence: &Evidence) -> Option<Fact> {
     let [first, last] = evidence.mean_theta()?;
-    let is_constant =
-        (last - first).abs() <= evidence.integration_error(first.abs().max(last.abs()));
-    Some(if is_constant {
+    Some(if evidence.is_constant_theta([first, last]) {
         Fact::ThetaConstant { theta: last }
     } else {
         Fact::MeanTheta { first, last }
@@ -80,8 +78,6 @@ pub(super) fn mean_theta(evidence: &Evidence) -> Option<Fact> {
 
 /// The inclination at the end, unless the last nutation or the event that ends the run shows it.
 pub(super) fn end(evidence: &Evidence) -> Option<Fact> {
-    /// A run ends in its last nutation, or in the next, which is not complete.
-    const NUTATIONS: f64 = 2.0;
     let history = &evidence.history;
     let [_, last] = history.states?;
     // Their facts have the inclination already.
@@ -91,12 +87,12 @@ pub(super) fn end(evidence: &Evidence) -> Option<Fact> {
         .any(|event| Some(event.time) == history.stop_time());
     let mut nutation_end = None;
     if let [_, .., cycle] = &history.cycles[..] {
-        let is_in_nutation = last.time <= cycle.end() + NUTATIONS * cycle.period;
+        let has_ended = cycle.is_last_before(last.time);
         // Where a tippe top ends is what it is about.
-        if is_in_nutation && !history.is_tippe_top() {
+        if !has_ended && !history.is_tippe_top() {
             return None;
         }
-        nutation_end = Some(cycle.end()).filter(|_| !is_in_nutation);
+        nutation_end = Some(cycle.end()).filter(|_| has_ended);
     }
     (!is_at_limit || nutation_end.is_some()).then_some(Fact::End {
         theta: last.theta,

@@ -1,11 +1,11 @@
 //! Quantities of a run that only an explanation needs.
 
-use super::momentum::MomentumHistory;
+use super::momentum::{MomentumHistory, MomentumState};
 use crate::run::simulation::EventKind;
 use crate::run::time::seconds;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{
-    CENTER_OF_MASS, ENERGY, EVENTS, IMPACTS, STATE, center_of_mass, energy, events, state,
+    CENTER_OF_MASS, ENERGY, EVENTS, IMPACTS, NUTATION, STATE, center_of_mass, energy, events, state,
 };
 
 /// A quantity in the first and in the last sample.
@@ -32,6 +32,8 @@ pub(super) struct GripSpan {
     pub(super) from: f64,
     /// Inclination then, rad.
     pub(super) theta_at_start: f64,
+    /// Angular momenta in the last sample before.
+    pub(super) momentum_before: Option<MomentumState>,
     /// The least and the greatest inclination in the samples since then, rad; absent if there are none.
     pub(super) theta_range: Option<[f64; 2]>,
     /// Energy in these samples, J.
@@ -61,6 +63,8 @@ impl ImpactTimes {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Observations {
     pub(super) momentum: MomentumHistory,
+    /// Angular momenta at the end of the first nutation.
+    pub(super) momentum_in_first_nutation: Option<MomentumState>,
     /// Kinetic energy, J.
     pub(super) kinetic: Option<Ends>,
     /// Height of a free top's centre of mass above the table, m.
@@ -99,10 +103,18 @@ impl Observations {
                 let height = center_of_mass::POSITION.z().of(message);
                 Ends::take(&mut self.center_height, height);
             }
+            NUTATION if self.momentum_in_first_nutation.is_none() => {
+                self.momentum_in_first_nutation = self.latest_momentum();
+            }
             EVENTS => self.take_event(message),
             IMPACTS => ImpactTimes::take(&mut self.impacts, seconds(message.time_ns)),
             _ => {}
         }
+    }
+
+    /// Angular momenta in the latest complete sample.
+    fn latest_momentum(&self) -> Option<MomentumState> {
+        self.momentum.whole().map(|span| span.to)
     }
 
     fn take_event(&mut self, message: &Message<'_>) {
@@ -111,6 +123,7 @@ impl Observations {
                 self.grip = Some(GripSpan {
                     from: events::TIME.of(message),
                     theta_at_start: events::THETA.of(message),
+                    momentum_before: self.latest_momentum(),
                     ..GripSpan::default()
                 });
             }

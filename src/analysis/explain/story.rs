@@ -2,6 +2,7 @@
 
 use super::claim::{Claim, Hold, Inversion, Stopped};
 use super::course::Course;
+use super::drift::{Drift, drift};
 use super::evidence::{Evidence, ROUNDED};
 use super::fact::{Fact, PrecessionRoot};
 use super::fixed;
@@ -9,7 +10,7 @@ use super::momentum::MomentumSpan;
 use super::observations::{Ends, GripSpan};
 use super::precession;
 use super::tippe::{self, NotInverted};
-use crate::analysis::history::{Constancy, PegPhase, in_phase};
+use crate::analysis::history::{Constancy, Cycle, PegPhase, in_phase};
 use crate::physics::kinematics::Tilt;
 use crate::physics::math::sin_cos;
 use crate::run::simulation::{EventKind, StopReason};
@@ -37,26 +38,29 @@ pub struct Story {
 enum Remark {
     /// A tippe top that has not turned over.
     NotInverted(NotInverted),
-    /// A strong top that falls without friction.
+    /// A strong top that falls as it would without friction.
     SwingsDown {
         /// Whether it would without gravity, too.
         without_gravity: bool,
     },
+    /// A rise or fall on average.
+    Drifts(Drift),
 }
 
 impl Remark {
-    fn words(self) -> &'static str {
+    fn words(self) -> String {
         match self {
-            Self::NotInverted(reason) => reason.words(),
+            Self::NotInverted(reason) => reason.words().to_owned(),
+            Self::Drifts(drift) => drift.words(),
             Self::SwingsDown {
                 without_gravity: true,
             } => {
-                "The top falls because of its motion at the start, which would carry the axis down so far even without gravity."
+                "The top falls because of its motion at the start, which would carry the axis down so far even without gravity.".to_owned()
             }
             Self::SwingsDown {
                 without_gravity: false,
             } => {
-                "The top falls although its spin could hold it upright: with its motion at the start, gravity swings the axis down so far before the spin turns it up again."
+                "The top falls although its spin could hold it upright: with its motion at the start, gravity swings the axis down so far before the spin turns it up again.".to_owned()
             }
         }
     }
@@ -77,7 +81,7 @@ impl Story {
             .chain(later)
             .map(|claim| claim.words_in(self.course, &self.claims))
             .collect();
-        words.extend(self.remark.map(|remark| remark.words().to_owned()));
+        words.extend(self.remark.map(Remark::words));
         Some(words.join(" "))
     }
 }
@@ -126,18 +130,30 @@ fn remark(evidence: &Evidence, claims: &[Claim]) -> Option<Remark> {
     if !is_inversion_claimed && let Some(reason) = tippe::not_inverted(evidence) {
         return Some(Remark::NotInverted(reason));
     }
-    swings_down(evidence, claims)
+    let is_explained = |claim: &Claim| {
+        claim.is_rise()
+            || claim.is_fall()
+            || matches!(claim, Claim::StaysUpright { .. } | Claim::Inverts { .. })
+    };
+    if claims.iter().any(is_explained) {
+        return None;
+    }
+    swings_down(evidence, claims).or_else(|| drift(evidence).map(Remark::Drifts))
 }
 
-/// A top that falls without friction, as its energy and its angular momenta allow, and not because it is weak.
+/// A top that falls as it would without friction, as its energy and its angular momenta allow, and not because it is
+/// weak.
 fn swings_down(evidence: &Evidence, claims: &[Claim]) -> Option<Remark> {
+    let fallen = evidence.history.first(EventKind::Fallen)?;
     let conserves = claims
         .iter()
         .any(|claim| matches!(claim, Claim::Conserves { .. }));
-    if !conserves || claims.iter().any(Claim::is_fall) {
+    // In its first nutation, friction has changed little.
+    let is_in_first = |cycle: &Cycle| fallen.time <= cycle.end();
+    if !conserves && !evidence.history.cycles.first().is_none_or(is_in_first) {
         return None;
     }
-    let theta = evidence.history.first(EventKind::Fallen)?.state.theta;
+    let theta = fallen.state.theta;
     let top = evidence.scenario.model.nutating_top();
     let start = Tilt::from_rates(evidence.scenario.angles.theta, evidence.scenario.rates);
     let falls = theta > evidence.scenario.angles.theta;
@@ -150,12 +166,7 @@ fn swings_down(evidence: &Evidence, claims: &[Claim]) -> Option<Remark> {
 }
 
 fn conserves(evidence: &Evidence) -> Option<Claim> {
-    let has_impacts = evidence
-        .summary
-        .peg
-        .as_ref()
-        .is_some_and(|peg| peg.impacts != Some(0));
-    if !evidence.scenario.is_frictionless() || has_impacts {
+    if !evidence.scenario.is_frictionless() || evidence.may_have_impacts() {
         return None;
     }
     let energies = evidence.history.energies?;
@@ -383,6 +394,7 @@ fn slip_ends(evidence: &Evidence, rises: bool, is_inversion_claimed: bool) -> Op
         theta_at_start,
         theta_range,
         energy,
+        ..
     } = evidence.observations.grip?;
     let (theta_range, Ends { first, last }) = (theta_range?, energy?);
     let friction = &evidence.scenario.model.friction;

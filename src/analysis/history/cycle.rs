@@ -41,6 +41,13 @@ impl Cycle {
         self.start + self.period
     }
 
+    /// Whether the axis has stopped nutating between this last cycle and a time, s, at which a motion ends: it ends in its
+    /// last nutation otherwise, or in the next, which is not complete.
+    pub(crate) fn is_last_before(&self, time: f64) -> bool {
+        const NUTATIONS: f64 = 2.0;
+        time > self.end() + NUTATIONS * self.period
+    }
+
     /// Time of the middle, s.
     pub(crate) fn middle(&self) -> f64 {
         self.start + 0.5 * self.period

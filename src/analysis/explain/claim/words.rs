@@ -2,7 +2,7 @@
 
 use super::{Claim, Hold, Inversion, Stopped, SufficientSpin};
 use crate::analysis::explain::course::Course;
-use crate::analysis::phrase::works;
+use crate::analysis::phrase::{capitalized, works};
 
 impl Claim {
     /// Whether it is about a rise of the top.
@@ -154,7 +154,7 @@ impl Claim {
 fn repetition(course: Course) -> &'static str {
     match course {
         Course::Repeats => {
-            " So each nutation repeats the one before it, and the top neither rises nor falls."
+            " So each nutation repeats the one before it, and on average the top neither rises nor falls."
         }
         Course::FallsRepeatedly => {
             " So each nutation repeats the one before it: the axis swings down and up again."
@@ -422,14 +422,5 @@ fn holds(held_by: Hold) -> &'static str {
         Hold::StaticFriction => "static friction holds it against gravity",
         Hold::RollingResistance => "rolling resistance holds it against gravity",
         Hold::Balance => "gravity has no torque that would move it",
-    }
-}
-
-/// A text with a capital first letter.
-fn capitalized(text: &str) -> String {
-    let mut characters = text.chars();
-    match characters.next() {
-        Some(first) => first.to_uppercase().chain(characters).collect(),
-        None => String::new(),
     }
 }
