@@ -121,21 +121,16 @@ pub(super) fn story(evidence: &Evidence) -> Story {
 }
 
 fn remark(evidence: &Evidence, claims: &[Claim]) -> Option<Remark> {
-    let is_inversion_claimed = claims.iter().any(|claim| {
-        matches!(
-            claim,
-            Claim::StaysUpright { .. } | Claim::Inverts { .. } | Claim::SlipEnds { .. }
-        )
-    });
+    let is_inversion_claimed = claims
+        .iter()
+        .any(|claim| claim.is_inversion() || matches!(claim, Claim::SlipEnds { .. }));
     if !is_inversion_claimed && let Some(reason) = tippe::not_inverted(evidence) {
         return Some(Remark::NotInverted(reason));
     }
-    let is_explained = |claim: &Claim| {
-        claim.is_rise()
-            || claim.is_fall()
-            || matches!(claim, Claim::StaysUpright { .. } | Claim::Inverts { .. })
-    };
-    if claims.iter().any(is_explained) {
+    if claims
+        .iter()
+        .any(|claim| claim.is_rise() || claim.is_fall() || claim.is_inversion())
+    {
         return None;
     }
     swings_down(evidence, claims).or_else(|| drift(evidence).map(Remark::Drifts))
@@ -148,9 +143,9 @@ fn swings_down(evidence: &Evidence, claims: &[Claim]) -> Option<Remark> {
     let conserves = claims
         .iter()
         .any(|claim| matches!(claim, Claim::Conserves { .. }));
+    let first_end = evidence.history.cycles.first().map(Cycle::end);
     // In its first nutation, friction has changed little.
-    let is_in_first = |cycle: &Cycle| fallen.time <= cycle.end();
-    if !conserves && !evidence.history.cycles.first().is_none_or(is_in_first) {
+    if !conserves && first_end.is_some_and(|end| fallen.time > end) {
         return None;
     }
     let theta = fallen.state.theta;

@@ -23,6 +23,11 @@ impl Claim {
         )
     }
 
+    /// Whether it is about a tippe top that turns over, or can't.
+    pub(in crate::analysis::explain) fn is_inversion(&self) -> bool {
+        matches!(self, Self::StaysUpright { .. } | Self::Inverts { .. })
+    }
+
     /// Whether the top rises, and is more inclined in the end than at the start.
     pub(in crate::analysis::explain) fn is_rise_undone(&self) -> bool {
         matches!(self, Self::FrictionRaises { theta, theta_at_end, .. } if *theta_at_end > theta[0])
