@@ -24,6 +24,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod agreement;
 mod averaged_findings;
 mod averages;
 mod crossing;
@@ -47,6 +48,7 @@ mod spelling;
 mod tolerance;
 mod topic;
 
+pub use self::agreement::{Agreement, Change, Precision, RunEnd};
 pub use self::averages::{Averaged, Deviation};
 pub use self::discrepancy::{Discrepancy, Residual};
 pub use self::error::{DiffError, ToleranceProblem};
@@ -102,6 +104,9 @@ pub fn compare_observed<'a>(
     let is_part = !options.topics.is_empty() || !options.tolerances.ignored.is_empty();
     if is_part && [Verdict::Identical, Verdict::SameValues].contains(&report.verdict) {
         report.verdict = Verdict::Equal;
+    }
+    if is_part {
+        report.agreement = None;
     }
     Ok(report)
 }

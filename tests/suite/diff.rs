@@ -1,5 +1,6 @@
 //! Comparing two runs.
 
+mod agreeing;
 mod edited;
 mod findings;
 mod nothing;

@@ -191,6 +191,22 @@ impl Content {
     }
 }
 
+/// The names of all parts of the layout, in its final form.
+fn names(content: &Content) -> Vec<String> {
+    let mut names: BTreeMap<String, String> = BTreeMap::new();
+    for chunk in &content.blueprint {
+        let path = chunk.entity_path().to_string();
+        let mut cleared = chunk.iter_slices::<bool>("Clear:is_recursive".into());
+        if cleared.next().is_some() {
+            names.remove(&path);
+        }
+        for name in texts(chunk, "ViewBlueprint:display_name") {
+            names.insert(path.clone(), name);
+        }
+    }
+    names.into_values().collect()
+}
+
 fn texts(chunk: &Chunk, component: &'static str) -> Vec<String> {
     chunk
         .iter_slices::<String>(component.into())
@@ -404,6 +420,24 @@ fn missing_topics_leave_no_empty_views() {
             write(&path, (&PAPER, a), (&FULL, b));
             assert_no_view_is_empty(&Content::read(&path));
         }
+    }
+}
+
+/// Zero has no logarithm.
+#[test]
+fn equal_runs_have_no_charts_of_logarithms() {
+    let directory = tempdir().unwrap();
+    let path = directory.path().join("pair.rrd");
+    let topics = all_topics();
+    let longer = Run::with("paper", ("stop.duration", "0.5"));
+    for (b, is_equal) in [(&longer, true), (&FULL, false)] {
+        write(&path, (&PAPER, &topics), (b, &topics));
+        let names = names(&Content::read(&path));
+        let has = |name: &str| names.iter().any(|other| other == name);
+        assert_eq!(has("θ: no difference"), is_equal, "{names:?}");
+        assert_ne!(has("θ: B − A (rad)"), is_equal);
+        assert_ne!(has("θ: log₁₀ |B − A|"), is_equal);
+        assert!(has("θ (rad)"));
     }
 }
 

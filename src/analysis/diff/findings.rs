@@ -99,14 +99,21 @@ fn end_condition(run: &RunHistory, scenario: Option<&Scenario>) -> Option<EndCon
     Some(EndCondition { reason, limit })
 }
 
-/// The ends of the runs. Their times have a difference only if one condition ends both.
-fn end(evidence: &Evidence<'_>) -> Option<Finding> {
+/// What ends each run.
+pub(super) fn end_conditions(evidence: &Evidence<'_>) -> [Option<EndCondition>; 2] {
     let histories = evidence.histories();
-    let ends = Side::BOTH.map(|side| {
+    Side::BOTH.map(|side| {
         let scenario = evidence.scenarios[side.index()].as_ref();
         end_condition(histories[side.index()], scenario)
-    });
-    let times = histories.map(|run| run.stop_reason().and(run.stop_time()));
+    })
+}
+
+/// The ends of the runs. Their times have a difference only if one condition ends both.
+fn end(evidence: &Evidence<'_>) -> Option<Finding> {
+    let ends = end_conditions(evidence);
+    let times = evidence
+        .histories()
+        .map(|run| run.stop_reason().and(run.stop_time()));
     let mut finding = Finding::new(Quantity::End { ends }, times);
     if ends[0] != ends[1] {
         finding.difference = None;

@@ -2,6 +2,7 @@
 //!
 //! Differences are B − A throughout. Angles are in rad, times in s of simulated time.
 
+use super::agreement::{Agreement, agreement};
 use super::averages::{self, Averaged};
 use super::discrepancy::{Discrepancy, Residuals};
 use super::evidence::Evidence;
@@ -31,6 +32,9 @@ pub struct Report {
     pub verdict: Verdict,
     /// Whether both runs were read completely; otherwise the verdict covers the readable part.
     pub is_complete: bool,
+    /// How far the motions agree although the runs are different; not in JSON reports, where the topics and the ends show it.
+    #[serde(skip)]
+    pub agreement: Option<Agreement>,
     /// The differences in the set-up.
     pub setup: SetupDifferences,
     /// The findings, the most important first; empty for foreign files.
@@ -160,15 +164,22 @@ impl Report {
             notes.extend(others::note("Sequence numbers differ", sequences));
         }
         notes.extend(others::notes(&others));
+        let channels: Vec<_> = paired
+            .compared()
+            .map(|topic| topic.report(&|field| errors?.field(field)))
+            .collect();
+        let verdict = verdict(paired, &others, &setup, is_cut);
+        let agreement = match verdict {
+            Verdict::Different => agreement(&evidence, &findings, &channels),
+            Verdict::Identical | Verdict::SameValues | Verdict::Equal | Verdict::Agreeing => None,
+        };
         Self {
-            verdict: verdict(paired, &others, &setup, is_cut),
+            verdict,
             is_complete: is_cut == [false; 2],
+            agreement,
             setup,
             findings,
-            channels: paired
-                .compared()
-                .map(|t| t.report(&|field| errors?.field(field)))
-                .collect(),
+            channels,
             others,
             averaged,
             discrepancy,
@@ -304,9 +315,10 @@ impl Report {
         ));
     }
 
-    /// The verdict, and a line for each key of the scenarios and each finding that differs.
+    /// The verdict, how far the motions agree, and a line for each key of the scenarios and each finding that differs.
     pub fn summary(&self) -> Vec<String> {
         let mut lines = vec![self.verdict.title().to_owned()];
+        lines.extend(self.agreement.map(|agreement| agreement.to_string()));
         for key in &self.setup.scenario {
             let [a, b] = [&key.a, &key.b].map(|value| value.as_deref().unwrap_or("–"));
             lines.push(format!("{}: A {a}, B {b}", key.key));

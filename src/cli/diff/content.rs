@@ -56,7 +56,11 @@ pub(in crate::cli) fn verdict(report: &Report) -> Section {
         Verdict::Agreeing => Tone::Weak,
         Verdict::Different => Tone::Bad,
     };
-    Section::with_tone(tone, report.verdict.title())
+    let mut section = Section::with_tone(tone, report.verdict.title());
+    if let Some(agreement) = report.agreement {
+        section.line(agreement.to_string());
+    }
+    section
 }
 
 /// Differing scenario keys and file metadata.

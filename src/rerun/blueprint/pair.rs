@@ -45,12 +45,25 @@ pub(crate) struct Extent<'a> {
 
 /// The messages of the layout; at the end of the comparison, those that change it to show the whole extent.
 pub(crate) fn messages(identity: &PairIdentity, extent: Option<&Extent<'_>>) -> Messages {
+    let mut layout = complete(identity, extent);
+    if extent.is_some() {
+        layout.remove_missing(&complete(identity, None));
+    }
+    layout.finish()
+}
+
+/// The layout of a comparison that runs, or that has ended with this extent.
+fn complete(identity: &PairIdentity, extent: Option<&Extent<'_>>) -> Layout {
     let store = identity.store();
     let mut layout = match extent {
         Some(_) => Layout::changes(&store),
         None => Layout::new(&store),
     };
     let left = left_side(&mut layout, identity);
+    if extent.is_some() {
+        // Without some charts the others have other numbers. They must not inherit properties.
+        layout.start_new_parts();
+    }
     let mut charts = Charts {
         layout: &mut layout,
         identity,
@@ -60,7 +73,7 @@ pub(crate) fn messages(identity: &PairIdentity, extent: Option<&Extent<'_>>) -> 
     let speed = extent.map_or(1.0, |extent| playback_speed(extent.duration));
     let panel = time_panel(Playback::FromStart, speed);
     window(&mut layout, left, right, [38.0, 62.0], &panel);
-    layout.finish()
+    layout
 }
 
 /// The scene, if there is one, and below it the summary and the events.
@@ -252,8 +265,14 @@ impl Charts<'_> {
             |plot| self.identity.has_difference_of(plot),
             &Role::Difference,
         );
-        let name = format!("{}: B − A", contrast.name);
-        let name = titled(&name, contrast.plots[0].unit());
+        let name = if self.is_without_difference(plots) {
+            format!("{}: no difference", contrast.name)
+        } else {
+            titled(
+                &format!("{}: B − A", contrast.name),
+                contrast.plots[0].unit(),
+            )
+        };
         let view = self.curves(&name, &contents, legend_of_parts(plots))?;
         if let Some(extent) = self.extent {
             let magnitudes = &self.identity.a.magnitudes;
@@ -265,8 +284,23 @@ impl Charts<'_> {
         Some(view)
     }
 
-    /// The logarithm of the difference, if both runs have the curves.
+    /// Whether the runs are equal in these plots as long as both run.
+    fn is_without_difference(&self, plots: &[Plot]) -> bool {
+        let Some(extent) = self.extent else {
+            return false;
+        };
+        let mut ranges = plots
+            .iter()
+            .flat_map(|plot| extent.differences.ranges(*plot))
+            .peekable();
+        ranges.peek().is_some() && ranges.all(|(_, range)| range == [0.0; 2])
+    }
+
+    /// The logarithm of the difference, if both runs have the curves and they are not equal: zero has no logarithm.
     fn magnitude(&mut self, contrast: &Chart) -> Option<Child> {
+        if self.is_without_difference(contrast.differences) {
+            return None;
+        }
         let contents = entities(
             contrast.differences,
             |plot| self.identity.has_magnitude_of(plot),
