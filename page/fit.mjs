@@ -51,6 +51,17 @@ const headed = (textContent, parts) => (parts.length > 0 ? [element("h3", { text
 const SIGNAL_NOTE =
   "σ is the size of the errors of measurement. RMS/σ is the size of the residuals (measured minus fitted) and should be near 1. Uncorrelated: the probability p that mere noise is at least as correlated in time; below 0.001 the model misses something.";
 
+/** What the column of the table of other fits means. */
+const MODES_NOTE = "Δχ² shows how much worse each describes the data than the best one. Noise alone can make such a difference, so the data can't tell which is right.";
+
+/** The correlated parameters: the strongest ones in a sentence, the others on request. */
+function correlationParts({ sentence, others }) {
+  if (sentence === "") return [];
+  if (others.length === 0) return paragraphs([sentence]);
+  const opener = element("summary", { textContent: `${others.length} more` });
+  return [...paragraphs([sentence]), element("details", {}, opener, ...paragraphs(others))];
+}
+
 /** What the program says first of a fit that started from the preset with this title. Its law is named if it was chosen. */
 function headlineParts({ words, report }, title, scenario) {
   const law = "friction.law" in scenario.set ? ` (${report.law})` : "";
@@ -66,14 +77,14 @@ function headlineParts({ words, report }, title, scenario) {
 function reportParts({ words }) {
   return [
     ...headed("Remarks", paragraphs(words.remarks)),
-    ...headed("Parameters", [...wordTable(words.parameters), ...paragraphs(words.limits)]),
+    ...headed("Parameters", [...wordTable(words.parameters), ...paragraphs(words.limits), ...correlationParts(words.correlations)]),
     ...headed("Signals", words.signals.rows.length > 0 ? [...wordTable(words.signals), ...paragraphs([SIGNAL_NOTE])] : []),
-    ...headed("Other minima: the data don't exclude them, and the intervals reach over all of them", wordTable(words.modes)),
+    ...headed("What describes the data as well: the intervals contain all of these", words.modes.rows.length > 0 ? [...wordTable(words.modes), ...paragraphs([MODES_NOTE])] : []),
     ...paragraphs(words.extent),
   ];
 }
 
-/** Whether a fit has several minima, each with its own spin. */
+/** Whether several spins describe the data, each with its own friction. */
 const hasManySpins = ({ report }) => report.modes.length > 0;
 
 export class FitPanel {

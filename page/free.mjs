@@ -23,8 +23,11 @@ const DETERMINING = ["friction.k", "initial.theta", "initial.theta_dot", "initia
 /** A name in one spelling: accents of symbols are characters of their own. */
 const spelled = (text) => text.trim().replaceAll(/[\s._]+/g, " ").toLowerCase().normalize("NFD");
 
-/** The symbols and the long names of the sliders, such as ψ̇ and spin ψ̇. */
-const longNames = Object.entries(WORDS).flatMap(([path, name]) => [[name, path], [name.split(" ").at(-1), path]]);
+/** The Greek symbols and the long names of the sliders, such as ψ̇ and spin ψ̇. */
+const longNames = Object.entries(WORDS).flatMap(([path, name]) => {
+  const last = name.split(" ").at(-1);
+  return [[name, path], ...(/\p{Script=Greek}/u.test(last) ? [[last, path]] : [])];
+});
 const LONG_NAMES = Object.fromEntries(longNames.map(([name, path]) => [spelled(name), path]));
 
 /**

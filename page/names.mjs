@@ -11,6 +11,16 @@ export const WORDS = {
   "initial.theta_dot": "change of tilt θ̇",
   "initial.phi_dot": "precession φ̇",
   "initial.psi_dot": "spin ψ̇",
+  "initial.height": "height of the peg",
+  "initial.peg_x": "place of the peg along x",
+  "initial.peg_y": "place of the peg along y",
+  "initial.peg_x_dot": "velocity of the peg along x",
+  "initial.peg_y_dot": "velocity of the peg along y",
+  "initial.peg_z_dot": "velocity of the peg upward",
+  "initial.center_x": "place of the centre of mass along x",
+  "initial.center_y": "place of the centre of mass along y",
+  "initial.center_x_dot": "velocity of the centre of mass along x",
+  "initial.center_y_dot": "velocity of the centre of mass along y",
   "stop.duration": "time limit",
 };
 
@@ -44,9 +54,9 @@ export function nameParts(run, other) {
 /** More changes than these are counted in a run's name. */
 const MAX_NAMED = 2;
 
-/** The name of a run in a sentence: its preset's title, and what differs from the preset. */
+/** The name of a run in a sentence: its preset's title, and what differs from the preset. Its outcome says when it ends. */
 export function runName(run) {
-  const changes = Object.entries(run.scenario.set);
+  const changes = Object.entries(run.scenario.set).filter(([path]) => path !== "stop.duration");
   const named = changes.length > MAX_NAMED ? [`${changes.length} values changed`] : changes.map(([path, value]) => changeText(path, value, run.keys));
   return [run.title, ...named].join(", ");
 }

@@ -719,6 +719,51 @@ const tests = {
     assert.ok(times[10] < 1000, `${times[10]} ms`);
     console.log(`  median ${times[10].toFixed(0)} ms, shortest ${times[0].toFixed(0)} ms, longest ${times.at(-1).toFixed(0)} ms`);
   },
+  async "the frame of a focused slider covers no text"(tab) {
+    await tab.focus("#knob-psi_dot");
+    await tab.keyboard.press("ArrowRight");
+    const [bottom, top] = await tab.evaluate(() => {
+      const slider = document.getElementById("knob-psi_dot");
+      const { outlineOffset, outlineWidth } = getComputedStyle(slider);
+      const frame = slider.getBoundingClientRect().bottom + parseFloat(outlineOffset) + parseFloat(outlineWidth);
+      return [frame, slider.parentElement.querySelector(".ends small").getBoundingClientRect().top];
+    });
+    assert.ok(bottom <= top, `${bottom} ${top}`);
+  },
+  async "what is opened in the form is in sight"(tab) {
+    await tab.setViewportSize({ width: 1366, height: 768 });
+    await tab.click("#take summary");
+    await tab.waitForFunction(() => {
+      const [form, take] = ["form", "take"].map((id) => document.getElementById(id).getBoundingClientRect());
+      return take.bottom <= form.bottom && take.height > 100;
+    });
+  },
+  async "the paper is named as the source of its own models only"(tab) {
+    for (const [preset, source] of [["paper", "The paper:"], ["full-coulomb", "The paper:"], ["tippe-top", "Beyond the paper:"], ["drop", "Beyond the paper:"]]) {
+      await tab.goto(`${url}#${preset}`);
+      await tab.waitForFunction((source) => document.getElementById("source").textContent.startsWith(source), source);
+    }
+  },
+  async "words in low pictures leave room for the arc of the tilt"() {
+    const other = await context.newPage();
+    await other.setViewportSize({ width: 390, height: 844 });
+    await other.addInitScript(() => {
+      const { fillText } = CanvasRenderingContext2D.prototype;
+      window.texts = {};
+      CanvasRenderingContext2D.prototype.fillText = function (words, x, y, ...rest) {
+        if (this.canvas.id === "top") window.texts[words] = y / this.canvas.clientHeight;
+        return fillText.call(this, words, x, y, ...rest);
+      };
+    });
+    await other.goto(`${url}#paper&initial.theta=1.45&at=1`);
+    await other.waitForSelector("body.ready");
+    await other.waitForFunction(() => Object.keys(window.texts).length > 2);
+    const texts = Object.entries(await other.evaluate(() => window.texts));
+    const heightOf = (start) => texts.find(([words]) => words.startsWith(start))[1];
+    assert.ok(texts.some(([words]) => /^tilt θ [\d.]+°, spin ω·n [\d.]+ rev\/s$/.test(words)), JSON.stringify(texts));
+    assert.ok(heightOf("tilt θ") < 0.1 && heightOf("only the peg") > 0.6, JSON.stringify(texts));
+    await other.close();
+  },
   async "a CSV that is dropped is fitted, and the sliders take the fit over"(tab) {
     await drop(tab, "camera.csv", readFileSync("tests/data/fit/offset_camera.csv", "utf8"));
     await tab.waitForFunction(() => /^fitting [\d.]+ of [\d.]+ s of data(, with \d+ of up to \d+ other spins)?: χ² = /.test(document.getElementById("fit-status").textContent));
@@ -747,7 +792,7 @@ const tests = {
   async "a fit with several spins shows no single value, fits its panel, and is repeated with a held spin"() {
     const other = await context.newPage();
     await other.addInitScript(() => {
-      const header = ["Δχ²", "friction.k", "initial.theta", "initial.phi_dot", "initial.theta_dot", "initial.psi_dot"];
+      const header = ["worse by Δχ²", "friction.k", "initial.theta", "initial.phi_dot", "initial.theta_dot", "initial.psi_dot"];
       const row = ["2.65", "0.05594 ± 0.00042", "0.4999 ± 0.0010", "1.50 ± 0.28", "−0.209 ± 0.067", "190.12 ± 0.14"];
       const words = {
         verdict: "describes the data with 9 different spins",
@@ -755,8 +800,9 @@ const tests = {
         note: "",
         extent: [],
         limits: [],
+        correlations: { sentence: "The data fix …: initial.center_x_dot and initial.theta_dot (correlation −0.989).", others: Array(9).fill("initial.theta and initial.phi_dot (correlation 0.912)") },
         remarks: ["Measure φ, too, or hold initial.psi_dot at a known value."],
-        parameters: { header: ["", "estimate ± sd", "95 % interval", "start value"], rows: header.slice(1).map((name) => [name, "several minima", "0.0288 to 0.0597", "170"]) },
+        parameters: { header: ["", "estimate ± sd", "95 % interval", "start value"], rows: header.slice(1).map((name) => [name, "several values", "0.0288 to 0.0597", "170"]) },
         signals: { header: ["", "samples", "σ", "RMS/σ", "uncorrelated", ""], rows: [["/top/state.theta", "300", "0.00536 rad (estimated)", "0.979", "p = 0.30", "1 above 5 σ"]] },
         modes: { header, rows: Array(8).fill(row) },
       };
@@ -776,6 +822,11 @@ const tests = {
     await other.waitForSelector("#fit-result:not([hidden])");
     assert.equal(await other.textContent("#fit-headline"), "The paper's rise: describes the data with 9 different spinsfriction k: 0.0288 to 0.0597 (95\u00a0%), because θ alone does not show the spin");
     assert.match(await other.textContent("#fit-report"), /hold spin ψ̇ at a known value/);
+    // Not a list of pairs before the answer, and no key of the program.
+    assert.match(await other.textContent("#fit-report"), /velocity of the centre of mass along x and change of tilt θ̇ \(correlation −0\.989\)/);
+    assert.equal(await other.textContent("#fit-report summary"), "9 more");
+    assert.ok(!(await other.isVisible("#fit-report details p")));
+    assert.ok(!/minim|initial[. ]|center/.test(await other.textContent("#fit-report")));
     for (const width of [1366, 390, 320]) {
       await other.setViewportSize({ width, height: 800 });
       const outside = await other.evaluate(() => {

@@ -7,7 +7,7 @@ import { ARROWS, arrowScale, vectorAt } from "../arrows.mjs";
 import { axisRange, axisTicks, constantOf, scaleOf } from "../axes.mjs";
 import { sliderRange, validText, valueAt } from "../controls.mjs";
 import { quantities } from "../curves.mjs";
-import { EnergyAreas, PARTS, changesShown, energyChanges } from "../energy.mjs";
+import { EnergyAreas, PARTS, changesShown, energyChanges, isBelowTable } from "../energy.mjs";
 import { STEPS_OF_LESSON } from "../lesson.mjs";
 import { nameLines, nameParts, runName } from "../names.mjs";
 import { degrees, fixed, imagined, prefixed, revolutions, typed, written } from "../numbers.mjs";
@@ -171,6 +171,12 @@ const tests = {
     const lost = changesShown(await runOf("full-coulomb"), 24).at(-1);
     assert.equal(lost.label, "lost as heat");
   },
+  async "energies below zero, which have no area, are noticed"() {
+    // It ends lying on the table, with its centre of mass below it.
+    const run = await runOf("frictionless&initial.psi_dot=0");
+    assert.ok(isBelowTable(run) && Math.min(...run.columns.height_energy) < 0);
+    assert.ok(!isBelowTable(await runOf("paper")));
+  },
   "the cursor does not cross the titles of energy panels"() {
     const spans = EnergyAreas.prototype.cursorSpans.call({ runs: [1, 2], endsOf: EnergyAreas.prototype.endsOf }, 200);
     assert.deepEqual(spans, [[18, 96], [118, 196]]);
@@ -328,8 +334,9 @@ const tests = {
     assert.deepEqual(nameParts(limited, { preset: "frictionless", set: {} }), ["time limit = 25 s"]);
     assert.deepEqual(nameParts(c, (await runOf("paper")).scenario), ["Full friction", "friction k = 0.06"]);
     assert.equal(runName(b), "Full friction, friction k = 0.06, spin ψ̇ = 100 rad/s");
-    assert.equal(runName(await runOf("full-coulomb&friction.k=0.06&initial.psi_dot=100&stop.duration=25")), "Full friction, 3 values changed");
-    assert.equal(runName(await runOf("frictionless&stop.duration=25")), "No friction, time limit = 25 s");
+    assert.equal(runName(await runOf("full-coulomb&friction.k=0.06&initial.psi_dot=100&initial.theta=0.6")), "Full friction, 3 values changed");
+    // Its outcome says when it ends.
+    assert.equal(runName(await runOf("frictionless&stop.duration=25")), "No friction");
     const parts = ["k = 0.06", "ψ̇ = 100 rad/s", "θ = 0.3 rad"];
     for (const [width, lines] of [
       [99, ["B: k = 0.06, ψ̇ = 100 rad/s, θ = 0.3 rad"]],

@@ -106,7 +106,7 @@ impl Scanned {
             "; spins beyond may describe the data as well"
         };
         format!(
-            "Without φ or ψ, the phase of the nutation is all that shows the spin: other minima were looked for at initial.psi_dot from {low:.1} to {high:.1} rad/s{beyond}."
+            "Without φ or ψ, the phase of the nutation is all that shows the spin: other spins that describe the data were looked for, with initial.psi_dot from {low:.1} to {high:.1} rad/s{beyond}."
         )
     }
 }

@@ -1,7 +1,10 @@
 //! A report in words: the program, the page and Python show the same.
 
+mod correlations;
 mod minima;
 mod units;
+
+pub use self::correlations::Correlations;
 
 use super::estimate::REJECTED;
 use super::model::Loss;
@@ -37,8 +40,10 @@ pub struct Words {
     pub extent: Vec<String>,
     /// The parameters.
     pub parameters: Table,
-    /// Limits and correlations of the parameters.
+    /// Parameters with a limit only.
     pub limits: Vec<String>,
+    /// Correlated parameters.
+    pub correlations: Correlations,
     /// The signals.
     pub signals: Table,
     /// What the numbers say about the data and the model.
@@ -68,6 +73,7 @@ impl Report {
             extent: extent(report),
             parameters: estimates(&report.parameters, all),
             limits: limits(report),
+            correlations: Correlations::new(&report.correlations),
             signals: signals(&report.signals),
             remarks: remarks(report, interface),
             modes: modes(report, interface, all),
@@ -107,6 +113,9 @@ impl Report {
             lines.push(format!("{}: {}, 95 % interval {}", row[0], row[1], row[2]));
         }
         lines.extend(words.limits);
+        if !words.correlations.sentence.is_empty() {
+            lines.push(words.correlations.sentence);
+        }
         for signal in &self.signals {
             lines.push(format!(
                 "{}: {}, RMS {} σ",
@@ -263,7 +272,7 @@ fn label(estimate: &Estimate) -> String {
 fn estimate_cell(estimate: &Estimate, all: bool) -> String {
     // The standard deviation of a parameter with a limit only would mislead, so its estimate has none.
     match (estimate.sd, estimate.limit) {
-        (Some(_), None) if estimate.is_over_minima() && !all => "several minima".to_owned(),
+        (Some(_), None) if estimate.is_over_minima() && !all => "several values".to_owned(),
         (Some(_), None) if estimate.is_over_minima() => format_rounded(estimate.value, 6),
         (Some(sd), None) => format_estimate(estimate.value, sd),
         // The search ended there, but in no minimum.
@@ -300,7 +309,7 @@ fn at_bound(estimate: &Estimate) -> String {
     format!("at its bound, {}", format_rounded(estimate.value, 3))
 }
 
-/// Sentences on parameters that have a limit and no estimate, and on correlations.
+/// A sentence on parameters that have a limit and no estimate.
 fn limits(report: &Report) -> Vec<String> {
     let mut one_sided = Vec::new();
     for Estimate { name, limit, .. } in &report.parameters {
@@ -315,11 +324,6 @@ fn limits(report: &Report) -> Vec<String> {
             "{}: a limit and no estimate, because the best value is at a bound or less than two standard deviations above zero.",
             one_sided.join(", ")
         ));
-    }
-    for correlation in &report.correlations {
-        let [a, b] = &correlation.parameters;
-        let value = fixed(correlation.correlation, 3);
-        sentences.push(format!("{a} and {b} are correlated: {value}."));
     }
     sentences
 }
@@ -384,7 +388,10 @@ fn losses(signal: &SignalReport) -> String {
 /// The other minima. A long list is cut after the best ones unless `all` are wanted.
 fn modes(report: &Report, interface: Interface, all: bool) -> Table {
     let modes = &report.modes;
-    let mut header = vec!["Δχ²".to_owned()];
+    let mut header = vec![match interface {
+        Interface::Page => "worse by Δχ²".to_owned(),
+        Interface::Terminal | Interface::Python => "Δχ²".to_owned(),
+    }];
     for parameter in &report.parameters {
         header.push(match interface {
             // Its units are not those of the keys.

@@ -1114,7 +1114,7 @@ fn minima_do_not_depend_on_the_start() {
             report
                 .notes
                 .iter()
-                .any(|note| note.contains("other minima were looked for")),
+                .any(|note| note.contains("other spins that describe the data were looked for")),
             "{:?}",
             report.notes
         );

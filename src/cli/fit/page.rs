@@ -9,7 +9,8 @@ use crate::fit::numbers::{
     MIN_PRINTED_P, decimals, format_printable_probability, format_rounded, format_small_probability,
 };
 use crate::fit::report::{Comparison, Extension, ExtensionKind, LawFit, Profile, Report, Verdict};
-use crate::fit::words::{self, Words};
+use crate::fit::words::{self, Correlations, Words};
+use crate::run::plural::counted;
 
 /// A profile whose interval differs from the curvature's by more than this is mentioned.
 const CURVATURE_LIES: f64 = 0.2;
@@ -19,7 +20,7 @@ pub(super) fn page(fit: &Report, written: &[WrittenFile], all: bool) -> Vec<Sect
     let words = fit.words(Interface::Terminal, all);
     let mut sections = vec![
         headline(fit, &words),
-        parameters(&words),
+        parameters(&words, all),
         signals(&words),
         Section::from_lines("Remarks", words.remarks.iter().cloned()),
     ];
@@ -58,11 +59,23 @@ fn headline(fit: &Report, words: &Words) -> Section {
     section
 }
 
-fn parameters(words: &Words) -> Section {
+fn parameters(words: &Words, all: bool) -> Section {
     let mut section = Section::new("Parameters");
     section.table(table(&words.parameters, 1));
     for line in &words.limits {
         section.line(&**line);
+    }
+    let Correlations { sentence, others } = &words.correlations;
+    if !sentence.is_empty() {
+        section.line(&**sentence);
+    }
+    if all {
+        for line in others {
+            section.line(&**line);
+        }
+    } else if !others.is_empty() {
+        let count = counted(others.len() as u64, "more pair");
+        section.line(format!("{count} with --all."));
     }
     section
 }
@@ -75,7 +88,7 @@ fn signals(words: &Words) -> Section {
 
 fn modes(words: &Words) -> Section {
     let mut section = Section::with_tone(Tone::Weak, "Other minima");
-    "the data don't exclude them; 95 % intervals reach over all of them"
+    "minima of χ², each as good within the noise; the 95 % intervals contain them all"
         .clone_into(&mut section.note);
     section.table(table(&words.modes, 0));
     section

@@ -55,7 +55,7 @@ pub(super) fn headline(report: &Report) -> String {
     if first.is_over_minima() {
         let reason = match Ambiguity::all(report).first() {
             Some(Ambiguity::Spin) => "because θ alone does not show the spin",
-            Some(Ambiguity::Clock(_)) | None => "over several minima",
+            Some(Ambiguity::Clock(_)) | None => "because several values describe the data",
         };
         format!("{name}: {interval} (95 %), {reason}")
     } else if first.limit.is_some() {
@@ -105,10 +105,10 @@ pub(super) fn remarks(report: &Report) -> Vec<String> {
     for ambiguity in Ambiguity::all(report) {
         remarks.push(match ambiguity {
             Ambiguity::Spin => format!(
-                "θ alone does not show the spin: {minima} minima with different spins describe the data, and the intervals reach over them. Measure φ, too, or hold {SPIN} at a known value."
+                "θ alone does not show the spin: {minima} different spins describe the data, each with its own values of the others, and the intervals contain them all. Measure φ, too, or hold {SPIN} at a known value."
             ),
             Ambiguity::Clock(name) => format!(
-                "The data don't exclude several minima of {name}, and the intervals reach over them. A longer overlap of the files, or a signal that does not repeat with the nutation, such as φ or ω·n, would show more."
+                "Several values of {name} describe the data, each with its own values of the others, and the intervals contain them all. A longer overlap of the files, or a signal that does not repeat with the nutation, such as φ or ω·n, would show more."
             ),
         });
     }
@@ -150,9 +150,9 @@ mod tests {
             words.headline,
             "friction.k: 0.0291 to 0.0596 (95 %), because θ alone does not show the spin"
         );
-        assert_eq!(words.parameters.rows[0][1], "several minima");
-        assert_eq!(words.parameters.rows[1][1], "several minima");
-        assert!(words.remarks[0].starts_with("θ alone does not show the spin: 3 minima"));
+        assert_eq!(words.parameters.rows[0][1], "several values");
+        assert_eq!(words.parameters.rows[1][1], "several values");
+        assert!(words.remarks[0].starts_with("θ alone does not show the spin: 3 different spins"));
     }
 
     #[test]
@@ -173,7 +173,7 @@ mod tests {
             terminal.parameters.rows[1],
             [
                 "initial.theta [rad]",
-                "several minima",
+                "several values",
                 "0.498 to 0.602",
                 "0.5"
             ]
@@ -182,7 +182,7 @@ mod tests {
             page.parameters.rows[1],
             [
                 "initial.theta [°]",
-                "several minima",
+                "several values",
                 "28.5 to 34.5",
                 "28.65"
             ]
@@ -204,8 +204,8 @@ mod tests {
             words.headline,
             "friction.k = 0.05870 ± 0.00044, 95 % interval 0.05784 to 0.05956"
         );
-        assert_eq!(words.parameters.rows[1][1], "several minima");
-        assert!(words.remarks[0].starts_with("The data don't exclude several minima of offset, "));
+        assert_eq!(words.parameters.rows[1][1], "several values");
+        assert!(words.remarks[0].starts_with("Several values of offset describe the data, "));
     }
 
     #[test]
