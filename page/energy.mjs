@@ -12,6 +12,15 @@ export const PARTS = [
   { name: "lost", label: "lost as heat", color: "#adb5bd", at: (c, i) => c.energy[0] - c.energy[i] },
 ];
 
+/** Whether the centre of mass is below the table at some time: its energy of height is negative then, and has no area. */
+export function isBelowTable(run) {
+  run.isBelowTable ??= run.columns.height_energy.some((energy) => energy < 0);
+  return run.isBelowTable;
+}
+
+/** What the areas don't show then. */
+export const BELOW_TABLE = " (the areas reach above the total where the centre of mass is below the table, and its height counts negative)";
+
 /** The changes of the parts since the start of the run, J. */
 export function energyChanges({ columns, end }, time) {
   const index = indexAt(columns.time, Math.min(time, end));

@@ -25,7 +25,7 @@ export const STEPS_OF_LESSON = [
     ours: "full-coulomb",
     arrows: ["torque", "momentum"],
     question: "Friction acts on the peg, along the table. How can it turn the axis upright?",
-    watch: "the angular momentum L (green), its horizontal part, and the friction torque τ beside the tip of that.",
+    watch: "the angular momentum L (green), its horizontal part, and the friction torque τ, drawn at the tip of the horizontal part.",
     answer:
       "The friction torque is horizontal and points against the horizontal part of L. So it shortens that part, from 5.90 to 0.22 mN m s, and leaves the vertical part at 10.95 mN m s (1 mN m s = 0.001 kg m²/s). L becomes vertical; a fast top's axis stays near L, so the axis becomes vertical too. Gravity only turns L about the vertical.",
   },

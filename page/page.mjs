@@ -4,7 +4,7 @@ import { ARROWS, labelColor } from "./arrows.mjs";
 import { Controls } from "./controls.mjs";
 import { Curves } from "./curves.mjs";
 import { at, element, typeset } from "./elements.mjs";
-import { EnergyAreas, changesShown } from "./energy.mjs";
+import { BELOW_TABLE, EnergyAreas, changesShown, isBelowTable } from "./energy.mjs";
 import { Engine, compiled } from "./engine.mjs";
 import { FitPanel } from "./fit.mjs";
 import { Knobs } from "./knobs.mjs";
@@ -20,6 +20,8 @@ import { showWorksheet } from "./worksheet.mjs";
 /** The presets that have buttons. */
 const BUTTONS = ["paper", "tippe-top", "frictionless", "drop"];
 const HINTS = { paper: "V. Tanrıverdi, How does a heavy symmetric top rise? (arXiv:2204.14060)" };
+/** The presets with models of that paper; the others go beyond it. */
+const OF_PAPER = ["paper", "paper-precession-term-only", "paper-spin-term-only", "full-coulomb", "rise-by-loss-of-spin"];
 const LEAST_PLAYBACK = 2; // s, of a run at the speed that nobody has chosen
 const PAUSE_AT_END = 1.5; // s, before playback starts again
 const DEFAULT = "paper";
@@ -146,6 +148,7 @@ function showControls(keys) {
   knobs.show(scenario, keys);
   at("preset").value = scenario.preset.name;
   at("description").replaceChildren(...typeset(scenario.preset.description ?? ""));
+  at("source-of").textContent = OF_PAPER.includes(scenario.preset.name) ? "The paper:" : "Beyond the paper:";
   at("reset").disabled = Object.keys(scenario.set).length === 0;
   for (const button of at("presets").children) button.setAttribute("aria-pressed", button.value === scenario.preset.name);
 }
@@ -219,7 +222,7 @@ function showEnergy(runs, time) {
     square.style.background = color;
     return element("span", {}, square, `${label} `, element("b", { textContent: text }));
   });
-  at("energy-numbers").replaceChildren(element("small", { textContent: `Changes${of} since the start${time > run.end ? ", until its end" : ""}:` }), ...numbers);
+  at("energy-numbers").replaceChildren(element("small", { textContent: `Changes${of} since the start${time > run.end ? ", until its end" : ""}${isBelowTable(run) ? BELOW_TABLE : ""}:` }), ...numbers);
 }
 
 function choose(when) {
@@ -467,6 +470,9 @@ at("copy-command").onclick = ({ target }) => copy(state.scenario.command, target
 at("copy-link").onclick = ({ target }) => copy(`${location.href.split("#")[0]}${link()}&at=${state.time.toFixed(3)}`, target);
 at("reset").onclick = () => start(state.scenario.preset.name);
 at("reset-view").onclick = () => view.reset();
+for (const details of at("form").querySelectorAll("details")) {
+  details.ontoggle = () => details.open && details.scrollIntoView({ block: "nearest" });
+}
 at("help").onclick = () => at("keys").showModal();
 at("address").textContent = placeOfPage();
 at("print").onclick = () => print();

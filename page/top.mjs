@@ -14,11 +14,14 @@ const MAX_TRAIL = 3000; // samples of it; fewer would draw a fast axis's circles
 const FAINT = 0.25; // opacity of what is behind the body
 const STRIPED = 2 / 9; // part of a turn that the stripes cover
 const START = { azimuth: -0.6, elevation: 0.35, closeness: 1 };
+const NARROW = 420; // px, width of a picture without room for radians
 const MIN_WORDS = 250; // px, width of a picture with words beside symbols
 const FONT = "system-ui, sans-serif";
 const TITLE_FONT = `600 13px ${FONT}`;
 const NAME_FONT = `600 14px ${FONT}`;
 const BUTTON = [100, 30]; // px, of the button that resets the view
+const LOW = 320; // px, height of a picture whose top the lines of its title would reach
+const TITLE_LINE = 18; // px
 
 /** The pose at a time: sample index, orientation, direction of the axis and position of the peg's centre. */
 function pose(run, time) {
@@ -107,7 +110,8 @@ export class View {
       if (index === 0) this.labels.cover([0, height - BUTTON[1], BUTTON[0], height]);
       this.one(pen, run, color, Math.min(time, run.end), exposure, { size, width, height });
       const parts = runs.length > 1 ? nameParts(run, all[1 - index].scenario) : [];
-      this.title(run, color, { letter, parts }, time, width);
+      this.title(run, color, { letter, parts }, time, width, height);
+      if (this.isSunk) this.note(sunkNote(width < NARROW), height);
       if (index === runs.length - 1) this.bar(pen, all, width, height);
       for (const { words, place, paint, font } of this.labels.placed()) this.text(words, place, paint, font);
       pen.restore();
@@ -344,11 +348,11 @@ export class View {
    * The tilt and the spin at this moment, in the upper left corner, where lines fade behind them; after the end of the
    * run, those at its end.
    */
-  title(run, color, { letter, parts }, time, width) {
+  title(run, color, { letter, parts }, time, width, height) {
     const i = indexAt(run.columns.time, Math.min(time, run.end));
     const { ink, soft } = this.colors;
     const { theta, axial_rate: rate, flying } = run.columns;
-    const isNarrow = width < 420;
+    const isNarrow = width < NARROW;
     const widthOf = (words) => this.widthOf(words, TITLE_FONT);
     const names = parts.length > 0 ? nameLines(letter, parts, { widthOf, width: width - 16, most: width < MIN_WORDS ? 1 : 2 }) : [];
     const [tilt, spin] = [`${fixed(degrees(theta[i]), 1)}°`, `${fixed(revolutions(rate[i]), 1)} rev/s`];
@@ -356,22 +360,31 @@ export class View {
     const values =
       width < MIN_WORDS
         ? [`θ ${tilt}, ω·n ${spin}`]
-        : [`tilt θ ${tilt}${isNarrow ? "" : ` (${fixed(theta[i], 3)} rad)`}`, `spin ω·n ${spin}${isNarrow ? "" : ` (${fixed(rate[i], 1)} rad/s)`}`];
+        : isNarrow && height < LOW
+          ? [`tilt θ ${tilt}, spin ω·n ${spin}`]
+          : [`tilt θ ${tilt}${isNarrow ? "" : ` (${fixed(theta[i], 3)} rad)`}`, `spin ω·n ${spin}${isNarrow ? "" : ` (${fixed(rate[i], 1)} rad/s)`}`];
     const lines = [
       ...names.map((words) => [words, color]),
       ...values.map((words) => [words, ink]),
       [flying[i] ? "in the air" : "", soft],
       [time > run.end ? `ended at ${fixed(run.end, 2)} s` : "", soft],
-      ...(this.isSunk ? sunkNote(isNarrow) : []).map((words) => [words, soft]),
     ].filter(([words]) => words);
-    const box = [0, 0, 16 + Math.max(...lines.map(([words]) => widthOf(words))), 18 * lines.length + 8];
+    const box = [0, 0, 16 + Math.max(...lines.map(([words]) => widthOf(words))), TITLE_LINE * lines.length + 8];
     this.labels.cover(box);
     const { pen, colors } = this;
     pen.globalAlpha = 0.8;
     pen.fillStyle = colors.card;
     pen.fillRect(...box);
     pen.globalAlpha = 1;
-    lines.forEach(([words, paint], row) => this.text(words, [8, 18 + 18 * row], paint, TITLE_FONT));
+    lines.forEach(([words, paint], row) => this.text(words, [8, TITLE_LINE * (row + 1)], paint, TITLE_FONT));
+  }
+
+  /** A note above the button, where the table is. */
+  note(lines, height) {
+    const bottom = height - BUTTON[1] - 8;
+    const top = bottom - TITLE_LINE * lines.length;
+    this.labels.cover([0, top, 16 + Math.max(...lines.map((words) => this.widthOf(words, TITLE_FONT))), bottom]);
+    lines.forEach((words, row) => this.text(words, [8, top + TITLE_LINE * (row + 0.8)], this.colors.soft));
   }
 
   /** A scale bar, to which the arrows' scales refer. */
