@@ -19,6 +19,7 @@ pub(super) struct Events {
     nutation: Track<String>,
     kinds: Vec<Repeated>,
     top: Top,
+    role: Role,
 }
 
 /// Repetitions of a kind of event.
@@ -31,7 +32,8 @@ struct Repeated {
 }
 
 impl Events {
-    /// Opens empty logs. Where two runs are compared, each entry's "level" is the name of its run.
+    /// Opens empty logs. Where two runs are compared, each entry begins with the letter of its run, and its "level" is the
+    /// name.
     pub(super) fn new(top: Top, role: &Role, output: &mut Output) -> Self {
         Self {
             summary: log(entity::EVENTS, role, output),
@@ -39,6 +41,7 @@ impl Events {
             nutation: log("events/nutation", role, output),
             kinds: Vec::new(),
             top,
+            role: role.clone(),
         }
     }
 
@@ -49,7 +52,8 @@ impl Events {
         }
         let time_ns = message.time_ns;
         let time = events::TIME.of(message);
-        let text = format!("{time:.6} s: {}", event_sentence(message, &self.top));
+        let sentence = event_sentence(message, &self.top);
+        let text = self.role.name(&format!("{time:.6} s: {sentence}"));
         let kind = EventKind::find(events::NAME.of(message));
         if kind.is_some_and(EventKind::is_nutation_extreme) {
             self.nutation.push(output, time_ns, [text]);
@@ -89,7 +93,8 @@ impl Events {
                 let span = [repeated.again_ns, repeated.last_ns];
                 let [again, last] = span.map(seconds);
                 let text = format!("{again:.6} s to {last:.6} s: {more} more {plural}");
-                self.summary.push(output, repeated.again_ns, [text]);
+                self.summary
+                    .push(output, repeated.again_ns, [self.role.name(&text)]);
             }
         }
     }
@@ -99,7 +104,6 @@ impl Events {
 fn log(entity: &str, role: &Role, output: &mut Output) -> Track<String> {
     let entity = role.entity(entity);
     if let Role::Compared(_, run) = role {
-        // The list of events has a column for the level, but none for the run.
         let mark = TextLog::update_fields()
             .with_level(run.as_str())
             .with_color(Color::from_u32(role.color(u32::MAX, 0)));

@@ -174,7 +174,7 @@ fn log_path_names(identity: &Identity, role: &Role, arrows: usize, output: &mut 
     let (row, text, color) = match (role.is_alone(), has_contact_path) {
         (true, true) => (
             arrows,
-            "contact path: blue slides, green rolls, red flies",
+            "paths: axis pink, contact blue (slides), green (rolls), red (flies)",
             GREY,
         ),
         (true, false) => (arrows, "path of the symmetry axis", PURPLE),
@@ -203,12 +203,13 @@ pub(super) fn log_stage(geometry: &Geometry, output: &mut Output) {
     }
 }
 
-/// The scales of the arrows and the colours of the path of a free peg, in Markdown.
+/// The scales of the arrows and the colours of the paths of a free peg, in Markdown.
 pub(super) fn explanation(identity: &Identity, role: &Role) -> String {
     let mut text = arrow::explanation(identity, role);
-    if identity.geometry.is_free {
-        text += "\n\n## Path of the contact point\n\nBlue where it slides, green where it rolls or sticks, vermilion \
-                 where the peg is in the air.\n";
+    // Where two runs are compared, all paths of a run are in shades of its colour.
+    if identity.geometry.is_free && role.is_alone() {
+        text += "\n\n## Paths\n\nOf the symmetry axis: pink. Of the contact point: blue where it slides, green where it \
+                 rolls or sticks, vermilion where the peg is in the air.\n";
     }
     text
 }

@@ -403,6 +403,31 @@ fn positions(chunks: &[Chunk], entity: &str, component: &'static str) -> Vec<[f3
 }
 
 #[test]
+fn legends_name_every_path() {
+    let folder = Folder::new();
+    for (preset, paths) in [
+        ("paper", &["axis"][..]),
+        ("tippe-top", &["axis", "contact"]),
+    ] {
+        let line = format!("run {preset} --set stop.duration=0.1 -o a.mcap --rrd a.rrd --force");
+        folder.toprise(&line, 0);
+        let mut labels = Vec::new();
+        for chunk in chunks(&folder.read("a.rrd")) {
+            if chunk.entity_path().to_string() == "/scene/focus/legend/path" {
+                let texts = chunk.iter_slices::<String>("Points3D:labels".into());
+                labels.extend(texts.flatten().map(|text| text.to_string()));
+            }
+        }
+        let [label] = &labels[..] else {
+            panic!("{labels:?}")
+        };
+        for path in paths {
+            assert!(label.contains(path), "{preset}: {label}");
+        }
+    }
+}
+
+#[test]
 fn rows_of_the_legend_do_not_overlap() {
     let folder = Folder::new();
     for preset in ["paper", "free-paper", "tippe-top"] {

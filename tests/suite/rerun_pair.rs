@@ -423,6 +423,26 @@ fn missing_topics_leave_no_empty_views() {
     }
 }
 
+/// Views of events are narrow, and have no column for the run.
+#[test]
+fn events_begin_with_the_letter_of_their_run() {
+    let directory = tempdir().unwrap();
+    let path = directory.path().join("pair.rrd");
+    let topics = all_topics();
+    write(&path, (&PAPER, &topics), (&FULL, &topics));
+    let content = Content::read(&path);
+    for (entity, start) in [
+        ("/a/events", "A 0.000000 s: "),
+        ("/b/events", "B 0.000000 s: "),
+    ] {
+        let chunks = content.data.iter();
+        let mut lines = chunks
+            .filter(|chunk| chunk.entity_path().to_string() == entity)
+            .flat_map(|chunk| texts(chunk, "TextLog:text"));
+        assert!(lines.any(|line| line.starts_with(start)), "{entity}");
+    }
+}
+
 /// Zero has no logarithm.
 #[test]
 fn equal_runs_have_no_charts_of_logarithms() {

@@ -2,7 +2,6 @@
 //! curves, their difference, and how the difference grows.
 
 use rerun::blueprint::components::{Corner2D, LinkAxis};
-use rerun::blueprint::datatypes::TextLogColumnKind;
 use rerun::components::Name;
 
 use super::axis::{MIN_SPAN, axis_range};
@@ -92,8 +91,7 @@ fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Child {
             .iter()
             .map(|(role, _)| role.entity(entity::EVENTS))
             .collect();
-        let kinds = [TextLogColumnKind::LogLevel, TextLogColumnKind::Body];
-        rows.push(events(layout, "Events", &contents, &kinds));
+        rows.push(events(layout, "Events", &contents));
         shares.push(22.0);
     }
     layout.contain(column(&shares), &rows)

@@ -1,13 +1,12 @@
 //! The layout for one run: the scene at the left with the events below, the main charts at the right.
 
 use rerun::blueprint::components::{ContainerKind, Corner2D, LinkAxis};
-use rerun::blueprint::datatypes::TextLogColumnKind;
 use rerun::components::Name;
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
 use super::axis::{MIN_SPAN, axis_range};
 use super::builder::{Child, Layout, Messages, column, tabs};
-use super::charts::{Chart, MORE, RATES, RISE, TABLE, TRAVEL};
+use super::charts::{Chart, MORE, RATES, RISE, TABLE, TERMS, TRAVEL};
 use super::corner::corner_for;
 use super::fit;
 use super::views::{
@@ -85,7 +84,7 @@ fn left_side(layout: &mut Layout, identity: &Identity, has_story: bool) -> Child
         let place = usize::from(has_story);
         for (name, entity) in [("Each event", EACH_EVENT), ("Events", entity::EVENTS)] {
             let contents = [Role::Alone.entity(entity)];
-            let log = events(layout, name, &contents, &[TextLogColumnKind::Body]);
+            let log = events(layout, name, &contents);
             // The second one takes the place of the first: `Events` comes before `Each event`.
             pages.insert(place, log);
         }
@@ -119,11 +118,13 @@ fn left_side(layout: &mut Layout, identity: &Identity, has_story: bool) -> Child
 /// A page of charts.
 struct Page {
     name: &'static str,
+    /// Number of charts in a row.
+    columns: u32,
     charts: Vec<&'static Chart>,
 }
 
 /// The pages of charts of a run. The charts of the first page that are constant give their places to charts of other
-/// pages that are not, and move to the last page.
+/// pages that are not, and move to the last of these. The terms of the accelerations stay together.
 fn pages(identity: &Identity, plots: Option<&Plots>) -> Vec<Page> {
     let is_ball = Proportions::new(&identity.geometry.top).is_ball;
     let is_free = identity.geometry.is_free;
@@ -142,6 +143,10 @@ fn pages(identity: &Identity, plots: Option<&Plots>) -> Vec<Page> {
             is_constant(chart, plots, &identity.magnitudes)
         });
     }
+    pages.push(Page {
+        columns: 1,
+        ..page("Terms", &TERMS, identity)
+    });
     pages
 }
 
@@ -149,6 +154,7 @@ fn pages(identity: &Identity, plots: Option<&Plots>) -> Vec<Page> {
 fn page(name: &'static str, charts: &'static [Chart], identity: &Identity) -> Page {
     Page {
         name,
+        columns: 2,
         charts: charts
             .iter()
             .filter(|chart| chart.plots.iter().any(|plot| identity.has(plot.topic())))
@@ -229,7 +235,7 @@ fn right_side(
             views.push(view);
         }
         let grid = parts::ContainerBlueprint::new(ContainerKind::Grid)
-            .with_grid_columns(2)
+            .with_grid_columns(page.columns)
             .with_display_name(Name(page.name.into()));
         grids.extend(layout.contain_any(grid, &views));
     }
@@ -311,11 +317,25 @@ mod tests {
         for name in [GAP_NAME, REGIME_NAME] {
             assert!(names(&before[0]).contains(&name));
             assert!(!names(&after[0]).contains(&name), "the peg never hops");
-            assert!(names(after.last().unwrap()).contains(&name));
+            let more = after.iter().find(|page| page.name == "More").unwrap();
+            assert!(names(more).contains(&name));
         }
         assert_eq!(before[0].charts.len(), after[0].charts.len());
         let count = |pages: &[Page]| pages.iter().map(|page| page.charts.len()).sum::<usize>();
         assert_eq!(count(&before), count(&after), "no chart is lost");
+    }
+
+    #[test]
+    fn narrow_charts_have_short_legends() {
+        for preset in ["paper", "tippe-top"] {
+            let (identity, plots) = plots(preset);
+            for page in pages(&identity, Some(&plots)) {
+                for chart in &page.charts {
+                    let lines: usize = chart.plots.iter().map(|plot| plot.numbers().count()).sum();
+                    assert!(lines <= 4 || page.columns == 1, "{}", chart.name);
+                }
+            }
+        }
     }
 
     #[test]

@@ -98,27 +98,21 @@ fn time_range(start: TimeRangeBoundary, end: TimeRangeBoundary) -> parts::Visibl
     })])
 }
 
-/// A list of the events of these entities, with these columns. Each text begins with the time of its event, more precisely
-/// than the viewer's column of times, which is left out.
-pub(super) fn events(
-    layout: &mut Layout,
-    name: &str,
-    contents: &[String],
-    kinds: &[blueprint_data::TextLogColumnKind],
-) -> Child {
+/// A list of the events of these entities. Each text begins with its run, if there are two, and with the time of its event,
+/// more precisely than the viewer's column of times. All other columns are left out: narrow views cut long texts.
+pub(super) fn events(layout: &mut Layout, name: &str, contents: &[String]) -> Child {
     let view = layout.view("TextLog", name, EVENTS, contents);
     let times = TimelineColumn(blueprint_data::TimelineColumn {
         visible: false.into(),
         timeline: TIMELINE.into(),
     });
+    let body = TextLogColumn(blueprint_data::TextLogColumn {
+        visible: true.into(),
+        kind: blueprint_data::TextLogColumnKind::Body,
+    });
     let columns = parts::TextLogColumns::new()
         .with_timeline_columns([times])
-        .with_text_log_columns(kinds.iter().map(|kind| {
-            TextLogColumn(blueprint_data::TextLogColumn {
-                visible: true.into(),
-                kind: *kind,
-            })
-        }));
+        .with_text_log_columns([body]);
     layout.property(&view, "TextLogColumns", &columns);
     view
 }
