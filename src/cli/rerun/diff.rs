@@ -116,10 +116,9 @@ impl PairViewer {
     }
 }
 
-/// The summary in the viewer: the findings first, since it shows the beginning; what was compared last.
+/// The summary in the viewer: the verdict and the findings first, since it shows the beginning; what was compared last.
 fn summary(report: &Report) -> Vec<Section> {
     let mut sections = vec![
-        content::verdict(report),
         content::findings(report, false),
         content::setup(report, false, false),
         content::others(report, false),
@@ -128,6 +127,8 @@ fn summary(report: &Report) -> Vec<Section> {
         content::subjects(report),
     ];
     sections.retain(|section| !section.parts.is_empty());
+    // It may have no more than its title.
+    sections.insert(0, content::verdict(report));
     sections
 }
 
@@ -164,4 +165,15 @@ fn side_identity(subject: Subject<'_>, side: Side, name: Option<&str>) -> Result
         topics,
         Playback::FromStart,
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn summary_begins_with_the_verdict() {
+        let markdown = page::markdown(&summary(&Report::default()));
+        assert!(markdown.starts_with("## Different"), "{markdown}");
+    }
 }
