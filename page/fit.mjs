@@ -27,7 +27,7 @@ function rowHead(text) {
 const columnHead = (text) => element("th", { textContent: named(text).replaceAll("/", "\u2060/\u2060") });
 
 /** The table of a report; nothing without rows. Narrow screens show each row as a block with the names of its cells. */
-function wordTable({ header, rows }) {
+function wordTable({ header, rows }, kind = "") {
   if (rows.length === 0) return [];
   const names = header.map(named);
   const isTitled = header[0] === "";
@@ -41,7 +41,7 @@ function wordTable({ header, rows }) {
     });
     return element("tr", {}, ...cells);
   });
-  return [element("table", { className: "stacking" }, element("thead", {}, head), element("tbody", {}, ...body))];
+  return [element("table", { className: `stacking ${kind}` }, element("thead", {}, head), element("tbody", {}, ...body))];
 }
 
 const paragraphs = (texts) => texts.map((text) => element("p", { textContent: named(text) }));
@@ -77,7 +77,7 @@ function headlineParts({ words, report }, title, scenario) {
 function reportParts({ words }) {
   return [
     ...headed("Remarks", paragraphs(words.remarks)),
-    ...headed("Parameters", [...wordTable(words.parameters), ...paragraphs(words.limits), ...correlationParts(words.correlations)]),
+    ...headed("Parameters", [...wordTable(words.parameters, "estimates"), ...paragraphs(words.limits), ...correlationParts(words.correlations)]),
     ...headed("Signals", words.signals.rows.length > 0 ? [...wordTable(words.signals), ...paragraphs([SIGNAL_NOTE])] : []),
     ...headed("What describes the data as well: the intervals contain all of these", words.modes.rows.length > 0 ? [...wordTable(words.modes), ...paragraphs([MODES_NOTE])] : []),
     ...paragraphs(words.extent),

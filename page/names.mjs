@@ -17,10 +17,10 @@ export const WORDS = {
   "initial.peg_x_dot": "velocity of the peg along x",
   "initial.peg_y_dot": "velocity of the peg along y",
   "initial.peg_z_dot": "velocity of the peg upward",
-  "initial.center_x": "place of the centre of mass along x",
-  "initial.center_y": "place of the centre of mass along y",
-  "initial.center_x_dot": "velocity of the centre of mass along x",
-  "initial.center_y_dot": "velocity of the centre of mass along y",
+  "initial.center_x": "place of the centre along x",
+  "initial.center_y": "place of the centre along y",
+  "initial.center_x_dot": "velocity of the centre along x",
+  "initial.center_y_dot": "velocity of the centre along y",
   "stop.duration": "time limit",
 };
 

@@ -802,7 +802,7 @@ const tests = {
         limits: [],
         correlations: { sentence: "The data fix …: initial.center_x_dot and initial.theta_dot (correlation −0.989).", others: Array(9).fill("initial.theta and initial.phi_dot (correlation 0.912)") },
         remarks: ["Measure φ, too, or hold initial.psi_dot at a known value."],
-        parameters: { header: ["", "estimate ± sd", "95 % interval", "start value"], rows: header.slice(1).map((name) => [name, "several values", "0.0288 to 0.0597", "170"]) },
+        parameters: { header: ["", "estimate ± sd", "95 % interval", "start value"], rows: [...header.slice(1), "initial.center_x_dot [m/s]"].map((name) => [name, "−0.249974 ± 0.000030", "−0.249914 to −0.250033", "−0.00017"]) },
         signals: { header: ["", "samples", "σ", "RMS/σ", "uncorrelated", ""], rows: [["/top/state.theta", "300", "0.00536 rad (estimated)", "0.979", "p = 0.30", "1 above 5 σ"]] },
         modes: { header, rows: Array(8).fill(row) },
       };
@@ -823,12 +823,21 @@ const tests = {
     assert.equal(await other.textContent("#fit-headline"), "The paper's rise: describes the data with 9 different spinsfriction k: 0.0288 to 0.0597 (95\u00a0%), because θ alone does not show the spin");
     assert.match(await other.textContent("#fit-report"), /hold spin ψ̇ at a known value/);
     // Not a list of pairs before the answer, and no key of the program.
-    assert.match(await other.textContent("#fit-report"), /velocity of the centre of mass along x and change of tilt θ̇ \(correlation −0\.989\)/);
+    assert.match(await other.textContent("#fit-report"), /velocity of the centre along x and change of tilt θ̇ \(correlation −0\.989\)/);
     assert.equal(await other.textContent("#fit-report summary"), "9 more");
     assert.ok(!(await other.isVisible("#fit-report details p")));
     assert.ok(!/minim|initial[. ]|center/.test(await other.textContent("#fit-report")));
     for (const width of [1366, 390, 320]) {
       await other.setViewportSize({ width, height: 800 });
+      // A value stays in one line with its error.
+      const broken = await other.locator("#fit-report .estimates td").evaluateAll((cells) =>
+        cells.filter((cell) => {
+          const range = document.createRange();
+          range.selectNodeContents(cell);
+          return range.getClientRects().length > 1;
+        }).map((cell) => cell.textContent),
+      );
+      assert.deepEqual(broken, [], `${width}`);
       const outside = await other.evaluate(() => {
         const { right } = document.getElementById("fit").getBoundingClientRect();
         const cells = [...document.querySelectorAll("#fit-report td, #fit-report th, #fit-report p")];

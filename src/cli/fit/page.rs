@@ -88,7 +88,7 @@ fn signals(words: &Words) -> Section {
 
 fn modes(words: &Words) -> Section {
     let mut section = Section::with_tone(Tone::Weak, "Other minima");
-    "minima of χ², each as good within the noise; the 95 % intervals contain them all"
+    "of χ²: each describes the data as well within the noise, and the 95 % intervals contain them all"
         .clone_into(&mut section.note);
     section.table(table(&words.modes, 0));
     section
