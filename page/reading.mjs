@@ -76,13 +76,20 @@ export function showExplanation(story, place, { error, story: paragraph, chapter
   );
 }
 
+/** A sentence without the keys of the program. */
+const withoutKeys = (text) => unbroken(text).replaceAll(/ \(stop\.[a-z_]+\)/g, "");
+
 /** Shows the program's comparison of A and B, or a note instead. */
-export function showComparison(place, { error, verdict, findings }) {
+export function showComparison(place, { error, verdict, agreement, findings }) {
   const head = element("tr", {}, ...["A", "B", "B − A"].map((textContent) => element("th", { textContent })));
   const rows = (findings ?? []).flatMap(([name, ...numbers]) => [
     element("tr", {}, element("th", { colSpan: 3, scope: "row", textContent: name })),
     element("tr", {}, ...numbers.map((textContent) => element("td", { textContent }))),
   ]);
-  const note = error ?? `${verdict}: no differences in averages, events or energy.`;
-  place.replaceChildren(rows.length > 0 ? element("table", {}, head, ...rows) : element("p", { textContent: note }));
+  const sentences = [];
+  if (error) sentences.push(error);
+  else if (agreement) sentences.push(withoutKeys(agreement));
+  else if (rows.length === 0) sentences.push(`${verdict}. No average, event or energy differs by more than the integration error.`);
+  const table = rows.length > 0 ? [element("table", {}, head, ...rows)] : [];
+  place.replaceChildren(...sentences.map((textContent) => element("p", { textContent })), ...table);
 }

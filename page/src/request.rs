@@ -109,7 +109,12 @@ impl Page {
                 let report = compare(&a.scenario()?, &b.scenario()?, &Options::default())?;
                 let findings = report.findings.iter().filter(|finding| finding.differs());
                 let findings: Vec<_> = findings.map(Finding::cells).collect();
-                Ok(json!({ "verdict": report.verdict.title(), "findings": findings }))
+                let agreement = report.agreement.map(|agreement| agreement.to_string());
+                Ok(json!({
+                    "verdict": report.verdict.title(),
+                    "agreement": agreement,
+                    "findings": findings,
+                }))
             }
             Request::Record { scenario, encoding } => {
                 let encoding = Encoding::ALL

@@ -719,6 +719,19 @@ const tests = {
     assert.ok(times[10] < 1000, `${times[10]} ms`);
     console.log(`  median ${times[10].toFixed(0)} ms, shortest ${times[0].toFixed(0)} ms, longest ${times.at(-1).toFixed(0)} ms`);
   },
+  async "the comparison says how far the motions agree, in words of the page"(tab) {
+    for (const [link, sentence] of [
+      ["tippe-top&stop.duration=2&vs=tippe-top&stop.duration=3", /^As long as both run, the motions agree: 2,001 samples are identical, bit for bit\. B ends first, at 2\.0000\u00a0s, at the time limit; A ends at 3\.0000\u00a0s, at the time limit\.$/],
+      ["drop&vs=drop&support.restitution=0.3", /^The motions are identical, bit for bit, until 0\.03\d+\u00a0s, when an impact parts them\.$/],
+      ["paper&vs=paper&integrator.relative_tolerance=1e-10", /integration error, θ by /],
+    ]) {
+      await tab.goto("about:blank");
+      await tab.goto(`${url}#${link}`);
+      await tab.waitForSelector("#comparison p", { timeout: 120_000 });
+      await tab.waitForFunction(() => !document.getElementById("comparison").textContent.startsWith("This run is kept"));
+      assert.match(await tab.textContent("#comparison p"), sentence);
+    }
+  },
   async "the frame of a focused slider covers no text"(tab) {
     await tab.focus("#knob-psi_dot");
     await tab.keyboard.press("ArrowRight");
