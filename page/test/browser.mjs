@@ -184,7 +184,7 @@ const tests = {
   async "a saved recording has the program's bytes and name"(tab) {
     await openAll(tab);
     await box(tab, "stop.duration").fill("2");
-    await becomes(tab, "time limit = 2 s");
+    await becomes(tab, "after 2.00");
     for (const encoding of ["json", "protobuf"]) {
       await tab.selectOption("#encoding", encoding);
       const [download] = await Promise.all([tab.waitForEvent("download"), tab.click("#save")]);
@@ -226,7 +226,7 @@ const tests = {
     await other.close();
   },
   async "each step of the lesson sets the page up, asks, and has an answer to open"(tab) {
-    const runs = ["No friction, time limit = 25 s:", "Full friction:", "Full friction:", "Full friction, friction k = 0.06:", "Tippe top:"];
+    const runs = ["No friction:", "Full friction:", "Full friction:", "Full friction, friction k = 0.06:", "Tippe top:"];
     await tab.click("#to-lesson");
     for (const [index, run] of runs.entries()) {
       if (index > 0) await tab.click(`#lesson nav a:nth-of-type(${index + 1})`);
@@ -427,7 +427,7 @@ const tests = {
     await box(tab, "stop.duration").fill("1000000");
     await tab.waitForFunction(() => document.getElementById("error").textContent.includes("too long"), null, { timeout: 60_000 });
     await box(tab, "stop.duration").fill("1");
-    await becomes(tab, "time limit = 1 s");
+    await becomes(tab, "after 1.00");
   },
   async "it plays on its own, and the keyboard moves through it"(tab) {
     await tab.waitForFunction(() => parseFloat(document.getElementById("clock").textContent) > 0.1);
