@@ -315,9 +315,16 @@ impl RunHistory {
         Curve::new(points)
     }
 
-    /// Whether the axis is beyond the horizontal in the last sample: a tippe top that has inverted, and stays so.
+    /// Whether the axis is beyond the horizontal in the last sample and in all of the last nutation: a tippe top that has
+    /// inverted, and stays so.
     pub(crate) fn is_inverted_at_end(&self) -> bool {
-        self.states.is_some_and(|[_, last]| last.theta >= FRAC_PI_2)
+        let Some([_, last]) = self.states else {
+            return false;
+        };
+        let swings_back = self.cycles.last().is_some_and(|cycle| {
+            !cycle.is_last_before(last.time) && cycle.field(nutation::THETA_MIN) < FRAC_PI_2
+        });
+        last.theta >= FRAC_PI_2 && !swings_back
     }
 
     /// The phases of a free peg to the end of the run; empty if they are not known, as after a gap.

@@ -319,7 +319,7 @@ fn drop_is_one_hop_with_impacts() {
     let explanation = explain(&scenario("drop", &[])).unwrap();
     let sentences: Vec<String> = facts(&explanation).map(Fact::sentence).collect();
     for sentence in [
-        "The peg starts in the air, its only flight (bounces do not end a flight).",
+        "The peg flies once, from the start (bounces do not end a flight).",
         "The peg hits the table 21 times; the impacts dissipate 0.01049 J.",
     ] {
         assert!(sentences.contains(&sentence.to_owned()), "{sentences:#?}");

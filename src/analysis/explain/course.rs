@@ -22,8 +22,8 @@ pub(super) enum Course {
 
 impl Course {
     /// The course of a run with these claims. `has_fallen`: whether the axis passes the level of a fall, or that of an
-    /// inversion, whatever the cause.
-    pub(super) fn new(claims: &[Claim], has_fallen: bool) -> Self {
+    /// inversion, whatever the cause. `has_drift`: whether what follows the claims is about a rise or fall.
+    pub(super) fn new(claims: &[Claim], has_fallen: bool, has_drift: bool) -> Self {
         if claims.iter().any(is_repeated) {
             return if has_fallen {
                 Self::FallsRepeatedly
@@ -35,8 +35,8 @@ impl Course {
         let falls = claims.iter().any(Claim::is_fall);
         match (rises, falls) {
             (false, false) => Self::Open,
+            (true, false) | (false, true) if has_drift => Self::RisesThenFalls,
             (false, true) => Self::Falls,
-            (true, false) if claims.iter().any(Claim::is_rise_undone) => Self::RisesThenFalls,
             (true, false) => Self::Rises,
             (true, true) if is_fall_first(claims) => Self::FallsThenRises,
             (true, true) => Self::RisesThenFalls,
@@ -146,43 +146,57 @@ mod tests {
     #[test]
     fn words_of_rise_and_fall_agree() {
         let repeats = || conserves(Some([1.0; 2]));
-        for (name, claims, has_fallen, course) in [
-            ("none", vec![], true, Course::Open),
-            ("level", vec![repeats()], false, Course::Repeats),
-            ("swings", vec![repeats()], true, Course::FallsRepeatedly),
+        for (name, claims, [has_fallen, has_drift], course) in [
+            ("none", vec![], [true, false], Course::Open),
+            ("level", vec![repeats()], [false, false], Course::Repeats),
+            (
+                "swings",
+                vec![repeats()],
+                [true, false],
+                Course::FallsRepeatedly,
+            ),
             (
                 "weak without friction",
                 vec![repeats(), falls(0.1)],
-                true,
+                [true, false],
                 Course::FallsRepeatedly,
             ),
             (
                 "one nutation",
                 vec![conserves(None), falls(0.1)],
-                true,
+                [true, false],
                 Course::Falls,
             ),
-            ("rise", vec![raises(3.0, 0.2)], false, Course::Rises),
+            (
+                "rise",
+                vec![raises(3.0, 0.2)],
+                [false, false],
+                Course::Rises,
+            ),
             (
                 "rise undone",
                 vec![raises(3.0, 0.6)],
-                false,
+                [false, true],
                 Course::RisesThenFalls,
             ),
             (
                 "rise, fall",
                 vec![raises(3.0, 1.6), falls(4.0)],
-                true,
+                [true, false],
                 Course::RisesThenFalls,
             ),
             (
                 "fall, rise",
                 vec![raises(3.0, 0.2), falls(1.0)],
-                true,
+                [true, false],
                 Course::FallsThenRises,
             ),
         ] {
-            assert_eq!(Course::new(&claims, has_fallen), course, "{name}");
+            assert_eq!(
+                Course::new(&claims, has_fallen, has_drift),
+                course,
+                "{name}"
+            );
             let text: String = claims
                 .iter()
                 .map(|claim| claim.words_in(course, &claims))

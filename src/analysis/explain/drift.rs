@@ -5,239 +5,346 @@
 //! changes the angular momenta, and with them that inclination; and it changes the nutation, in which the mean differs
 //! from that inclination if the nutation is large. The change is the sum of the two parts.
 
-use super::evidence::{Evidence, ROUNDED};
-use super::momentum::MomentumState;
+mod words;
+
+use super::evidence::Evidence;
+use super::fact;
+use super::momentum::{MomentumSpan, MomentumState};
 use crate::analysis::history::Cycle;
-use crate::analysis::phrase::{capitalized, works};
-use crate::run::simulation::EventKind;
+use crate::physics::math::{atan2, sin_cos};
+use crate::physics::top::Top;
 use crate::telemetry::fields::nutation;
-use std::cmp::Ordering;
+use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 
-/// The ratio of a part to the change of the mean inclination for which that part is the larger one, and in the same
-/// direction; a part that is much larger than the change says little, because the other one takes most of it back.
+/// The ratio of a part to the whole change for which that part is the larger one, and in the same direction; a part that
+/// is much larger than the change says little, because the other one takes most of it back.
 const LARGER_PART: Range<f64> = 0.5..2.0;
 
-/// The cause of a change of the mean inclination by friction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Part of a change by which a motion may turn back and still count as one rise or one fall.
+const SMALL_PART: f64 = 0.25;
+
+/// The causes of the changes of the mean inclination by friction: of one rise or fall, or of two after one another.
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Drift {
-    cause: Cause,
+    parts: Vec<DriftPart>,
     /// Whether friction at the contact point acts, and whether air drag does.
     losses: [bool; 2],
     is_tippe_top: bool,
+    place: Place,
     /// Whether the contact point grips for good, some time after the start.
     grips_later: bool,
     falls: bool,
 }
 
+/// What a drift is part of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Place {
+    /// No other cause explains a rise or a fall.
+    Whole,
+    /// Another cause explains a fall after it.
+    Earlier,
+    /// Another cause explains a rise before it.
+    Later,
+}
+
+/// A rise or a fall on average.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct DriftPart {
+    /// Change of the mean inclination, rad.
+    change: f64,
+    /// `None` if the numbers don't show it.
+    cause: Option<Cause>,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Cause {
     /// The angular momenta change, and with them the inclination without nutation.
-    Momenta { change: MomentaChange, rises: bool },
+    Momenta(Option<Turn>),
     /// The nutation shrinks.
-    Damping { rises: bool },
+    Damping,
     /// The nutation grows, upwards and downwards.
-    Growth { rises: bool },
-    /// The mean inclination does not change.
+    Growth,
+    /// The mean inclination hardly changes.
     Absent,
 }
 
-/// What friction does to the sizes of the angular momenta about the vertical and about the axis.
+/// What moves the inclination without nutation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct MomentaChange {
-    vertical: Ordering,
-    axial: Ordering,
+enum Turn {
+    /// The angular momentum turns, and the axis with it. `by_line`: it points down.
+    Momentum { by_line: bool },
+    /// The rotation about the axis becomes slower or faster, and the angle between axis and angular momentum larger or
+    /// smaller.
+    Axis { by_line: bool },
 }
 
-/// The cause of the change of the mean inclination while the contact point slips; `None` if the numbers don't show it.
-pub(super) fn drift(evidence: &Evidence) -> Option<Drift> {
-    if evidence.scenario.is_frictionless() {
-        return None;
+/// The mean motion at the end of a nutation, or the motion at the end of a run that no longer nutates.
+#[derive(Clone, Copy)]
+struct Point {
+    /// Mean inclination, rad.
+    theta: f64,
+    /// Least and greatest inclination, rad.
+    extremes: [f64; 2],
+    momentum: MomentumState,
+    nutates: bool,
+}
+
+impl Point {
+    fn new(cycle: &Cycle, momentum: MomentumState) -> Self {
+        Self {
+            theta: cycle.means[0],
+            extremes: [nutation::THETA_MIN, nutation::THETA_MAX].map(|field| cycle.field(field)),
+            momentum,
+            nutates: true,
+        }
     }
-    evidence.history.stop_reason()?;
+
+    /// The range of the inclination, rad.
+    fn range(&self) -> f64 {
+        self.extremes[1] - self.extremes[0]
+    }
+}
+
+/// The causes of the changes of the mean inclination; `None` if the numbers show none.
+pub(super) fn drift(evidence: &Evidence) -> Option<Drift> {
+    let points = points(evidence, 0.0)?;
+    let [from, to] = [points[0].theta, points[points.len() - 1].theta];
+    let parts = if fact::is_same_angle(from, to) && evidence.fall().is_none() {
+        vec![DriftPart {
+            change: to - from,
+            cause: Some(Cause::Absent),
+        }]
+    } else {
+        parts(evidence, &points)
+    };
+    // Without a cause, the words would be those of the facts.
+    parts
+        .iter()
+        .any(|part| part.cause.is_some())
+        .then(|| new_drift(evidence, parts, Place::Whole))
+}
+
+/// The cause of a fall after a rise that has another cause and ends at a time, s; `None` if the axis does not sink again.
+pub(super) fn later_fall(evidence: &Evidence, rise_end: f64) -> Option<Drift> {
+    let MomentumSpan { from, to, .. } = evidence.observations.momentum.whole()?;
+    let falls = evidence.fall().is_some_and(|fall| fall.time > rise_end);
+    let Some(points) = points(evidence, rise_end) else {
+        // A nutation is no fall, unless it goes further down than the motion has begun.
+        let sinks = evidence.observations.grip.is_none() && to.theta > from.theta;
+        let part = DriftPart {
+            change: to.theta - from.theta,
+            cause: None,
+        };
+        return (sinks || falls).then(|| new_drift(evidence, vec![part], Place::Later));
+    };
+    let change = points[points.len() - 1].theta - points[0].theta;
+    let sinks = change > SMALL_PART * (from.theta - points[0].theta).abs();
+    let cause = match parts(evidence, &points)[..] {
+        [part] => part.cause,
+        _ => None,
+    };
+    (sinks || falls).then(|| new_drift(evidence, vec![DriftPart { change, cause }], Place::Later))
+}
+
+/// The cause of a rise before a fall that has another cause, and begins at a time, s; `None` if the axis does not rise
+/// first.
+pub(super) fn earlier_rise(evidence: &Evidence, fall_start: f64) -> Option<Drift> {
+    let to = evidence.observations.momentum.whole()?.to;
+    let mut points = points(evidence, 0.0)?;
+    points.retain(|point| point.momentum.time <= fall_start);
+    let [Point { theta: first, .. }, .., Point { theta: last, .. }] = points[..] else {
+        return None;
+    };
+    let rises = first - last > SMALL_PART * (to.theta - last).abs();
+    let cause = match parts(evidence, &points)[..] {
+        [part] => part.cause,
+        _ => None,
+    };
+    let part = DriftPart {
+        change: last - first,
+        cause,
+    };
+    rises.then(|| new_drift(evidence, vec![part], Place::Earlier))
+}
+
+fn new_drift(evidence: &Evidence, parts: Vec<DriftPart>, place: Place) -> Drift {
     let friction = &evidence.scenario.model.friction;
-    let slide = Slide::new(evidence)?;
-    Some(Drift {
-        cause: slide.cause(evidence)?,
+    Drift {
+        parts,
         losses: [friction.acts_at_contact(), friction.has_air_drag()],
         is_tippe_top: evidence.history.is_tippe_top(),
+        place,
         grips_later: evidence.observations.grip.is_some(),
-        falls: evidence.history.first(EventKind::Fallen).is_some(),
-    })
-}
-
-/// The time from the first nutation to the sample before the contact point grips for good, or to the last. Static friction
-/// changes the angular momenta of a rolling top to and fro, and holds one that sticks.
-struct Slide<'a> {
-    /// The first nutation and the last.
-    cycles: [&'a Cycle; 2],
-    /// Mean inclination in the first nutation and in the last, rad; at the end, if the axis no longer nutates then.
-    theta: [f64; 2],
-    momentum: [MomentumState; 2],
-    nutates_to_end: bool,
-}
-
-impl<'a> Slide<'a> {
-    /// `None` if it has fewer than two nutations.
-    fn new(evidence: &'a Evidence) -> Option<Self> {
-        let observations = &evidence.observations;
-        let whole = observations.momentum.whole()?;
-        let [_, last_state] = evidence.history.states?;
-        let (end, theta, momentum) = match observations.grip {
-            Some(grip) => (grip.from, grip.theta_at_start, grip.momentum_before?),
-            None => (f64::INFINITY, last_state.theta, whole.to),
-        };
-        let cycles = &evidence.history.cycles;
-        let count = cycles.partition_point(|cycle| cycle.end() <= end);
-        let [first, .., last] = &cycles[..count] else {
-            return None;
-        };
-        let nutates_to_end = !last.is_last_before(end.min(last_state.time));
-        let theta = if nutates_to_end { last.means[0] } else { theta };
-        Some(Self {
-            cycles: [first, last],
-            theta: [first.means[0], theta],
-            momentum: [observations.momentum_in_first_nutation?, momentum],
-            nutates_to_end,
-        })
-    }
-
-    fn cause(&self, evidence: &Evidence) -> Option<Cause> {
-        if evidence.is_constant_theta(self.theta) {
-            return Some(Cause::Absent);
-        }
-        let top = evidence.scenario.model.nutating_top();
-        let [from, to] = self
-            .momentum
-            .map(|state| top.regular_inclination(state.vertical, state.axial));
-        let change = self.theta[1] - self.theta[0];
-        let rises = change < 0.0;
-        let by_momenta = (to - from) / change;
-        if LARGER_PART.contains(&by_momenta) {
-            let change = self.momenta_change(evidence)?;
-            return Some(Cause::Momenta { change, rises });
-        }
-        // Impacts change the nutation, too.
-        if evidence.may_have_impacts() {
-            return None;
-        }
-        let by_nutation = 1.0 - by_momenta;
-        let [[first_least, first_greatest], [least, greatest]] = self.cycles.map(extremes);
-        let shrinks = greatest - least < 0.5 * (first_greatest - first_least);
-        if LARGER_PART.contains(&by_nutation) && shrinks {
-            Some(Cause::Damping { rises })
-        } else if self.nutates_to_end && least < first_least && greatest > first_greatest {
-            Some(Cause::Growth { rises })
-        } else {
-            None
-        }
-    }
-
-    /// `None` if nothing changes.
-    fn momenta_change(&self, evidence: &Evidence) -> Option<MomentaChange> {
-        let [from, to] = self.momentum;
-        let known = ROUNDED * evidence.observations.momentum.largest();
-        let change = MomentaChange {
-            vertical: size_change(from.vertical, to.vertical, known),
-            axial: size_change(from.axial, to.axial, known),
-        };
-        (change.vertical.is_ne() || change.axial.is_ne()).then_some(change)
+        falls: evidence.fall().is_some(),
     }
 }
 
-/// How the size of a number compares to that of an earlier one; equal up to a difference of `known`.
-fn size_change(from: f64, to: f64, known: f64) -> Ordering {
-    let growth = to.abs() - from.abs();
-    if growth.abs() <= known {
-        Ordering::Equal
+/// The mean motions from a time, s, until the contact point grips for good, or to the end. Static friction changes the
+/// angular momenta of a rolling top to and fro, and holds one that sticks. `None` if there are fewer than two.
+fn points(evidence: &Evidence, from: f64) -> Option<Vec<Point>> {
+    let observations = &evidence.observations;
+    let whole = observations.momentum.whole()?;
+    let (end, theta, momentum) = match observations.grip {
+        Some(grip) => (grip.from, grip.theta_at_start, grip.momentum_before?),
+        None => (f64::INFINITY, whole.to.theta, whole.to),
+    };
+    let mut points = Vec::new();
+    let mut last = None;
+    let cycles = &evidence.history.cycles;
+    for (cycle, momentum) in cycles.iter().zip(&observations.momentum_in_nutations) {
+        if cycle.start >= from && cycle.end() <= end {
+            points.push(Point::new(cycle, (*momentum)?));
+            last = Some(cycle);
+        }
+    }
+    if last.is_some_and(|last| last.is_last_before(end.min(whole.to.time))) {
+        points.push(Point {
+            theta,
+            extremes: [theta; 2],
+            momentum,
+            nutates: false,
+        });
+    }
+    (points.len() >= 2).then_some(points)
+}
+
+/// The causes of one rise or fall, or of two if the axis turns back in between.
+fn parts(evidence: &Evidence, points: &[Point]) -> Vec<DriftPart> {
+    let last = points.len() - 1;
+    let turning = turning(points);
+    let pieces = if turning == 0 || turning == last {
+        vec![points]
     } else {
-        growth.total_cmp(&0.0)
+        vec![&points[..=turning], &points[turning..]]
+    };
+    let top = evidence.scenario.model.nutating_top();
+    // Impacts change the nutation, too.
+    let is_by_friction = !evidence.may_have_impacts();
+    pieces
+        .into_iter()
+        .map(|piece| part(&top, piece, is_by_friction))
+        .collect()
+}
+
+/// The point of the greatest inclination or of the least, whichever is farther beyond those of the first and the last
+/// point; the last one if neither is by more than a small part of the range.
+fn turning(points: &[Point]) -> usize {
+    let last = points.len() - 1;
+    let (mut least, mut greatest) = (0, 0);
+    for (at, point) in points.iter().enumerate() {
+        if point.theta < points[least].theta {
+            least = at;
+        }
+        if point.theta > points[greatest].theta {
+            greatest = at;
+        }
+    }
+    let [first, end] = [points[0].theta, points[last].theta];
+    let below = first.min(end) - points[least].theta;
+    let above = points[greatest].theta - first.max(end);
+    let (farthest, distance) = if below > above {
+        (least, below)
+    } else {
+        (greatest, above)
+    };
+    let range = points[greatest].theta - points[least].theta;
+    if distance > SMALL_PART * range {
+        farthest
+    } else {
+        last
     }
 }
 
-/// The least and the greatest inclination in a nutation, rad.
-fn extremes(cycle: &Cycle) -> [f64; 2] {
-    [nutation::THETA_MIN, nutation::THETA_MAX].map(|field| cycle.field(field))
+/// The cause of one rise or fall.
+fn part(top: &Top, points: &[Point], is_by_friction: bool) -> DriftPart {
+    let (from, to) = (&points[0], &points[points.len() - 1]);
+    let change = to.theta - from.theta;
+    let cause = if turning(points) == points.len() - 1 {
+        cause(top, [from, to], is_by_friction)
+    } else {
+        None
+    };
+    DriftPart { change, cause }
+}
+
+fn cause(top: &Top, [from, to]: [&Point; 2], is_by_friction: bool) -> Option<Cause> {
+    let change = to.theta - from.theta;
+    let regular = [from, to].map(|point| RegularMotion::new(top, &point.momentum));
+    let by_momenta = (regular[1].theta - regular[0].theta) / change;
+    if LARGER_PART.contains(&by_momenta) {
+        return Some(Cause::Momenta(turn(regular)));
+    }
+    let shrinks = to.range() < 0.5 * from.range();
+    let grows = to.extremes[0] < from.extremes[0] && to.extremes[1] > from.extremes[1];
+    if !is_by_friction || !to.nutates {
+        None
+    } else if LARGER_PART.contains(&(1.0 - by_momenta)) && shrinks {
+        Some(Cause::Damping)
+    } else if grows && by_momenta < 1.0 {
+        Some(Cause::Growth)
+    } else {
+        None
+    }
+}
+
+/// Regular precession with the angular momenta of a motion.
+#[derive(Clone, Copy)]
+struct RegularMotion {
+    /// Inclination of the axis, rad.
+    theta: f64,
+    /// Inclination of the line of the angular momentum towards the axis, rad.
+    momentum_inclination: f64,
+    /// Size of the angular momentum about the axis, kg m²/s.
+    axial: f64,
+    points_down: bool,
+}
+
+impl RegularMotion {
+    fn new(top: &Top, momentum: &MomentumState) -> Self {
+        let (vertical, axial) = (momentum.vertical, momentum.axial);
+        let theta = top.regular_inclination(vertical, axial);
+        let (sin, cos) = sin_cos(theta);
+        // The angular momentum is in the plane of the axis and the vertical.
+        let horizontal = (axial - vertical * cos) / sin;
+        let sense = if momentum.points_down() { -1.0 } else { 1.0 };
+        Self {
+            theta,
+            momentum_inclination: atan2(sense * horizontal, sense * vertical),
+            axial: axial.abs(),
+            points_down: momentum.points_down(),
+        }
+    }
+
+    fn angle_to_axis(&self) -> f64 {
+        self.theta - self.momentum_inclination
+    }
+}
+
+fn turn([from, to]: [RegularMotion; 2]) -> Option<Turn> {
+    let change = to.theta - from.theta;
+    let by_line = from.points_down;
+    let by_momentum = (to.momentum_inclination - from.momentum_inclination) / change;
+    let is_slower = to.axial < from.axial;
+    // Beyond a right angle to its line, the axis is nearer to the other end of the line.
+    let is_near = [from, to]
+        .iter()
+        .all(|regular| (0.0..FRAC_PI_2).contains(&regular.angle_to_axis()));
+    if !is_near {
+        None
+    } else if LARGER_PART.contains(&by_momentum) {
+        Some(Turn::Momentum { by_line })
+    } else if LARGER_PART.contains(&(1.0 - by_momentum)) && is_slower == (change > 0.0) {
+        Some(Turn::Axis { by_line })
+    } else {
+        None
+    }
 }
 
 impl Drift {
-    /// The cause in words.
-    pub(super) fn words(self) -> String {
-        let [friction, air] = self.losses;
-        let works = works([friction, air, false]);
-        // The ending of its verbs.
-        let s = if friction && air { "" } else { "s" };
-        let sentences = match self.cause {
-            Cause::Momenta { change, rises } => {
-                let increases = if rises { "decreases" } else { "increases" };
-                let falls = if self.falls {
-                    ", until the top falls"
-                } else {
-                    ""
-                };
-                format!(
-                    "{works} {}, and so the inclination at which the top would precess without nutation {increases}. The axis follows it, and {}{falls}.",
-                    change.words(s),
-                    self.moves(rises)
-                )
-            }
-            Cause::Damping { rises } => format!(
-                "{works} damp{s} the nutation. The mean inclination of large nutations differs from that at which the top would precess without nutation. As the nutation shrinks, the axis approaches this inclination: on average, it {}.",
-                self.moves(rises)
-            ),
-            Cause::Growth { rises } => {
-                let inclined = if rises { "less" } else { "more" };
-                format!(
-                    "{works} change{s} the angular momenta and the energy so that the nutation grows: the axis reaches smaller and larger inclinations than at first, and on average it is {inclined} inclined."
-                )
-            }
-            Cause::Absent => format!(
-                "{works} hardly change{s} the inclination about which the axis nutates: on average, it neither rises nor sinks."
-            ),
-        };
-        if self.grips_later {
-            format!("While the contact point slips, {sentences}")
-        } else {
-            capitalized(&sentences)
-        }
-    }
-
-    /// What the axis does. The centre of mass of a tippe top goes the other way.
-    fn moves(self, rises: bool) -> &'static str {
-        match (self.is_tippe_top, rises) {
-            (false, true) => "rises",
-            (false, false) => "sinks",
-            (true, true) => "turns upwards",
-            (true, false) => "turns downwards",
-        }
-    }
-}
-
-impl MomentaChange {
-    /// The change in words, with verbs of this ending.
-    fn words(self, s: &str) -> String {
-        let (vertical, axial) = (verb(self.vertical), verb(self.axial));
-        match (self.vertical, self.axial) {
-            (_, Ordering::Equal) => {
-                format!("{vertical}{s} the angular momentum about the vertical")
-            }
-            (Ordering::Equal, _) => format!("{axial}{s} the angular momentum about the axis"),
-            (one, other) if one == other => {
-                format!("{axial}{s} the angular momenta about the axis and about the vertical")
-            }
-            (_, _) => format!(
-                "{axial}{s} the angular momentum about the axis and {vertical}{s} that about the vertical"
-            ),
-        }
-    }
-}
-
-/// What is done to a number that then compares so to the earlier one.
-fn verb(change: Ordering) -> &'static str {
-    match change {
-        Ordering::Less => "reduce",
-        Ordering::Equal => "keep",
-        Ordering::Greater => "increase",
+    /// Whether it is told before the words about a fall, or about the end of slip.
+    pub(super) fn comes_first(&self) -> bool {
+        self.place != Place::Later
     }
 }
 
@@ -252,23 +359,19 @@ mod tests {
             (
                 "lifecycle",
                 &["initial.theta = 1.45"][..],
-                "precess without nutation increases. The axis follows it, and sinks, until the top falls",
+                "and sinks, until the top falls",
             ),
             (
                 "spin-torque-only",
                 &["initial.theta = 1.45"],
-                "Friction reduces the angular momenta",
+                "Friction slows the rotation about the axis",
             ),
             (
                 "paper-precession-term-only",
                 &["friction.k = 0.3"],
                 "precess without nutation decreases. The axis follows it, and rises",
             ),
-            (
-                "tilt-torque-only",
-                &["initial.psi_dot = 30"],
-                "Friction increases the angular momentum about the vertical, and so",
-            ),
+            ("tilt-torque-only", &["initial.psi_dot = 30"], "and sinks."),
             (
                 "paper-spin-term-only",
                 &["initial.phi_dot = 30"],
@@ -287,7 +390,27 @@ mod tests {
             (
                 "free-paper",
                 &["initial.psi_dot = 30"],
-                "While the contact point slips, friction increases the angular momentum about the axis and reduces that about the vertical",
+                "While the contact point slips, friction",
+            ),
+            (
+                "paper",
+                &["stop.theta_risen = ", "stop.duration = 40"],
+                "and rises with it. Later, friction slows the rotation about the axis",
+            ),
+            (
+                "paper",
+                &["initial.theta = 2.9", "stop.theta_fallen = "],
+                "and sinks. Later, friction changes",
+            ),
+            (
+                "free-viscous",
+                &["initial.theta = 2.0", "stop.theta_fallen = "],
+                "The axis follows it, and rises.",
+            ),
+            (
+                "rise-by-loss-of-spin",
+                &["initial.theta = 2.9", "stop.theta_fallen = "],
+                "The axis follows it, and sinks.",
             ),
             ("drop", &["friction.k = 0.003"], "and rises"),
             (

@@ -1,9 +1,10 @@
 //! Input data of an explanation.
 
 use super::observations::Observations;
-use crate::analysis::history::{Interval, RunHistory, RunSummary};
+use crate::analysis::history::{Event, Interval, RunHistory, RunSummary};
 use crate::archive::format::STEPS;
 use crate::run::scenario::Scenario;
+use crate::run::simulation::EventKind;
 use std::ops::Range;
 
 /// Steps that the integrator takes per nutation, if the end record doesn't state them.
@@ -41,6 +42,14 @@ impl Evidence {
             return None;
         };
         Some([first.means[0], last.means[0]])
+    }
+
+    /// The fall: the axis passes its level from above, where it also starts.
+    pub(super) fn fall(&self) -> Option<&Event> {
+        let start = self.scenario.angles.theta;
+        self.history
+            .first(EventKind::Fallen)
+            .filter(|event| event.state.theta > start)
     }
 
     /// Whether the peg may have hit the table.

@@ -334,7 +334,7 @@ impl Fact {
                 "The axis passes the horizontal at {}, but the top does not stay inverted.",
                 moment(*time)
             ),
-            Self::MeanTheta { first, last } if angle(*first) == angle(*last) => format!(
+            Self::MeanTheta { first, last } if is_same_angle(*first, *last) => format!(
                 "The mean inclination θ, {}, hardly changes (last nutation minus first nutation: {}).",
                 angle(*first),
                 quantity(last - first, 2, "rad")
@@ -346,7 +346,10 @@ impl Fact {
                 )
             }
             Self::ThetaConstant { theta } => {
-                format!("The mean inclination θ is constant at {}.", angle(*theta))
+                let theta = angle(*theta);
+                format!(
+                    "The mean inclination θ is the same in the first and in the last nutation: {theta}."
+                )
             }
             Self::End {
                 theta,
@@ -381,18 +384,17 @@ impl Fact {
             }
             // A peg that bounces is in one flight until it stays on the table, however often it hits it.
             Self::Hops { count: 1, first } if *first <= 0.0 => {
-                "The peg starts in the air, its only flight (bounces do not end a flight)."
-                    .to_owned()
+                "The peg flies once, from the start (bounces do not end a flight).".to_owned()
             }
             Self::Hops { count, first } if *first <= 0.0 => format!(
-                "The peg starts in the air; it has {count} flights (bounces do not end a flight)."
+                "The peg flies {count} times, first from the start (bounces do not end a flight)."
             ),
             Self::Hops { count: 1, first } => format!(
-                "The peg has one flight, from {} (bounces do not end a flight).",
+                "The peg flies once, from {} (bounces do not end a flight).",
                 moment(*first)
             ),
             Self::Hops { count, first } => format!(
-                "The peg has {count} flights, the first from {} (bounces do not end a flight).",
+                "The peg flies {count} times, first from {} (bounces do not end a flight).",
                 moment(*first)
             ),
             Self::Impacts {
@@ -597,6 +599,11 @@ impl Fact {
             ),
         }
     }
+}
+
+/// Whether two inclinations, rad, are the same number in a sentence.
+pub(super) fn is_same_angle(one: f64, other: f64) -> bool {
+    angle(one) == angle(other)
 }
 
 fn angle(theta: f64) -> String {

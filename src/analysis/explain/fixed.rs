@@ -49,7 +49,7 @@ pub(super) fn limits(evidence: &Evidence) -> Vec<Fact> {
             time: event.time,
         });
     }
-    if let Some(event) = evidence.history.first(EventKind::Fallen) {
+    if let Some(event) = evidence.fall() {
         facts.push(Fact::Fallen {
             theta: event.state.theta,
             time: event.time,

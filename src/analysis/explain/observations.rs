@@ -63,8 +63,8 @@ impl ImpactTimes {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Observations {
     pub(super) momentum: MomentumHistory,
-    /// Angular momenta at the end of the first nutation.
-    pub(super) momentum_in_first_nutation: Option<MomentumState>,
+    /// Angular momenta at the end of each nutation.
+    pub(super) momentum_in_nutations: Vec<Option<MomentumState>>,
     /// Kinetic energy, J.
     pub(super) kinetic: Option<Ends>,
     /// Height of a free top's centre of mass above the table, m.
@@ -103,8 +103,9 @@ impl Observations {
                 let height = center_of_mass::POSITION.z().of(message);
                 Ends::take(&mut self.center_height, height);
             }
-            NUTATION if self.momentum_in_first_nutation.is_none() => {
-                self.momentum_in_first_nutation = self.latest_momentum();
+            NUTATION => {
+                let latest = self.latest_momentum();
+                self.momentum_in_nutations.push(latest);
             }
             EVENTS => self.take_event(message),
             IMPACTS => ImpactTimes::take(&mut self.impacts, seconds(message.time_ns)),

@@ -2,7 +2,7 @@
 
 use super::claim::{Claim, Hold, Inversion, Stopped};
 use super::course::Course;
-use super::drift::{Drift, drift};
+use super::drift::{self, Drift};
 use super::evidence::{Evidence, ROUNDED};
 use super::fact::{Fact, PrecessionRoot};
 use super::fixed;
@@ -34,7 +34,7 @@ pub struct Story {
 }
 
 /// A reason for what the claims leave open.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 enum Remark {
     /// A tippe top that has not turned over.
     NotInverted(NotInverted),
@@ -43,12 +43,20 @@ enum Remark {
         /// Whether it would without gravity, too.
         without_gravity: bool,
     },
-    /// A rise or fall on average.
+    /// A rise or fall on average, or a fall after a rise.
     Drifts(Drift),
 }
 
 impl Remark {
-    fn words(self) -> String {
+    /// Whether it is told before claims on what follows a rise or fall.
+    fn comes_first(&self) -> bool {
+        match self {
+            Self::NotInverted(_) | Self::SwingsDown { .. } => false,
+            Self::Drifts(drift) => drift.comes_first(),
+        }
+    }
+
+    fn words(&self) -> String {
         match self {
             Self::NotInverted(reason) => reason.words().to_owned(),
             Self::Drifts(drift) => drift.words(),
@@ -76,14 +84,26 @@ impl Story {
             .claims
             .iter()
             .partition(|claim| self.course.comes_first(claim));
-        let mut words: Vec<String> = first
-            .into_iter()
-            .chain(later)
-            .map(|claim| claim.words_in(self.course, &self.claims))
-            .collect();
-        words.extend(self.remark.map(Remark::words));
+        let mut words = Vec::new();
+        let mut remark = self.remark.as_ref();
+        for claim in first.into_iter().chain(later) {
+            if is_after_drift(claim) {
+                words.extend(
+                    remark
+                        .take_if(|remark| remark.comes_first())
+                        .map(Remark::words),
+                );
+            }
+            words.push(claim.words_in(self.course, &self.claims));
+        }
+        words.extend(remark.map(Remark::words));
         Some(words.join(" "))
     }
+}
+
+/// Whether a claim is about what follows a rise or fall on average.
+fn is_after_drift(claim: &Claim) -> bool {
+    claim.is_fall() || matches!(claim, Claim::SlipEnds { .. } | Claim::ComesToRest { .. })
 }
 
 /// The causes of a motion whose samples and events are all known.
@@ -111,8 +131,12 @@ pub(super) fn story(evidence: &Evidence) -> Story {
     claims.extend(rests(evidence));
     let history = &evidence.history;
     let has_fallen = history.first(EventKind::Fallen).is_some() || history.inverted.is_some();
-    let course = Course::new(&claims, has_fallen);
     let remark = remark(evidence, &claims);
+    let course = Course::new(
+        &claims,
+        has_fallen,
+        matches!(remark, Some(Remark::Drifts(_))),
+    );
     Story {
         claims,
         course,
@@ -127,13 +151,23 @@ fn remark(evidence: &Evidence, claims: &[Claim]) -> Option<Remark> {
     if !is_inversion_claimed && let Some(reason) = tippe::not_inverted(evidence) {
         return Some(Remark::NotInverted(reason));
     }
-    if claims
-        .iter()
-        .any(|claim| claim.is_rise() || claim.is_fall() || claim.is_inversion())
-    {
+    if claims.iter().any(Claim::is_inversion) {
         return None;
     }
-    swings_down(evidence, claims).or_else(|| drift(evidence).map(Remark::Drifts))
+    if evidence.scenario.is_frictionless() {
+        return swings_down(evidence, claims);
+    }
+    let least = evidence.observations.momentum.descent()?.from.time;
+    let rises = claims.iter().any(Claim::is_rise);
+    let falls = claims.iter().any(Claim::is_fall);
+    match (rises, falls) {
+        (true, true) => None,
+        (true, false) => drift::later_fall(evidence, least).map(Remark::Drifts),
+        (false, true) => drift::earlier_rise(evidence, least).map(Remark::Drifts),
+        (false, false) => {
+            swings_down(evidence, claims).or_else(|| drift::drift(evidence).map(Remark::Drifts))
+        }
+    }
 }
 
 /// A top that falls as it would without friction, as its energy and its angular momenta allow, and not because it is
@@ -336,7 +370,8 @@ fn friction_lowers(evidence: &Evidence) -> Option<Claim> {
     } = evidence.observations.momentum.descent()?;
     let increase = to.angle_to_axis - from.angle_to_axis;
     // The inclination of the axis is within `inclination` of its angle to the angular momentum.
-    let must_sink = increase > 2.0 * inclination;
+    // Beyond a right angle, the axis would turn towards the other end of the line.
+    let must_sink = increase > 2.0 * inclination && to.angle_to_axis < FRAC_PI_2;
     // Gravity and the normal force have no torque about the axis: only friction changes the part about it. If the whole
     // does not grow, only that can increase the angle.
     let loses = from.axial.abs() - to.axial.abs() > ROUNDED * from.axial.abs();
@@ -453,8 +488,9 @@ fn slips_after_grip(evidence: &Evidence) -> bool {
 }
 
 fn starts_in_air(evidence: &Evidence) -> bool {
-    let peg = evidence.summary.peg.as_ref();
-    peg.is_some_and(|peg| peg.first_flight == Some(0.0))
+    let scenario = &evidence.scenario;
+    // Another may lift off at once: nothing pulls it down to the table.
+    scenario.model.support.is_free() && scenario.start().is_in_flight(scenario.model.top.peg_radius)
 }
 
 fn bounces(evidence: &Evidence) -> Option<Claim> {

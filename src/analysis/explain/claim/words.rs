@@ -28,11 +28,6 @@ impl Claim {
         matches!(self, Self::StaysUpright { .. } | Self::Inverts { .. })
     }
 
-    /// Whether the top rises, and is more inclined in the end than at the start.
-    pub(in crate::analysis::explain) fn is_rise_undone(&self) -> bool {
-        matches!(self, Self::FrictionRaises { theta, theta_at_end, .. } if *theta_at_end > theta[0])
-    }
-
     /// The claim in words, as sentences of a paragraph about a motion of this course with these `claims`.
     #[allow(clippy::too_many_lines, reason = "a template for each claim")]
     pub(in crate::analysis::explain) fn words_in(&self, course: Course, claims: &[Self]) -> String {
