@@ -126,12 +126,12 @@ fn scenes(layout: &mut Layout, identity: &PairIdentity) -> Option<Child> {
     layout.contain_any(row(&[]), &views)
 }
 
-/// The title of a run's scene.
+/// The title of a run in a scene of both, short enough for names with changed keys. The summary says more of the colours.
 fn titled_run(identity: &PairIdentity, side: Side) -> String {
     let name = identity.name_of(side);
     match side {
-        Side::A => format!("A: {name} (blue, solid)"),
-        Side::B => format!("B: {name} (orange, translucent)"),
+        Side::A => format!("A (blue): {name}"),
+        Side::B => format!("B (orange): {name}"),
     }
 }
 
