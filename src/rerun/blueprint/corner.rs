@@ -75,23 +75,34 @@ fn free_corner(
                     time < WIDTH
                 }
             });
-            let hits: Vec<bool> = near
-                .map(|(_, range)| {
-                    if is_top {
-                        range[1] > high
-                    } else {
-                        range[0] < low
-                    }
-                })
-                .collect();
-            let count = hits.iter().filter(|is_hit| **is_hit).count();
-            covered += count as f64 / hits.len().max(1) as f64;
+            let (mut count, mut sum) = (0, 0.0);
+            for (_, range) in near {
+                count += 1;
+                let band = if is_top {
+                    [high, values[1]]
+                } else {
+                    [values[0], low]
+                };
+                sum += hidden_part(range, band, values[1] - values[0]);
+            }
+            covered += sum / f64::from(count.max(1));
         }
         if covered < best.1 || (covered <= best.1 && corner == preferred) {
             best = (corner, covered);
         }
     }
     best.0
+}
+
+/// How much of a curve with this range of values a legend in a band of values hides: one for the curve, and up to one more
+/// for the part of the chart's height that the curve fills behind the legend.
+fn hidden_part(range: [f64; 2], band: [f64; 2], height: f64) -> f64 {
+    let [low, high] = [range[0].max(band[0]), range[1].min(band[1])];
+    if low <= high {
+        1.0 + (high - low) / height
+    } else {
+        0.0
+    }
 }
 
 #[cfg(test)]
@@ -147,5 +158,19 @@ mod tests {
     fn bursts_are_avoided() {
         let burst = |time: f64| if time > 0.9 { 1.0 } else { 0.0 };
         assert_eq!(corner(burst, RightTop), LeftTop);
+    }
+
+    /// Where every corner hides a curve, one that fills the chart counts more than a line.
+    #[test]
+    fn legends_hide_lines_rather_than_bursts() {
+        let mut outline = Outline::new();
+        for step in 0..1000 {
+            let time = f64::from(step) / 1000.0;
+            let swing = if time < 0.3 { 0.5 } else { 0.0 };
+            let sign = if step % 2 == 0 { 1.0 } else { -1.0 };
+            outline.add((time * 1e10) as u64, 0.5 + sign * swing);
+        }
+        let corner = free_corner(LeftTop, &[&outline], 4, [0.0, 1.0], 1e10);
+        assert!([RightTop, RightBottom].contains(&corner), "{corner:?}");
     }
 }
