@@ -147,9 +147,10 @@ function showControls(keys) {
   controls.show(scenario, keys);
   knobs.show(scenario, keys);
   at("preset").value = scenario.preset.name;
-  at("description").replaceChildren(...typeset(scenario.preset.description ?? ""));
+  const isChanged = Object.keys(scenario.set).length > 0;
+  at("description").replaceChildren(...typeset(`${isChanged ? "Unchanged: " : ""}${scenario.preset.description ?? ""}`));
   at("source-of").textContent = OF_PAPER.includes(scenario.preset.name) ? "The paper:" : "Beyond the paper:";
-  at("reset").disabled = Object.keys(scenario.set).length === 0;
+  at("reset").disabled = !isChanged;
   for (const button of at("presets").children) button.setAttribute("aria-pressed", button.value === scenario.preset.name);
 }
 

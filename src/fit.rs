@@ -121,7 +121,7 @@ pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitErr
     let monitor = Monitor::new(progress);
     let First {
         mut fitted,
-        notes,
+        mut notes,
         origin,
         refused,
     } = first::first(request, &monitor)?;
@@ -176,6 +176,16 @@ pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitErr
             estimate.limit = Some(limit);
         }
     }
+    // The motion covers the held-out part, too, if it goes on so long.
+    let end = if held_out.is_some() {
+        split.last
+    } else {
+        split.end
+    };
+    let scenario = problem.scenario_for(&solution.values, end)?;
+    if solution.is_converged {
+        notes.extend(identify::aliasing(&problem.signals, &scenario));
+    }
     let report = Report {
         verdict,
         scenario: request.scenario.name().to_owned(),
@@ -194,15 +204,9 @@ pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitErr
         comparison,
         evaluations: monitor.evaluations(),
     };
-    // The motion covers the held-out part, too, if it goes on so long.
-    let end = if held_out.is_some() {
-        split.last
-    } else {
-        split.end
-    };
     Ok(Fit {
         report,
-        scenario: problem.scenario_for(&solution.values, end)?,
+        scenario,
         residuals: residuals(problem, solution, split, held_out.as_deref()),
         fields: problem.signals.iter().map(|signal| signal.field).collect(),
         covariance: solution.covariance.clone(),

@@ -5,8 +5,11 @@ use super::error::FitError;
 use super::model::{Effort, Point, Problem, Refusal};
 use super::parameter::{Parameter, SelectedParameter, Target};
 use super::plausibility::check_units;
+use super::signal::Signal;
 use super::statistics::{NULL_EIGENVALUE, ScaledGram};
+use crate::physics::kinematics::Tilt;
 use crate::run::plural::plural;
+use crate::run::scenario::Scenario;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 
@@ -21,7 +24,7 @@ const NO_COMPONENT: f64 = 1e-3;
 pub(super) struct Identified {
     /// The parameters that the data show.
     pub parameters: Vec<Parameter>,
-    /// Sentences on parameters of a group that were left out, and on the sampling.
+    /// Sentences on parameters of a group that were left out.
     pub notes: Vec<String>,
 }
 
@@ -126,7 +129,6 @@ pub(super) fn identify(
             pronoun(hardly_shown.len()),
         ));
     }
-    notes.extend(aliasing(problem));
     Ok(Identified {
         parameters: free,
         notes,
@@ -385,17 +387,13 @@ fn degeneracy(parameters: &[Parameter], changes: &[f64]) -> Degeneracy {
     }
 }
 
-/// A sentence if a signal is sampled too slowly for the nutation.
-fn aliasing(problem: &Problem) -> Option<String> {
-    let scenario = &problem.scenario;
-    let tilt = crate::physics::kinematics::Tilt::from_rates(scenario.angles.theta, scenario.rates);
-    let top = &scenario.model.top;
+/// A sentence if a signal is sampled too slowly for the nutation of this motion.
+pub(super) fn aliasing(signals: &[Signal], motion: &Scenario) -> Option<String> {
+    let tilt = Tilt::from_rates(motion.angles.theta, motion.rates);
+    let top = &motion.model.top;
     // A small nutation turns with the angular momentum about the axis, divided by I_x.
     let nutation = (top.axial_moment * tilt.axial_rate() / top.transverse_moment).abs() / TAU;
-    let periods = problem
-        .signals
-        .iter()
-        .filter_map(super::signal::Signal::period);
+    let periods = signals.iter().filter_map(Signal::period);
     let rate = 1.0 / periods.fold(0.0, f64::max);
     (rate < 2.0 * nutation).then(|| {
         format!(

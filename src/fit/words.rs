@@ -90,10 +90,14 @@ impl Words {
     fn move_note(&mut self, report: &Report) {
         let note = std::mem::take(&mut self.note);
         if report.loss == Loss::Squares && report.quality.p_value.is_none() {
-            self.remarks.push(
-                "How well the fit describes the data is not tested, because the size of their errors was estimated from the data themselves. To test it, say how right the angles are."
-                    .to_owned(),
-            );
+            let untested = if report.verdict == Verdict::Fitted {
+                "The deviations look like noise; whether they are only as large as the errors of the measurement is not tested"
+            } else {
+                "Whether the deviations are only as large as the errors of the measurement is not tested"
+            };
+            self.remarks.push(format!(
+                "{untested}, because the size of these was estimated from the data themselves. To test it, say how right the angles are."
+            ));
         } else if !note.is_empty() {
             self.extent.push(format!("{note}."));
         }

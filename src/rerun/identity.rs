@@ -90,8 +90,8 @@ impl Identity {
             title: format!("{} · {peg} peg · friction: {law}", scenario.title()),
             description: format!(
                 "# {}\n\n{}\n\n```toml\n{}```\n",
-                scenario.name(),
-                scenario.description(),
+                scenario.title(),
+                scenario.valid_description().unwrap_or_default(),
                 scenario.to_toml()
             ),
             geometry: Geometry {

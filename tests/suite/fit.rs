@@ -1,6 +1,6 @@
 //! `toprise fit`.
 
-use crate::support::{Folder, assert_contains};
+use crate::support::{Folder, assert_contains, scenario};
 use serde_json::Value;
 use std::f64::consts::PI;
 use std::fs;
@@ -1464,4 +1464,23 @@ fn refuses_scenario_files_with_other_extensions() {
         "fit full-coulomb none.csv --free friction.k --scenario best.mcap",
         "--scenario writes a scenario file: call it best.toml",
     );
+}
+
+/// The nutation of the start values may have another frequency than that of the data.
+#[test]
+fn remark_on_sampling_is_about_the_fitted_motion() {
+    let spinning = |spin| scenario("full-coulomb", &[("initial.psi_dot", spin)]);
+    let data = measure(&spinning("185"), 30.0, 3.0, &THETA_PHI, Some(3));
+    let mut remarks = Vec::new();
+    for start in ["170", "190"] {
+        let request = Request::new(spinning(start), data.clone(), &["friction.k", "initial"]);
+        let notes = fit(&request, &|_| {}).unwrap().report.notes;
+        remarks.extend(
+            notes
+                .into_iter()
+                .filter(|note| note.contains("is sampled at")),
+        );
+    }
+    assert_eq!(remarks.len(), 2);
+    assert_eq!(remarks[0], remarks[1]);
 }

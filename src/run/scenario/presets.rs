@@ -56,11 +56,26 @@ impl Scenario {
 
     /// The name, followed by up to two keys that differ from the preset of that name, e.g. `paper, friction.k = 0.02`.
     pub fn title(&self) -> String {
-        let preset = PRESETS.iter().find(|preset| preset.name == self.name());
-        match preset.map(Preset::values) {
-            Some(Ok(preset)) => self.title_from(&preset),
-            _ => self.name().to_owned(),
+        match self.preset_values() {
+            Some(preset) => self.title_from(&preset),
+            None => self.name().to_owned(),
         }
+    }
+
+    /// The description, if it is about this scenario: that of a preset does not hold once keys are changed.
+    pub fn valid_description(&self) -> Option<&str> {
+        let description = self.description();
+        let is_of_other = self.preset_values().is_some_and(|preset| {
+            preset.optional_text("description") == Some(description)
+                && self.changes(&preset).next().is_some()
+        });
+        (!description.is_empty() && !is_of_other).then_some(description)
+    }
+
+    /// The values of the preset of this name.
+    fn preset_values(&self) -> Option<Values> {
+        let preset = PRESETS.iter().find(|preset| preset.name == self.name())?;
+        preset.values().ok()
     }
 
     /// The name, followed by up to two keys that differ from `base`.
