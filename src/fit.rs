@@ -41,6 +41,7 @@ mod scan;
 mod sigma;
 mod signal;
 mod solve;
+mod spin_guess;
 mod statistics;
 mod step_limit;
 mod table;

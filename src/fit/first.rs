@@ -5,11 +5,16 @@ use super::fitted::{Fitted, Split};
 use super::law::Refused;
 use super::model::Problem;
 use super::monitor::Monitor;
+use super::numbers::format_rounded;
 use super::prepare::{Prepared, prepare};
 use super::request::Request;
 use super::solve::{Solution, grow_window, refused_step};
+use super::spin_guess::start_with_measured_spin;
 use super::step_limit::MAX_MOTIONS;
 use super::{law, modes, offset, sigma};
+
+/// The motions whose steps a search may take that starts with the spin of the data: these took the steps of 40 to 310.
+const NEAR_MOTIONS: u64 = MAX_MOTIONS / 2;
 
 /// The first law that can be fitted.
 pub(super) struct First {
@@ -60,7 +65,7 @@ fn fit_law(request: &Request, monitor: &Monitor<'_>) -> Result<First, FitError> 
         mut notes,
         origin,
     } = prepare(request)?;
-    let (solution, split) = solve_all(&mut problem, request, monitor)?;
+    let (solution, split) = solve_from_any(&mut problem, &mut notes, request, monitor)?;
     if problem.step_limit.is_exceeded() && !solution.is_converged {
         notes.push(format!(
             "The search was given up after {MAX_MOTIONS} times the steps of the motion at the start."
@@ -89,18 +94,51 @@ fn fit_law(request: &Request, monitor: &Monitor<'_>) -> Result<First, FitError> 
     })
 }
 
+/// Fits all signals, from the start of the request or, if that leads nowhere, with the spin that the precession shows.
+fn solve_from_any(
+    problem: &mut Problem,
+    notes: &mut Vec<String>,
+    request: &Request,
+    monitor: &Monitor<'_>,
+) -> Result<(Solution, Split), FitError> {
+    let unsolved = problem.clone();
+    let solved = solve_all(problem, request, &unsolved.start(), MAX_MOTIONS, monitor);
+    let leads_nowhere = match &solved {
+        Ok((solution, _)) => !solution.is_converged,
+        Err(error) => error.is_of_motion(),
+    };
+    let guess = start_with_measured_spin(&unsolved);
+    let Some(start) = guess.filter(|_| leads_nowhere) else {
+        return solved;
+    };
+    let mut again = unsolved;
+    match solve_all(&mut again, request, &start.values, NEAR_MOTIONS, monitor) {
+        Ok((solution, split)) if solution.is_converged => {
+            *problem = again;
+            notes.push(format!(
+                "From the start no minimum was found. The search began again with initial.psi_dot = {} rad/s, the spin that belongs to the precession at the beginning of the data.",
+                format_rounded(start.spin, 4)
+            ));
+            Ok((solution, split))
+        }
+        Err(error) if !error.is_of_motion() => Err(error),
+        Ok(_) | Err(_) => solved,
+    }
+}
+
 /// Fits all signals; estimates standard deviations that are not given.
 fn solve_all(
     problem: &mut Problem,
     request: &Request,
+    start: &[f64],
+    max_motions: u64,
     monitor: &Monitor<'_>,
 ) -> Result<(Solution, Split), FitError> {
     let mut split = Split::from_first_file(problem, request.holdout);
     let has_offsets = request.data.files > 1;
-    let start = problem.start();
-    problem.limit_steps(&split.fitted, MAX_MOTIONS * request.data.files as u64);
+    problem.limit_steps(&split.fitted, max_motions * request.data.files as u64);
     // The first file alone gives a motion with which the clocks of the others are compared.
-    let mut solution = grow_window(problem, &split.fitted, &start, has_offsets, monitor)?;
+    let mut solution = grow_window(problem, &split.fitted, start, has_offsets, monitor)?;
     if has_offsets {
         let (joint, points) = offset::fit_offsets(problem, solution.values, &split, monitor)?;
         split.fit_points(problem, &joint.values, points);

@@ -1484,3 +1484,27 @@ fn remark_on_sampling_is_about_the_fitted_motion() {
     assert_eq!(remarks.len(), 2);
     assert_eq!(remarks[0], remarks[1]);
 }
+
+/// A start that is much too slow, too fast, or spins the other way.
+#[test]
+fn precession_shows_a_spin_from_which_the_fit_succeeds() {
+    let spinning = |spin| scenario("full-coulomb", &[("initial.psi_dot", spin)]);
+    let data = measure(&spinning("185"), 30.0, 3.0, &THETA_PHI, Some(4));
+    for start in ["40", "300", "-170"] {
+        let request = Request::new(spinning(start), data.clone(), &["friction.k", "initial"]);
+        let report = fit(&request, &|_| {}).unwrap().report;
+        assert_eq!(report.verdict, Verdict::Fitted, "from {start}");
+        let mut parameters = report.parameters.iter();
+        let spin = parameters.find(|p| p.name == "initial.psi_dot").unwrap();
+        let [low, high] = spin.interval.unwrap();
+        assert!(
+            (low..=high).contains(&185.0),
+            "from {start}: {low} to {high}"
+        );
+        let remark = report
+            .notes
+            .iter()
+            .find(|note| note.contains("began again"));
+        assert!(remark.is_some(), "from {start}: {:?}", report.notes);
+    }
+}
