@@ -205,6 +205,9 @@ fn sweep(arguments: &SweepArguments, drafts: &Drafts) -> Result<Status, Error> {
             "several scenarios have the name {name}: give them different names"
         ));
     }
+    if sweep.spec().rows() == 1 {
+        output::warn("the sweep has one run: vary a key, e.g. --over friction.k=0.01..0.1/10");
+    }
     let left = remaining_rows(&sweep, &arguments.output, arguments.shard)?;
     // From here on Ctrl-C keeps the parts that are complete.
     interrupt::watch(drafts)?;

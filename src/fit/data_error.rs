@@ -401,10 +401,15 @@ pub enum MemberError {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SignalError {
     /// There is no such field.
-    #[error("unknown field {name}; fields: {known}")]
+    #[error("unknown field {name}{}", match similar[..] {
+        [] => format!("; fields: {known}"),
+        _ => did_you_mean(similar),
+    })]
     UnknownField {
         /// The name that no field has.
         name: String,
+        /// The paths of similar ones.
+        similar: Vec<&'static str>,
         /// The fields that can be measured.
         known: String,
     },

@@ -4,7 +4,7 @@ use super::column::{plain, without_data_set};
 use super::data_error::{DataError, SignalError};
 use super::place::{Place, ValuePlace};
 use super::unit::{Dimension, split_number};
-use crate::run::suggestion::suggestion;
+use crate::run::suggestion::similar_names;
 use crate::telemetry::Topic;
 use crate::telemetry::fields::{
     ACCELERATION, CENTER_OF_MASS, FREE_PEG, NumberField, POSE, STATE, pose, state,
@@ -207,10 +207,8 @@ fn find_field(name: &str) -> Result<NumberField, SignalError> {
     let mut fields = measurable();
     let exact = fields.find(|field| field.to_string() == lower || field.path() == lower);
     known.or(exact).ok_or_else(|| SignalError::UnknownField {
-        name: format!(
-            "{name}{}",
-            suggestion(name, measurable().map(NumberField::path))
-        ),
+        name: name.to_owned(),
+        similar: similar_names(name, measurable().map(NumberField::path)),
         known: measurable()
             .map(|field| field.to_string())
             .collect::<Vec<_>>()

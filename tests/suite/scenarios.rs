@@ -123,7 +123,7 @@ fn errors_name_key_value_and_allowed_values() {
         ("roling.arm=1", "did you mean rolling.arm?"),
         (
             "psi_dot=1",
-            "unknown key psi_dot (did you mean initial.psi_dot?) | stop.duration",
+            "unknown key psi_dot (did you mean initial.psi_dot?)",
         ),
         ("kk=1", "did you mean friction.k or drilling.k?"),
         ("duratio=1", "did you mean stop.duration?"),

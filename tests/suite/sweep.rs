@@ -1304,6 +1304,13 @@ fn warns_of_shared_names() {
 }
 
 #[test]
+fn warns_of_a_sweep_that_varies_nothing() {
+    let folder = Folder::new();
+    let line = "sweep paper --set stop.duration=0.001 -o a.parquet";
+    assert_contains(&folder.toprise(line, 0).stderr, "vary a key, e.g. --over");
+}
+
+#[test]
 fn refuses_dash_as_a_file() {
     let folder = Folder::new();
     folder.refuses("sweep --table - -o a.parquet", "error: -");

@@ -223,10 +223,12 @@ impl fmt::Display for ScenarioError {
                 }
                 write!(f, ". For a scenario file, give the path, e.g. ./{name}.toml")
             }
-            Problem::UnknownKey { similar, allowed } => write!(
+            Problem::UnknownKey { similar, .. } if !similar.is_empty() => {
+                write!(f, "unknown key {key}{}", did_you_mean(similar))
+            }
+            Problem::UnknownKey { allowed, .. } => write!(
                 f,
-                "unknown key {key}{}; allowed: {}",
-                did_you_mean(similar),
+                "unknown key {key}; allowed: {}",
                 allowed.join(", ")
             ),
             Problem::NotAllowed {
