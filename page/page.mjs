@@ -93,7 +93,6 @@ async function simulate() {
   at("digest").textContent = "";
   events.show(state.run.events);
   draw();
-  at("reading").classList.add("waiting");
   ask();
 }
 
@@ -154,21 +153,35 @@ function showControls(keys) {
   for (const button of at("presets").children) button.setAttribute("aria-pressed", button.value === scenario.preset.name);
 }
 
+/** Dims a text of other runs than those that are shown, until its own has come. */
+const setBusy = (id, isBusy) => at(id).setAttribute("aria-busy", isBusy);
+
 /** Requests the explanation and the comparison once input has paused. */
 let waiting;
 function ask() {
   clearTimeout(waiting);
-  waiting = setTimeout(async () => {
-    const { run, pinned } = state;
-    showExplanation(at("story"), at("explanation"), await helper.request({ explain: run.scenario }));
-    at("reading").classList.remove("waiting");
-    if (pinned) await compare(pinned, run);
-  }, 300);
+  const { run, pinned } = state;
+  const isPair = Boolean(pinned) && pinned.digest !== run.digest;
+  setBusy("why", true);
+  setBusy("compared", isPair);
+  if (pinned && !isPair) showComparison(at("comparison"), { error: "This run is kept as A. Change a value to compare it with B." });
+  // A table of earlier runs stays, dimmed, so that what is below it doesn't jump; a note about them would be wrong.
+  else if (pinned && !at("comparison").querySelector("table")) showComparison(at("comparison"), { error: "Comparing …" });
+  waiting = setTimeout(() => answer(run, pinned, isPair), 300);
 }
 
-async function compare(a, b) {
-  if (a.digest === b.digest) showComparison(at("comparison"), { error: "This run is kept as A. Change a value to compare it with B." });
-  else showComparison(at("comparison"), await helper.request({ compare: { a: a.scenario, b: b.scenario } }));
+/** Shows the explanation of a run, and its comparison with the pinned one, unless others have been chosen meanwhile. */
+async function answer(run, pinned, isPair) {
+  const isShown = () => run === state.run && pinned === state.pinned;
+  const explanation = await helper.request({ explain: run.scenario });
+  if (!isShown()) return;
+  showExplanation(at("story"), at("explanation"), explanation);
+  setBusy("why", false);
+  if (!isPair) return;
+  const comparison = await helper.request({ compare: { a: pinned.scenario, b: run.scenario } });
+  if (!isShown()) return;
+  showComparison(at("comparison"), comparison);
+  setBusy("compared", false);
 }
 
 /** The runs to draw: the pinned run, if any, and the edited one. */

@@ -132,6 +132,29 @@ const tests = {
     assert.deepEqual(rows.slice(0, 3), ["24.7194", "16.4733", "−8.25 s ± 54.1 ms"]);
     await shot(tab, "pair");
   },
+  async "a comparison of earlier runs is dimmed from the moment another run is shown"(tab) {
+    await tab.click("#pin");
+    await tab.waitForFunction(() => document.getElementById("comparison").textContent.includes("This run is kept as A."));
+    for (const preset of ["tippe-top", "drop", "paper"]) {
+      /** What the comparison says when the run's name changes, and whether it is dimmed. */
+      const seen = tab.evaluate(
+        (start) =>
+          new Promise((resolve) => {
+            const [named, compared] = ["summary", "compared"].map((id) => document.getElementById(id));
+            const look = () => named.textContent.includes(start) && resolve([compared.getAttribute("aria-busy"), compared.textContent]);
+            new MutationObserver(() => requestAnimationFrame(look)).observe(named, { childList: true });
+          }),
+        `B: ${await titleOf(tab, preset)}:`,
+      );
+      await tab.click(`#presets [value="${preset}"]`);
+      const [isBusy, text] = await seen;
+      const isA = preset === "paper";
+      assert.equal(isBusy, String(!isA), preset);
+      assert.equal(text.includes("This run is kept as A."), isA, `${preset}: ${text}`);
+      await tab.waitForSelector('#compared[aria-busy="false"]');
+      assert.equal(await tab.locator("#comparison table").count(), isA ? 0 : 1);
+    }
+  },
   async "arrows keep their scale when friction changes, and are chosen by checkboxes"(tab) {
     const scale = await tab.textContent("#scale-force");
     assert.equal(scale, "(1 cm = 20 mN)");
@@ -728,7 +751,7 @@ const tests = {
       await tab.goto("about:blank");
       await tab.goto(`${url}#${link}`);
       await tab.waitForSelector("#comparison p", { timeout: 120_000 });
-      await tab.waitForFunction(() => !document.getElementById("comparison").textContent.startsWith("This run is kept"));
+      await tab.waitForFunction(() => document.getElementById("compared").ariaBusy === "false" && !document.getElementById("comparison").textContent.startsWith("This run is kept"));
       assert.match(await tab.textContent("#comparison p"), sentence);
     }
   },
