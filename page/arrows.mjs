@@ -1,6 +1,7 @@
 // The arrows of the 3D view and their scales.
 
-import { roundedUp } from "./axes.mjs";
+import { indexAt, roundedUp } from "./axes.mjs";
+import { fixed, prefixFor } from "./numbers.mjs";
 
 /** Longest and shortest drawn length of the largest value in a run, in sizes of the top. */
 const LONGEST = 1.2;
@@ -77,6 +78,15 @@ export function arrowScale(runs, name) {
   while (bound > LONGEST * size * scale) scale = roundedUp(1.5 * scale);
   while (bound > 0 && bound < SHORTEST * size * scale) scale /= 10;
   return scale;
+}
+
+/** The angular momentum of a run at a time, in the unit of its largest value: `horizontal 5.90, vertical 10.95 mN m s`. */
+export function momentumParts(run, time) {
+  const { momentum } = ARROWS;
+  const [x, y, z] = vectorAt(run, momentum, indexAt(run.columns.time, Math.min(time, run.end)));
+  const [factor, prefix] = prefixFor(boundOf(run, "momentum"));
+  const [flat, upright] = [Math.hypot(x, y), z].map((part) => fixed(part / factor, 2));
+  return `horizontal ${flat}, vertical ${upright} ${prefix}${momentum.unit}`;
 }
 
 /** The power of ten of a metre that suits a scale bar beside the runs. */

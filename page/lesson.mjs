@@ -25,7 +25,7 @@ export const STEPS_OF_LESSON = [
     ours: "full-coulomb",
     arrows: ["torque", "momentum"],
     question: "Friction acts on the peg, along the table. How can it turn the axis upright?",
-    watch: "the angular momentum L (green), its horizontal part, and the friction torque τ, drawn at the tip of the horizontal part.",
+    watch: "the angular momentum L (green), its horizontal part, and the friction torque τ, drawn at the tip of the horizontal part. The size of both parts of L is below the picture.",
     answer:
       "The friction torque is horizontal and points against the horizontal part of L. So it shortens that part, from 5.90 to 0.22 mN m s, and leaves the vertical part at 10.95 mN m s (1 mN m s = 0.001 kg m²/s). L becomes vertical; a fast top's axis stays near L, so the axis becomes vertical too. Gravity only turns L about the vertical.",
   },
@@ -35,7 +35,7 @@ export const STEPS_OF_LESSON = [
     arrows: ["slip", "force"],
     question: "The centre of mass rises, although friction takes energy away. What pays for it?",
     watches: "energy",
-    watch: "the energy areas, and the numbers below them near the end of the run.",
+    watch: "the energy areas: spin (blue) becomes heat. The height (green) changes too little to be seen there; the numbers below show it.",
     answer:
       "The spin. It loses 239.7 mJ: 2.6 mJ of them lift the top, 237.1 mJ become heat. The spin ω·n falls from 27.3 to 24.0 rev/s. To rise by 2.4 mm is cheap, to do it by slipping is not.",
   },
@@ -53,12 +53,22 @@ export const STEPS_OF_LESSON = [
     title: "Why does a tippe top turn over?",
     ours: "tippe-top",
     arrows: ["slip", "force"],
-    question: "Its centre of mass lies below the middle of the ball, and still it rises. After it has turned over, which way does it spin?",
+    question: "Its centre of mass lies below the middle of the ball, and still it rises. What makes it turn over? And which way does it spin then?",
     watch: "the spin about its own axis, ω·n, and the sense in which it turns seen from above.",
     answer:
-      "Again friction turns the axis, and the spin pays: the centre of mass rises by 12.0 mm while 5.0 mJ become heat. The axis passes the horizontal at 5.5 s. Seen from above the top keeps its sense of rotation; about its own axis it therefore spins the other way, at −6.8 instead of 12.7 rev/s.",
+      "It slips. Friction at the contact point takes energy, but can't change Jellett's integral: the angular momentum along the line from the centre of mass to the contact point, times its length. Turned over, the line is longer (26 instead of 14 mm), so less spin is enough: 2.9 instead of 10.2 mJ of motion. Of the rest, 2.4 mJ lift the centre of mass by 12.0 mm, and 5.0 mJ become heat. Seen from above it spins as before; about its own axis therefore the other way, at −6.8 instead of 12.7 rev/s.",
   },
 ];
+
+/** The way from a step to those beside it; the last one leads out of the lesson. */
+function stepLinks(number, leave) {
+  const back = number > 1 ? [element("a", { href: `#lesson=${number - 1}`, textContent: "Back" })] : [];
+  const next = STEPS_OF_LESSON[number];
+  const onward = next
+    ? element("a", { href: `#lesson=${number + 1}`, textContent: `Next: ${next.title}`, className: "onward" })
+    : element("button", { type: "button", textContent: "Try your own", className: "onward", onclick: leave });
+  return element("p", { className: "steps" }, ...back, onward);
+}
 
 /** The strip with the step of the lesson. `open(step)` is called with a number from 1, or 0 to leave the lesson; `answered()` when the answer is opened. */
 export class Lesson {
@@ -82,7 +92,7 @@ export class Lesson {
     this.place.replaceChildren(
       element("nav", { ariaLabel: "Steps of the lesson" }, "Lesson ", ...steps, element("button", { type: "button", textContent: "Leave", onclick: () => this.open(0) })),
       element("div", {}, element("h2", { textContent: `${this.step}. ${title}` }), element("p", { textContent: question }), element("p", { className: "watch" }, element("b", { textContent: "Watch " }), watch)),
-      element("details", { ontoggle: ({ target }) => target.open && this.answered() }, element("summary", { textContent: "Answer" }), element("p", { textContent: answer })),
+      element("details", { ontoggle: ({ target }) => target.open && this.answered() }, element("summary", { textContent: "Answer" }), element("p", { textContent: answer }), stepLinks(this.step, () => this.open(0))),
     );
   }
 }

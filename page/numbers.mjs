@@ -23,10 +23,12 @@ const UNIT = /(?<=[\d⁰¹²³⁴-⁹]) (?=(?:[mµnc]?(?:rad|rev|s|m|J|N|g|W)|kg
 /** A text in which no line ends between a number and its unit. */
 export const unbroken = (text) => text.replaceAll(UNIT, "\u00a0");
 
+/** The SI prefix that suits values of a size, with its factor. */
+export const prefixFor = (size) => PREFIXES.find(([factor]) => size >= 0.9995 * factor) ?? (size === 0 ? PREFIXES[0] : PREFIXES.at(-1));
+
 /** A quantity with an SI prefix: `5 mN`. */
 export function prefixed(value, unit, digits = 3) {
-  const size = Math.abs(value);
-  const [factor, prefix] = PREFIXES.find(([factor]) => size >= 0.9995 * factor) ?? (size === 0 ? PREFIXES[0] : PREFIXES.at(-1));
+  const [factor, prefix] = prefixFor(Math.abs(value));
   return `${written(value / factor, digits)} ${prefix}${unit}`;
 }
 

@@ -1,6 +1,6 @@
 // The page's state: the edited scenario, its run, and a pinned run for comparison.
 
-import { ARROWS, labelColor } from "./arrows.mjs";
+import { ARROWS, labelColor, momentumParts } from "./arrows.mjs";
 import { Controls } from "./controls.mjs";
 import { Curves } from "./curves.mjs";
 import { at, element, typeset } from "./elements.mjs";
@@ -208,7 +208,7 @@ function draw() {
     curves.draw(runs, window, state.window !== null, time, seen);
     energy.draw(runs, window, time, seen);
     view.draw(runs, time, state.isPlaying ? (frame / 1000) * state.speed : 0);
-    showArrows(runs);
+    showArrows(runs, time);
     showEnergy(runs, time);
     at("time").max = latest();
     at("time").value = time;
@@ -217,8 +217,10 @@ function draw() {
   });
 }
 
-/** The scales beside the checkboxes of the arrows. */
-function showArrows(runs) {
+/** The scales beside the checkboxes of the arrows, and the parts of L below them. */
+function showArrows(runs, time) {
+  const parts = runs.map(({ run, letter }) => `L${runs.length > 1 ? ` of ${letter}` : ""}: ${momentumParts(run, time)}`);
+  at("momentum-parts").textContent = view.shown.momentum ? parts.join("; ") : "";
   for (const name of Object.keys(ARROWS)) {
     const legend = view.legend(runs.map(({ run }) => run), name);
     const small = at(`scale-${name}`);
@@ -397,9 +399,11 @@ async function copy(text, button) {
   setTimeout(() => (button.textContent = label), 1000);
 }
 
-/** Opens the address: a scenario, a pair, or a step of the lesson. */
+/** Opens the address: a scenario, a pair, or a step of the lesson. An address that is followed meanwhile replaces it. */
+let opened = 0;
 async function open() {
   if (location.hash === "#teacher") return;
+  const turn = ++opened;
   const wanted = parseLink(location.hash);
   const step = STEPS_OF_LESSON[wanted.lesson - 1];
   // A step as it was opened, not one in which something has been changed.
@@ -413,9 +417,11 @@ async function open() {
   showPinned();
   if (theirs) {
     await start(theirs);
+    if (turn !== opened) return;
     if (state.run) pin(true);
   }
   await start((isWholeStep ? step.ours : wanted.ours) || DEFAULT);
+  if (turn !== opened) return;
   if (state.run && wanted.moment !== null) choose(wanted.moment);
   document.body.classList.add("ready");
 }

@@ -252,7 +252,7 @@ const tests = {
     const runs = ["No friction:", "Full friction:", "Full friction:", "Full friction, friction k = 0.06:", "Tippe top:"];
     await tab.click("#to-lesson");
     for (const [index, run] of runs.entries()) {
-      if (index > 0) await tab.click(`#lesson nav a:nth-of-type(${index + 1})`);
+      if (index > 0) await tab.click("#lesson .onward");
       await tab.waitForSelector(`#lesson a[aria-current=step]:has-text("${index + 1}")`);
       // The guess comes first: paused at the start, without the outcome.
       await becomes(tab, "Guess first.");
@@ -268,12 +268,21 @@ const tests = {
       assert.notEqual(await picture(tab, "curves"), hidden);
       assert.equal(await tab.isVisible("#compared"), index === 0 || index === 3);
       assert.ok(await tab.isVisible("#lesson details p"));
+      const momentum = (await tab.textContent("#momentum-parts")).slice(0, 13);
+      assert.equal(momentum, index === 1 ? "L: horizontal" : "");
       const { y, height } = await tab.locator("#player").boundingBox();
       assert.ok(y + height <= 768, `the player is below the fold in step ${index + 1}`);
       await shot(tab, `lesson-${index + 1}`);
     }
     assert.equal(await tab.isChecked("#show-torque"), false);
-    await tab.click("#lesson button");
+    await tab.click("#lesson details a:has-text('Back')");
+    await tab.waitForSelector('#lesson a[aria-current=step]:has-text("4")');
+    // At once, while A of the fourth step is being simulated.
+    await tab.goto(`${url}#lesson=5`);
+    await tab.click("#lesson summary");
+    await becomes(tab, "Tippe top:");
+    assert.equal(await tab.textContent("#lesson .onward"), "Try your own");
+    await tab.click("#lesson .onward");
     assert.ok(!(await tab.isVisible("#lesson")));
     assert.equal(new URL(tab.url()).hash, "#tippe-top");
     const second = await open("#lesson=2");

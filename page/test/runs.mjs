@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { gunzipSync } from "node:zlib";
-import { ARROWS, arrowScale, vectorAt } from "../arrows.mjs";
+import { ARROWS, arrowScale, momentumParts, vectorAt } from "../arrows.mjs";
 import { axisRange, axisTicks, constantOf, scaleOf } from "../axes.mjs";
 import { sliderRange, validText, valueAt } from "../controls.mjs";
 import { quantities } from "../curves.mjs";
@@ -62,6 +62,8 @@ const tests = {
       const along = (axis[0] * c.momentum_x[i] + axis[1] * c.momentum_y[i] + axis[2] * c.momentum_z[i]) / Math.hypot(part, c.momentum_z[i]);
       assert.ok(along > Math.cos((2 * Math.PI) / 180));
     });
+    assert.equal(momentumParts(run, 0), "horizontal 5.90, vertical 10.95 mN m s");
+    assert.equal(momentumParts(run, run.end), "horizontal 0.22, vertical 10.95 mN m s");
     says(2, `from ${fixed(1e3 * flat(run, 0), 2)} to ${fixed(1e3 * flat(run, -1), 2)} mN m s, and leaves the vertical part at 10.95 mN m s`);
   },
   async "lesson 3: the spin pays"() {
@@ -97,9 +99,15 @@ const tests = {
     const run = await runOf(STEPS_OF_LESSON[4].ours);
     const { columns: c } = run;
     const [height, , , heat] = energyChanges(run, run.end).map((change) => 1e3 * change);
-    says(5, `rises by ${fixed(height / run.top.weight, 1)} mm while ${fixed(heat, 1)} mJ become heat`);
-    const passes = c.time[c.theta.findIndex((theta) => theta > Math.PI / 2)];
-    says(5, `at ${fixed(passes, 1)} s`);
+    const motion = [0, -1].map((index) => c.kinetic.at(index));
+    says(5, `${fixed(1e3 * motion[1], 1)} instead of ${fixed(1e3 * motion[0], 1)} mJ of motion. Of the rest, ${fixed(height, 1)} mJ lift the centre of mass by ${fixed(height / run.top.weight, 1)} mm, and ${fixed(heat, 1)} mJ become heat`);
+    // Jellett's integral at the start, and the least energy of motion with it once the top has turned over.
+    const [l, tilt] = [Number(tables.presets.find(({ name }) => name === "tippe-top").values["top.center_distance"]), c.theta[0]];
+    const { peg_radius: radius, axial_moment: moment } = run.top;
+    const [line, turnedLine] = [Math.hypot(radius * Math.cos(tilt) + l, radius * Math.sin(tilt)), radius - l];
+    says(5, `${fixed(1e3 * turnedLine, 0)} instead of ${fixed(1e3 * line, 0)} mm`);
+    const jellett = moment * c.axial_rate[0] * (radius * Math.cos(tilt) + l);
+    assert.ok(Math.abs(motion[1] / (jellett ** 2 / (2 * moment * turnedLine ** 2)) - 1) < 1e-3);
     assert.ok(c.momentum_z.every((vertical) => vertical > 0));
     says(5, `at ${fixed(revolutions(last(c.axial_rate)), 1)} instead of ${fixed(revolutions(c.axial_rate[0]), 1)} rev/s`);
   },
