@@ -17,7 +17,7 @@ export const KEYS = [
 ];
 
 const GESTURES = [
-  ["Drag the picture", "turn the view; pinch to come closer"],
+  ["Drag the picture", "turn the view; pinch, or Ctrl + wheel, to come closer"],
   ["Click or drag the curves", "go to that time"],
   ["Pinch, or Ctrl + wheel, on the curves", "zoom; two fingers, or Shift + drag, move along"],
   ["Double-click the curves", "show the whole run"],

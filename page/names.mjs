@@ -37,6 +37,17 @@ function changeText(path, value, keys) {
   return `${keyName(path)} = ${writtenValue(value)}${unit ? ` ${unit}` : ""}`;
 }
 
+/** Whether a changed key belongs to a switch of friction: without friction, its other keys and stop conditions are gone. */
+const goesWithFriction = ([path, value]) => path.startsWith("friction.") || (path.startsWith("stop.") && value === "");
+
+/** Changed keys in words, with their paths and values. Friction that is off is one change: its other keys went with it. */
+function namedChanges({ set }, keys) {
+  const changes = Object.entries(set);
+  if (set["friction.law"] !== "none") return changes.map(([path, value]) => ({ path, value, text: changeText(path, value, keys) }));
+  const others = changes.filter((change) => !goesWithFriction(change)).map(([path, value]) => ({ path, value, text: changeText(path, value, keys) }));
+  return [{ path: "friction.law", value: "none", text: "without friction" }, ...others];
+}
+
 /**
  * The parts of a run's name, those that distinguish it from `other` first. The preset is left out where it doesn't: if
  * both have the same and the run has changes.
@@ -44,11 +55,11 @@ function changeText(path, value, keys) {
 export function nameParts(run, other) {
   const { scenario, keys } = run;
   // A time limit is no property of the top, and only shortens its name where there is little room.
-  const changes = Object.entries(scenario.set).filter(([path]) => !path.startsWith("stop.") || scenario.preset === other.preset);
-  const isNew = ([path, value]) => other.set[path] !== value;
+  const changes = namedChanges(scenario, keys).filter(({ path }) => !path.startsWith("stop.") || scenario.preset === other.preset);
+  const isNew = ({ path, value }) => other.set[path] !== value;
   const inOrder = [...changes.filter(isNew), ...changes.filter((change) => !isNew(change))];
   const isUnnamed = scenario.preset === other.preset && changes.length > 0;
-  return [...(isUnnamed ? [] : [run.title]), ...inOrder.map(([path, value]) => changeText(path, value, keys))];
+  return [...(isUnnamed ? [] : [run.title]), ...inOrder.map(({ text }) => text)];
 }
 
 /** More changes than these are counted in a run's name. */
@@ -56,8 +67,8 @@ const MAX_NAMED = 2;
 
 /** The name of a run in a sentence: its preset's title, and what differs from the preset. Its outcome says when it ends. */
 export function runName(run) {
-  const changes = Object.entries(run.scenario.set).filter(([path]) => path !== "stop.duration");
-  const named = changes.length > MAX_NAMED ? [`${changes.length} values changed`] : changes.map(([path, value]) => changeText(path, value, run.keys));
+  const changes = namedChanges(run.scenario, run.keys).filter(({ path }) => path !== "stop.duration");
+  const named = changes.length > MAX_NAMED ? [`${changes.length} values changed`] : changes.map(({ text }) => text);
   return [run.title, ...named].join(", ");
 }
 

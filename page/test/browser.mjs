@@ -102,10 +102,14 @@ const tests = {
     await tab.fill("#knob-k", "300");
     await becomes(tab, "friction k = 0.0475");
     await tab.uncheck("#friction");
-    await becomes(tab, "values changed");
+    await becomes(tab, "The paper's rise, without friction: ");
     assert.ok(await tab.isDisabled("#knob-k"));
+    await tab.fill("#knob-theta", "250");
+    await becomes(tab, "The paper's rise, without friction, tilt θ = 0.755 rad: ");
+    await tab.click("#pin");
     await tab.check("#friction");
-    await becomes(tab, "The paper's rise, friction k = 0.0475: upright");
+    await becomes(tab, "B: The paper's rise, friction k = 0.0475, tilt θ = 0.755 rad: upright");
+    await tab.click("#pin");
     await tab.click('#presets [value="frictionless"]');
     await becomes(tab, "No friction:");
     await tab.check("#friction");
