@@ -10,6 +10,9 @@ import { unbroken } from "./numbers.mjs";
 /** Phones give text tables types of their own, so names count, too. */
 const TABLES = ".csv,.tsv,.txt,text/csv,text/plain,text/tab-separated-values,text/comma-separated-values,application/vnd.ms-excel";
 
+/** The measured rise that is in the page: its name, and the preset of its top. */
+const EXAMPLE = { name: "top.csv", preset: "full-coulomb" };
+
 /** A word of a command line, in quotes if a shell would read it otherwise. */
 export const quotedWord = (word) => (/^[\w./=,:+-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
 
@@ -90,13 +93,15 @@ const hasManySpins = ({ report }) => report.modes.length > 0;
 export class FitPanel {
   /**
    * `scenario` gives the scenario to start from, with its applicable keys and their values, `titleOf` the title of a
-   * preset; `take` is called with a fitted scenario, `copy` with a command and a button.
+   * preset; `take` is called with a fitted scenario, `copy` with a command and a button; `startFrom` shows a preset.
    */
-  constructor(module, { scenario, titleOf, take, copy }) {
+  constructor(module, { scenario, titleOf, take, copy, startFrom }) {
     Object.assign(this, { module, scenario, titleOf });
     this.input = element("input", { type: "file", accept: TABLES });
     this.input.onchange = () => this.read(this.input.files[0]);
-    at("fit-choose").onclick = () => this.input.click();
+    at("fit-choose").onclick = () => this.open();
+    at("fit-file").onclick = () => this.input.click();
+    at("fit-example").onclick = () => this.readExample(startFrom);
     at("fit-again").onclick = () => this.fit();
     at("fit-hold").onclick = () => this.holdSpin();
     at("fit-cancel").onclick = () => this.end("Stopped.");
@@ -128,12 +133,29 @@ export class FitPanel {
   async read(file) {
     this.input.value = ""; // so that the same file can be chosen again
     if (!file) return;
-    this.file = { name: file.name, bytes: new Uint8Array(await file.arrayBuffer()) };
-    at("fit-name").textContent = file.name;
+    await this.take(file.name, await file.arrayBuffer());
+  }
+
+  /** Fits the measured rise that is in the page, from the preset of its top. */
+  async readExample(startFrom) {
+    await startFrom(EXAMPLE.preset);
+    await this.take(EXAMPLE.name, new TextEncoder().encode(at("example").textContent));
+  }
+
+  /** Fits the content of a file. */
+  async take(name, content) {
+    this.file = { name, bytes: new Uint8Array(content) };
+    at("fit-name").textContent = name;
     at("fit-free").value = "";
+    at("fit-options").hidden = false;
+    this.open();
+    await this.fit();
+  }
+
+  /** Shows the panel, which says what a file must be like. */
+  open() {
     at("fit").hidden = false;
     at("fit").scrollIntoView();
-    await this.fit();
   }
 
   /** Fits the scenario on the screen to the file, in a worker of its own, which can be stopped. */

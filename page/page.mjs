@@ -453,7 +453,7 @@ const describedScenario = () => ({
   keys: state.run?.keys ?? [],
   values: { ...state.scenario.preset.values, ...state.scenario.set },
 });
-const fitPanel = new FitPanel(module, { scenario: describedScenario, titleOf, take: takeFit, copy });
+const fitPanel = new FitPanel(module, { scenario: describedScenario, titleOf, take: takeFit, copy, startFrom: startPreset });
 /** Whether other keys may have to change with a key: it is a choice, or is set or removed. */
 const hasFollowers = (key, value) => key.words || value === "" || state.scenario.value(key.path) === undefined;
 const controls = new Controls(at("controls"), (key, value) => (hasFollowers(key, value) ? change(key, value) : put(key, value)));

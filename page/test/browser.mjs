@@ -838,6 +838,21 @@ const tests = {
     await tab.click("#fit-close");
     assert.ok(!(await tab.isVisible("#fit")));
   },
+  async "what a table must be like is said before a file is chosen, and an example is fitted"(tab) {
+    await tab.click("#fit-choose");
+    assert.match(await tab.textContent("#fit-format"), /^t, theta \(deg\), phi \(deg\)\n/);
+    assert.ok(!(await tab.isVisible("#fit-options")));
+    const chooser = tab.waitForEvent("filechooser");
+    await tab.click("#fit-file");
+    await chooser;
+    await tab.locator("#fit").screenshot({ path: join(directory, "fit-format.png") });
+    await tab.click("#fit-example");
+    await tab.waitForSelector("#fit-result:not([hidden])", { timeout: 300_000 });
+    assert.match(await tab.textContent("#fit-headline .verdict"), /^Full friction: /);
+    // Made with k = 0.05.
+    assert.match(await tab.textContent("#fit-headline .estimate"), /^friction k = 0\.0(49|50)\d* ± 0\.000/);
+    assert.equal(await tab.textContent("#fit-command"), "toprise fit full-coulomb top.csv --free friction.k,initial");
+  },
   async "a fit with several spins shows no single value, fits its panel, and is repeated with a held spin"() {
     const other = await context.newPage();
     await other.addInitScript(() => {
@@ -911,7 +926,8 @@ const tests = {
     await other.close();
   },
   async "a broken CSV is named with line and column, and can be chosen again"(tab) {
-    const [chooser] = await Promise.all([tab.waitForEvent("filechooser"), tab.click("#fit-choose")]);
+    await tab.click("#fit-choose");
+    const [chooser] = await Promise.all([tab.waitForEvent("filechooser"), tab.click("#fit-file")]);
     await chooser.setFiles({ name: "broken.csv", mimeType: "text/csv", buffer: Buffer.from("t,theta\n0,0.5\n0.1,abc\n") });
     await tab.waitForSelector("#fit-status.wrong");
     assert.equal(await tab.textContent("#fit-status"), 'broken.csv:3: column theta: "abc" is not a number');
