@@ -1,7 +1,7 @@
 // The texts about a run: its events, its explanation, and the comparison of A and B.
 
 import { element, typeset } from "./elements.mjs";
-import { unbroken } from "./numbers.mjs";
+import { unbroken, withDegrees } from "./numbers.mjs";
 
 /** Groups items in order of their first appearance. */
 function grouped(items, keyOf) {
@@ -36,7 +36,7 @@ export class EventList {
       if (isFrequent(event) && isFrequent(events[index - 1])) groups.at(-1).push(index);
       else groups.push([index]);
       const time = element("b", { textContent: `${event.time.toFixed(4)} s` });
-      return element("li", { onclick: () => this.choose(event.time) }, time, ` ${event.text}`);
+      return element("li", { onclick: () => this.choose(event.time) }, time, ` ${unbroken(withDegrees(event.text))}`);
     });
     this.place.replaceChildren(...groups.flatMap((group) => this.entries(group)));
   }
@@ -71,9 +71,21 @@ export function showExplanation(story, place, { error, story: paragraph, chapter
   place.replaceChildren(
     ...(chapters ?? []).flatMap(({ heading, sentences }) => [
       element("h3", { textContent: heading }),
-      element("p", {}, ...typeset(unbroken(sentences.join(" ")))),
+      element("p", {}, ...typeset(unbroken(withDegrees(sentences.join(" "))))),
     ]),
   );
+}
+
+/** A number of a table in radians, with degrees; a text that is no number as it is. */
+const angleCell = (text) => withDegrees(`${text} rad`).replace(" rad", "");
+
+/** The row of a finding: what is compared, A, B and B − A, with degrees beside A's and B's angles. */
+function findingRows([name, a, b, difference]) {
+  const numbers = name.endsWith("[rad]") ? [angleCell(a), angleCell(b), difference] : [a, b, difference];
+  return [
+    element("tr", {}, element("th", { colSpan: 3, scope: "row", textContent: withDegrees(name) })),
+    element("tr", {}, ...numbers.map((textContent) => element("td", { textContent }))),
+  ];
 }
 
 /** A sentence without the keys of the program. */
@@ -82,10 +94,7 @@ const withoutKeys = (text) => unbroken(text).replaceAll(/ \(stop\.[a-z_]+\)/g, "
 /** Shows the program's comparison of A and B, or a note instead. */
 export function showComparison(place, { error, verdict, agreement, findings }) {
   const head = element("tr", {}, ...["A", "B", "B − A"].map((textContent) => element("th", { textContent })));
-  const rows = (findings ?? []).flatMap(([name, ...numbers]) => [
-    element("tr", {}, element("th", { colSpan: 3, scope: "row", textContent: name })),
-    element("tr", {}, ...numbers.map((textContent) => element("td", { textContent }))),
-  ]);
+  const rows = (findings ?? []).flatMap(findingRows);
   const sentences = [];
   if (error) sentences.push(error);
   else if (agreement) sentences.push(withoutKeys(agreement));

@@ -574,6 +574,15 @@ const tests = {
     assert.ok(!/friction\.|_|In this time/.test(await other.textContent("#reading > section:first-child")));
     await other.close();
   },
+  async "angles are told in degrees, too, in Why, the events and the comparison"() {
+    const other = await open("#drop&vs=paper");
+    await other.waitForSelector('#compared[aria-busy="false"] td');
+    assert.match(await other.textContent("#explanation"), /θ = 0\.5000\u00a0rad \(28\.6°\).* between 0\.3855 and 0\.3868\u00a0rad \(22\.1° and 22\.2°\)/);
+    assert.match(await other.textContent("#events"), /starts at θ = 0\.5000\u00a0rad \(28\.6°\)/);
+    assert.match(await other.textContent("#comparison"), /crosses 0\.392 rad \(22\.5°\) \[s\].*mean θ at [\d.]+ s \[rad\]0\.489902 \(28\.1°\)0\.385561 \(22\.1°\)−0\.104/);
+    assert.doesNotMatch(await other.textContent("#comparison"), /– \(/);
+    await other.close();
+  },
   async "a run without a known cause says so"() {
     const other = await open("#tippe-top&friction.k=0.003&rolling.arm=1e-6");
     await other.waitForFunction(() => document.querySelector("#explanation p") !== null);
