@@ -114,6 +114,9 @@ pub enum Problem {
     },
 }
 
+/// The most keys that are listed beside similar ones.
+const MAX_LISTED: usize = 16;
+
 /// A value of another key that a key requires.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Requirement {
@@ -223,14 +226,14 @@ impl fmt::Display for ScenarioError {
                 }
                 write!(f, ". For a scenario file, give the path, e.g. ./{name}.toml")
             }
-            Problem::UnknownKey { similar, .. } if !similar.is_empty() => {
-                write!(f, "unknown key {key}{}", did_you_mean(similar))
+            Problem::UnknownKey { similar, allowed } => {
+                write!(f, "unknown key {key}{}", did_you_mean(similar))?;
+                // A group of keys is short; all keys say less than the nearest names.
+                if similar.is_empty() || allowed.len() <= MAX_LISTED {
+                    write!(f, "; allowed: {}", allowed.join(", "))?;
+                }
+                Ok(())
             }
-            Problem::UnknownKey { allowed, .. } => write!(
-                f,
-                "unknown key {key}; allowed: {}",
-                allowed.join(", ")
-            ),
             Problem::NotAllowed {
                 allowed,
                 unit,
