@@ -56,7 +56,7 @@ export const STEPS_OF_LESSON = [
     question: "Its centre of mass lies below the middle of the ball, and still it rises. What makes it turn over? And which way does it spin then?",
     watch: "the spin about its own axis, ω·n, and the sense in which it turns seen from above.",
     answer:
-      "It slips. Friction at the contact point takes energy, but can't change Jellett's integral: the angular momentum along the line from the centre of mass to the contact point, times its length. Turned over, the line is longer (26 instead of 14 mm), so less spin is enough: 2.9 instead of 10.2 mJ of motion. Of the rest, 2.4 mJ lift the centre of mass by 12.0 mm, and 5.0 mJ become heat. Seen from above it spins as before; about its own axis therefore the other way, at −6.8 instead of 12.7 rev/s.",
+      "It slips. Friction at the contact point takes energy, but can't change Jellett's integral: the angular momentum along the line from the centre of mass to the contact point, times its length. Turned over, the line is longer (26 instead of 14 mm), so less spin is enough: 2.93 instead of 10.24 mJ of motion. Of the rest, 2.35 mJ lift the centre of mass by 12.0 mm, and 4.96 mJ become heat. Seen from above it spins as before; about its own axis therefore the other way, at −6.8 instead of 12.7 rev/s.",
   },
 ];
 

@@ -24,6 +24,9 @@ const LARGER_PART: Range<f64> = 0.5..2.0;
 /// Part of a change by which a motion may turn back and still count as one rise or one fall.
 const SMALL_PART: f64 = 0.25;
 
+/// Change of the mean inclination, relative to it, that numbers of four digits hardly show.
+const UNSEEN: f64 = 1e-3;
+
 /// The causes of the changes of the mean inclination by friction: of one rise or fall, or of two after one another.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Drift {
@@ -110,7 +113,10 @@ impl Point {
 pub(super) fn drift(evidence: &Evidence) -> Option<Drift> {
     let points = points(evidence, 0.0)?;
     let [from, to] = [points[0].theta, points[points.len() - 1].theta];
-    let parts = if fact::is_same_angle(from, to) && evidence.fall().is_none() {
+    let stays = points
+        .iter()
+        .all(|point| (point.theta - from).abs() <= UNSEEN * from);
+    let parts = if stays && fact::is_same_angle(from, to) && evidence.fall().is_none() {
         vec![DriftPart {
             change: to - from,
             cause: Some(Cause::Absent),
