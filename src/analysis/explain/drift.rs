@@ -9,7 +9,7 @@ mod words;
 
 use super::evidence::Evidence;
 use super::fact;
-use super::momentum::{MomentumSpan, MomentumState};
+use super::momentum::MomentumState;
 use crate::analysis::history::Cycle;
 use crate::physics::math::{atan2, sin_cos};
 use crate::physics::top::Top;
@@ -24,6 +24,9 @@ const LARGER_PART: Range<f64> = 0.5..2.0;
 /// Part of a change by which a motion may turn back and still count as one rise or one fall.
 const SMALL_PART: f64 = 0.25;
 
+/// Change of the mean inclination in a rise, relative to it, that is told before a fall.
+const NOTABLE: f64 = 0.1;
+
 /// Change of the mean inclination, relative to it, that numbers of four digits hardly show.
 const UNSEEN: f64 = 1e-3;
 
@@ -35,9 +38,16 @@ pub(super) struct Drift {
     losses: [bool; 2],
     is_tippe_top: bool,
     place: Place,
-    /// Whether the contact point grips for good, some time after the start.
-    grips_later: bool,
+    /// How the contact point grips for good, some time after the start.
+    grip: Option<Grip>,
     falls: bool,
+}
+
+/// How a contact point no longer slips.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Grip {
+    Rolls,
+    Sticks,
 }
 
 /// What a drift is part of.
@@ -111,7 +121,7 @@ impl Point {
 
 /// The causes of the changes of the mean inclination; `None` if the numbers show none.
 pub(super) fn drift(evidence: &Evidence) -> Option<Drift> {
-    let points = points(evidence, 0.0)?;
+    let points = points(evidence, Until::Grip)?;
     let [from, to] = [points[0].theta, points[points.len() - 1].theta];
     let stays = points
         .iter()
@@ -131,47 +141,64 @@ pub(super) fn drift(evidence: &Evidence) -> Option<Drift> {
         .then(|| new_drift(evidence, parts, Place::Whole))
 }
 
-/// The cause of a fall after a rise that has another cause and ends at a time, s; `None` if the axis does not sink again.
-pub(super) fn later_fall(evidence: &Evidence, rise_end: f64) -> Option<Drift> {
-    let MomentumSpan { from, to, .. } = evidence.observations.momentum.whole()?;
-    let falls = evidence.fall().is_some_and(|fall| fall.time > rise_end);
-    let Some(points) = points(evidence, rise_end) else {
-        // A nutation is no fall, unless it goes further down than the motion has begun.
-        let sinks = evidence.observations.grip.is_none() && to.theta > from.theta;
-        let part = DriftPart {
-            change: to.theta - from.theta,
+/// The cause of a fall after a rise that has another cause; `None` if the axis does not sink again. `is_held`: another
+/// claim says that the inclination stays once the contact point grips.
+pub(super) fn later_fall(evidence: &Evidence, is_held: bool) -> Option<Drift> {
+    let grips = evidence.observations.grip.is_some();
+    let until = if grips && is_held {
+        Until::Grip
+    } else {
+        Until::End
+    };
+    let all = points(evidence, until).unwrap_or_default();
+    let after = &all[least(&all)..];
+    let fall_time = evidence.fall().map(|fall| fall.time);
+    let part = match after {
+        [first, .., last] => DriftPart {
+            change: last.theta - first.theta,
+            // Static friction changes the angular momenta of a rolling top to and fro.
+            cause: only_cause(evidence, after).filter(|_| !grips && last.theta > first.theta),
+        },
+        _ => DriftPart {
+            change: 0.0,
             cause: None,
+        },
+    };
+    let rise = all.first().map_or(0.0, |start| start.theta)
+        - after.first().map_or(0.0, |point| point.theta);
+    let sinks = part.change > SMALL_PART * rise;
+    let falls =
+        fall_time.is_some_and(|time| after.first().is_none_or(|point| time > point.momentum.time));
+    (sinks || falls).then(|| {
+        let part = DriftPart {
+            change: part.change.abs(),
+            ..part
         };
-        return (sinks || falls).then(|| new_drift(evidence, vec![part], Place::Later));
-    };
-    let change = points[points.len() - 1].theta - points[0].theta;
-    let sinks = change > SMALL_PART * (from.theta - points[0].theta).abs();
-    let cause = match parts(evidence, &points)[..] {
-        [part] => part.cause,
-        _ => None,
-    };
-    (sinks || falls).then(|| new_drift(evidence, vec![DriftPart { change, cause }], Place::Later))
+        new_drift(evidence, vec![part], Place::Later)
+    })
 }
 
-/// The cause of a rise before a fall that has another cause, and begins at a time, s; `None` if the axis does not rise
-/// first.
-pub(super) fn earlier_rise(evidence: &Evidence, fall_start: f64) -> Option<Drift> {
-    let to = evidence.observations.momentum.whole()?.to;
-    let mut points = points(evidence, 0.0)?;
-    points.retain(|point| point.momentum.time <= fall_start);
-    let [Point { theta: first, .. }, .., Point { theta: last, .. }] = points[..] else {
+/// The cause of a rise before a fall that has another cause; `None` if the axis does not rise notably first.
+pub(super) fn earlier_rise(evidence: &Evidence) -> Option<Drift> {
+    let all = points(evidence, Until::Grip)?;
+    let before = &all[..=least(&all)];
+    let [first, .., last] = before else {
         return None;
     };
-    let rises = first - last > SMALL_PART * (to.theta - last).abs();
-    let cause = match parts(evidence, &points)[..] {
+    let change = last.theta - first.theta;
+    let part = DriftPart {
+        change,
+        cause: only_cause(evidence, before),
+    };
+    (-change > NOTABLE * first.theta).then(|| new_drift(evidence, vec![part], Place::Earlier))
+}
+
+/// The cause of one rise or fall; `None` if the axis turns back in it.
+fn only_cause(evidence: &Evidence, points: &[Point]) -> Option<Cause> {
+    match parts(evidence, points)[..] {
         [part] => part.cause,
         _ => None,
-    };
-    let part = DriftPart {
-        change: last - first,
-        cause,
-    };
-    rises.then(|| new_drift(evidence, vec![part], Place::Earlier))
+    }
 }
 
 fn new_drift(evidence: &Evidence, parts: Vec<DriftPart>, place: Place) -> Drift {
@@ -181,25 +208,42 @@ fn new_drift(evidence: &Evidence, parts: Vec<DriftPart>, place: Place) -> Drift 
         losses: [friction.acts_at_contact(), friction.has_air_drag()],
         is_tippe_top: evidence.history.is_tippe_top(),
         place,
-        grips_later: evidence.observations.grip.is_some(),
+        grip: evidence.observations.grip.map(|_| {
+            if evidence.scenario.model.support.is_free() {
+                Grip::Rolls
+            } else {
+                Grip::Sticks
+            }
+        }),
         falls: evidence.fall().is_some(),
     }
 }
 
-/// The mean motions from a time, s, until the contact point grips for good, or to the end. Static friction changes the
-/// angular momenta of a rolling top to and fro, and holds one that sticks. `None` if there are fewer than two.
-fn points(evidence: &Evidence, from: f64) -> Option<Vec<Point>> {
+/// The end of the mean motions that are looked at.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Until {
+    /// The contact point grips for good, or the run ends. Static friction changes the angular momenta of a rolling top to
+    /// and fro, and holds one that sticks.
+    Grip,
+    /// The run ends.
+    End,
+}
+
+/// The mean motions in the order of time; `None` if there are fewer than two.
+fn points(evidence: &Evidence, until: Until) -> Option<Vec<Point>> {
     let observations = &evidence.observations;
     let whole = observations.momentum.whole()?;
     let (end, theta, momentum) = match observations.grip {
-        Some(grip) => (grip.from, grip.theta_at_start, grip.momentum_before?),
-        None => (f64::INFINITY, whole.to.theta, whole.to),
+        Some(grip) if until == Until::Grip => {
+            (grip.from, grip.theta_at_start, grip.momentum_before?)
+        }
+        _ => (f64::INFINITY, whole.to.theta, whole.to),
     };
     let mut points = Vec::new();
     let mut last = None;
     let cycles = &evidence.history.cycles;
     for (cycle, momentum) in cycles.iter().zip(&observations.momentum_in_nutations) {
-        if cycle.start >= from && cycle.end() <= end {
+        if cycle.end() <= end {
             points.push(Point::new(cycle, (*momentum)?));
             last = Some(cycle);
         }
@@ -213,6 +257,15 @@ fn points(evidence: &Evidence, from: f64) -> Option<Vec<Point>> {
         });
     }
     (points.len() >= 2).then_some(points)
+}
+
+/// The point of the least inclination; 0 if there are none.
+fn least(points: &[Point]) -> usize {
+    let least = points
+        .iter()
+        .enumerate()
+        .min_by(|(_, one), (_, other)| one.theta.total_cmp(&other.theta));
+    least.map_or(0, |(at, _)| at)
 }
 
 /// The causes of one rise or fall, or of two if the axis turns back in between.
@@ -396,12 +449,30 @@ mod tests {
             (
                 "free-paper",
                 &["initial.psi_dot = 30"],
-                "While the contact point slips, friction",
+                "Until the peg rolls for good, friction",
             ),
             (
                 "paper",
                 &["stop.theta_risen = ", "stop.duration = 40"],
                 "and rises with it. Later, friction slows the rotation about the axis",
+            ),
+            (
+                "free-paper",
+                &[
+                    "air.axial = 1e-6",
+                    "air.transverse = 1e-6",
+                    "stop.duration = 100",
+                ],
+                "and rises with it. Later, the axis sinks again.",
+            ),
+            (
+                "viscous",
+                &[
+                    "initial.phi_dot = 30",
+                    "air.axial = 1e-5",
+                    "air.transverse = 1e-5",
+                ],
+                "and rises. Later, friction and air drag slow the spin",
             ),
             (
                 "paper",
@@ -432,6 +503,20 @@ mod tests {
             let explanation = explain(&Scenario::new(values).unwrap()).unwrap();
             let text = explanation.story.text().unwrap_or_default();
             assert!(text.contains(expected), "{preset}, {keys:?}: {text}");
+        }
+    }
+
+    #[test]
+    fn a_nutation_is_no_fall_after_a_rise() {
+        for duration in ["1.3", "1.5", "2", "2.5", "4.3"] {
+            for (key, value) in [("initial.theta_dot", "15"), ("initial.phi_dot", "-10")] {
+                let mut values = Preset::find("paper").unwrap().values().unwrap();
+                values.set(key, value).unwrap();
+                values.set("stop.duration", duration).unwrap();
+                let explanation = explain(&Scenario::new(values).unwrap()).unwrap();
+                let text = explanation.story.text().unwrap_or_default();
+                assert!(!text.contains("sinks"), "{key} {value}, {duration}: {text}");
+            }
         }
     }
 }

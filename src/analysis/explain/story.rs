@@ -157,13 +157,17 @@ fn remark(evidence: &Evidence, claims: &[Claim]) -> Option<Remark> {
     if evidence.scenario.is_frictionless() {
         return swings_down(evidence, claims);
     }
-    let least = evidence.observations.momentum.descent()?.from.time;
     let rises = claims.iter().any(Claim::is_rise);
     let falls = claims.iter().any(Claim::is_fall);
     match (rises, falls) {
         (true, true) => None,
-        (true, false) => drift::later_fall(evidence, least).map(Remark::Drifts),
-        (false, true) => drift::earlier_rise(evidence, least).map(Remark::Drifts),
+        (true, false) => {
+            let is_held = claims
+                .iter()
+                .any(|claim| matches!(claim, Claim::SlipEnds { .. }));
+            drift::later_fall(evidence, is_held).map(Remark::Drifts)
+        }
+        (false, true) => drift::earlier_rise(evidence).map(Remark::Drifts),
         (false, false) => {
             swings_down(evidence, claims).or_else(|| drift::drift(evidence).map(Remark::Drifts))
         }
