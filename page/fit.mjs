@@ -87,6 +87,13 @@ function reportParts({ words }) {
   ];
 }
 
+/** What the lines in the pictures are, and what the sliders can be set to: nothing, if the search ended without a minimum. */
+function endOf({ report }) {
+  if (!report.quality.is_converged) return { lines: "where the search ended", take: "" };
+  const take = report.modes.length > 0 ? "Set the sliders to the best of these" : "Set the sliders to this fit";
+  return { lines: "the best fit", take };
+}
+
 /** Whether several spins describe the data, each with its own friction. */
 const hasManySpins = ({ report }) => report.modes.length > 0;
 
@@ -204,11 +211,14 @@ export class FitPanel {
     at("fit-plots").replaceChildren();
     if (!result) return;
     at("fit-loose").hidden = !hasManySpins(result);
-    at("fit-take").textContent = hasManySpins(result) ? "Set the sliders to the best of these" : "Set the sliders to this fit";
+    const { lines, take } = endOf(result);
+    at("fit-lines").textContent = `Dots are measured, lines are ${lines}: of the whole time, and of its beginning.`;
+    at("fit-take").hidden = take === "";
+    at("fit-take").textContent = take;
     at("fit-command").textContent = ["toprise", ...result.arguments].map(quotedWord).join(" ");
     at("fit-plots").replaceChildren(
       ...result.signals.flatMap(({ path, windows }) =>
-        windows.map(() => element("canvas", { role: "img", ariaLabel: `${measuredName(path)}: measured values and best fit` })),
+        windows.map(() => element("canvas", { role: "img", ariaLabel: `${measuredName(path)}: measured values, and ${lines}` })),
       ),
     );
     this.draw();

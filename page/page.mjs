@@ -105,8 +105,14 @@ function showComputing() {
 /** Shows how the run ends, unless that is to be guessed first. */
 function showSummary() {
   document.body.classList.toggle("guessing", state.guess !== null);
-  if (state.run) at("summary").textContent = state.guess ? "Guess first. Then press Play." : sentenceOfRuns();
+  if (!state.run) return;
+  const text = state.guess ? sentenceOfGuess() : sentenceOfRuns();
+  // Screen readers say a text that is set again.
+  if (at("summary").textContent !== text) at("summary").textContent = text;
 }
+
+/** What to do in a step of the lesson whose outcome hasn't been played yet. */
+const sentenceOfGuess = () => (state.isPlaying || state.guess.seen > 0 ? "Watch: does your guess come true?" : "Guess first. Then press Play.");
 
 /** How the run ends, and the pinned one. */
 function sentenceOfRuns() {
@@ -246,6 +252,7 @@ function choose(when) {
   state.time = Math.min(Math.max(when, 0), latest());
   if (state.guess) state.guess.seen = Math.max(state.guess.seen, state.time);
   if (state.guess && state.time >= latest()) reveal();
+  else if (state.guess) showSummary();
   draw();
 }
 
@@ -279,6 +286,7 @@ let pausedUntil = 0;
 function play(wanted = !state.isPlaying) {
   state.isPlaying = wanted;
   at("play").textContent = wanted ? "Pause" : "Play";
+  if (state.guess) showSummary();
   if (wanted && state.run && state.time >= latest()) state.time = 0;
   before = performance.now();
   if (wanted) requestAnimationFrame(step);

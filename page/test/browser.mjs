@@ -291,6 +291,9 @@ const tests = {
     assert.equal(new URL(tab.url()).hash, "#tippe-top");
     const second = await open("#lesson=2");
     await becomes(second, "Guess first.");
+    await second.click("#play");
+    await becomes(second, "Watch: does your guess come true?");
+    await second.click("#play");
     await second.locator("#time").evaluate((slider) => {
       slider.value = slider.max;
       slider.dispatchEvent(new Event("input"));
@@ -879,7 +882,7 @@ const tests = {
         signals: { header: ["", "samples", "σ", "RMS/σ", "uncorrelated", ""], rows: [["/top/state.theta", "300", "0.00536 rad (estimated)", "0.979", "p = 0.30", "1 above 5 σ"]] },
         modes: { header, rows: Array(8).fill(row) },
       };
-      const report = { law: "coulomb", modes: [{ delta_chi2: 2.65 }], parameters: header.slice(1).map((name) => ({ name })) };
+      const report = { law: "coulomb", quality: { is_converged: true }, modes: [{ delta_chi2: 2.65 }], parameters: header.slice(1).map((name) => ({ name })) };
       const { postMessage } = Worker.prototype;
       window.asked = [];
       Worker.prototype.postMessage = function (message, ...rest) {
@@ -919,6 +922,7 @@ const tests = {
       assert.deepEqual(outside, [], `${width}`);
     }
     assert.equal(await other.textContent("#fit-take"), "Set the sliders to the best of these");
+    assert.match(await other.textContent("#fit-lines"), /lines are the best fit:/);
     await other.click("#fit-hold");
     await other.waitForFunction(() => window.asked.length === 2);
     assert.deepEqual(await other.evaluate(() => window.asked), ["", "friction.k,initial.theta,initial.phi_dot,initial.theta_dot"]);
@@ -932,6 +936,28 @@ const tests = {
     await other.click("#fit-again");
     assert.match(await other.textContent("#fit-status.wrong"), /^“abc” is no error of an angle/);
     assert.equal(await other.evaluate(() => window.asked.length), 2);
+    await other.close();
+  },
+  async "a fit without a minimum offers no values for the sliders"() {
+    const other = await context.newPage();
+    await other.addInitScript(() => {
+      const table = { header: [], rows: [] };
+      const words = { verdict: "no minimum was found", headline: "", extent: [], limits: [], correlations: { sentence: "", others: [] }, remarks: [], parameters: table, signals: table, modes: table };
+      const report = { law: "coulomb", quality: { is_converged: false }, modes: [], parameters: [] };
+      const { postMessage } = Worker.prototype;
+      Worker.prototype.postMessage = function (message, ...rest) {
+        if (!message.file) return postMessage.call(this, message, ...rest);
+        const response = { words, report, arguments: ["fit"], set: {}, signals: [] };
+        return setTimeout(() => this.onmessage({ data: { id: message.id, response } }));
+      };
+    });
+    await other.goto(url);
+    await other.waitForSelector("body.ready");
+    await drop(other, "tilt.csv", "t,theta (deg)\n0,28\n");
+    await other.waitForSelector("#fit-result:not([hidden])");
+    assert.equal(await other.textContent("#fit-headline .verdict"), "The paper's rise: no minimum was found");
+    assert.match(await other.textContent("#fit-lines"), /lines are where the search ended:/);
+    assert.ok(!(await other.isVisible("#fit-take")));
     await other.close();
   },
   async "a broken CSV is named with line and column, and can be chosen again"(tab) {
