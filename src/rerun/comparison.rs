@@ -123,6 +123,7 @@ impl Content for Comparison {
             duration: seconds(end_ns),
             runs: [0, 1].map(|run| self.runs[run].plots()),
             differences: &self.difference,
+            logarithms: &self.magnitude,
         };
         let layout = blueprint::pair::messages(&self.identity, Some(&extent));
         output.send_layout(Destination::Both, layout);

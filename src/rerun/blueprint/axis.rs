@@ -9,16 +9,17 @@ use crate::telemetry::fields::Plot;
 /// Shortest value axis, relative to the typical magnitude of its quantity.
 pub(super) const MIN_SPAN: f64 = 1e-6;
 
-/// Maximum length of an axis relative to the range of its values, for labelled ticks.
+/// Maximum length of an axis relative to the range of its values, for three labelled ticks instead of two.
 const MAX_STRETCH: f64 = 1.6;
 
 /// The range of an axis for the values of these plots in some runs, at least `least` times as long as the quantity's typical
-/// magnitude. None if the viewer's choice, the range of the values, is as good.
+/// magnitude. None if the viewer's choice, the range of the values, is as good. The chart has room for `max_ticks`.
 pub(super) fn axis_range(
     plots: &[Plot],
     runs: &[&Plots],
     magnitudes: &Magnitudes,
     least: f64,
+    max_ticks: f64,
 ) -> Option<[f64; 2]> {
     let mut values = [f64::INFINITY, f64::NEG_INFINITY];
     let mut typical = 0.0_f64;
@@ -29,15 +30,19 @@ pub(super) fn axis_range(
         }
     }
     let shown = range_of_values(values, least * typical);
-    let range = value_range(shown)?;
+    let range = value_range(shown, max_ticks)?;
     (values != range).then_some(range)
 }
 
-/// A range that contains these values, with labelled ticks if there are any near; `None` if the values are equal.
-pub(super) fn value_range(values: [f64; 2]) -> Option<[f64; 2]> {
-    let [first, last] = with_ticks(values)?;
-    let is_near = last - first <= MAX_STRETCH * (values[1] - values[0]);
-    Some(if is_near { [first, last] } else { values })
+/// A range that contains these values, with three labelled ticks if they are near, otherwise with two; `None` if the values
+/// are equal.
+pub(super) fn value_range(values: [f64; 2], max_ticks: f64) -> Option<[f64; 2]> {
+    let [first, last] = with_ticks(values, 3.0, max_ticks)?;
+    if last - first <= MAX_STRETCH * (values[1] - values[0]) {
+        Some([first, last])
+    } else {
+        with_ticks(values, 2.0, max_ticks)
+    }
 }
 
 /// The shortest axis, relative to the magnitude of its values.
@@ -54,34 +59,35 @@ fn range_of_values([low, high]: [f64; 2], least: f64) -> [f64; 2] {
     [middle - 0.5 * span, middle + 0.5 * span]
 }
 
-/// Maximum number of labelled ticks of a small chart.
-const MAX_TICKS: f64 = 7.0;
+/// Maximum number of labelled ticks of a chart in four rows, in a window of 1366 × 850 points: the viewer labels powers of ten
+/// if they are at least 20 points apart.
+pub(super) const MAX_TICKS: f64 = 7.0;
+/// The same in five rows, where charts are 110 points high.
+pub(super) const MAX_TICKS_IN_LOW_CHART: f64 = 4.8;
 
 /// Ranges below this fraction of the values are rounding errors.
 const ROUNDING: f64 = 1e-12;
 
-/// A range that contains these values and at least three labelled ticks; `None` if the values are equal.
-fn with_ticks([low, high]: [f64; 2]) -> Option<[f64; 2]> {
+/// A range that contains these values and at least so many labelled ticks; `None` if the values are equal.
+fn with_ticks([low, high]: [f64; 2], least_ticks: f64, max_ticks: f64) -> Option<[f64; 2]> {
     let size = high - low;
     let is_rounding = size <= ROUNDING * low.abs().max(high.abs());
     if is_rounding || !size.is_finite() {
         return None;
     }
-    let step = power_of_ten(math::log10(size / MAX_TICKS).ceil());
-    // The curve should not touch the frame.
-    let padding = 0.05 * size;
+    let step = power_of_ten(math::log10(size / max_ticks).ceil());
     let [mut first, mut last] = [(low / step).ceil(), (high / step).floor()];
-    while last - first < 2.0 {
+    while last - first < least_ticks - 1.0 {
         if high / step - last > first - low / step {
             last += 1.0;
         } else {
             first -= 1.0;
         }
     }
-    Some([
-        (first * step).min(low) - padding,
-        (last * step).max(high) + padding,
-    ])
+    let [least, most] = [(first * step).min(low), (last * step).max(high)];
+    // The curve should not touch the frame, and a label at the frame would be cut off.
+    let padding = 0.05 * (most - least);
+    Some([least - padding, most + padding])
 }
 
 #[cfg(test)]
@@ -91,21 +97,28 @@ mod tests {
 
     proptest! {
         #[test]
-        fn every_range_has_three_ticks(low in -1e3..1e3, size in 1e-9..1e3) {
-            let [least, most] = with_ticks([low, low + size]).unwrap();
+        fn every_range_has_two_ticks(low in -1e3..1e3, size in 1e-9..1e3, max_ticks in 4.0..8.0) {
+            let [least, most] = value_range([low, low + size], max_ticks).unwrap();
             prop_assert!(least <= low && low + size <= most);
-            let step = power_of_ten(math::log10(size / MAX_TICKS).ceil());
+            let step = power_of_ten(math::log10(size / max_ticks).ceil());
             let ticks = (most / step).floor() - (least / step).ceil() + 1.0;
-            prop_assert!((3.0..=MAX_TICKS + 3.0).contains(&ticks), "{ticks} from {least} to {most}");
+            prop_assert!((2.0..=max_ticks + 3.0).contains(&ticks), "{ticks} from {least} to {most}");
+            // At worst, a tick is in the middle of values that span a tenth of `max_ticks` steps, so that the next tick is
+            // a whole step away from it: half of the values and a step, and 5 % at both ends.
+            let longest = 1.1 * (0.5 + 10.0 / max_ticks) * size;
+            prop_assert!(most - least <= 1.001 * longest, "{least} to {most}");
         }
     }
 
     #[test]
     fn equal_values_have_no_range() {
-        assert_eq!(with_ticks([1.0, 1.0]), None);
-        assert_eq!(with_ticks([1.0, 1.0_f64.next_up()]), None);
-        assert_eq!(with_ticks([0.0, 0.0]), None);
-        assert_eq!(with_ticks([f64::INFINITY, f64::NEG_INFINITY]), None);
+        assert_eq!(value_range([1.0, 1.0], MAX_TICKS), None);
+        assert_eq!(value_range([1.0, 1.0_f64.next_up()], MAX_TICKS), None);
+        assert_eq!(value_range([0.0, 0.0], MAX_TICKS), None);
+        assert_eq!(
+            value_range([f64::INFINITY, f64::NEG_INFINITY], MAX_TICKS),
+            None
+        );
     }
 
     #[test]

@@ -96,7 +96,7 @@ pub(super) const GAP_NAME: &str = "Height of the peg";
 pub(super) const REGIME_NAME: &str = "0 rolls, 1 slides, 2 flies";
 const PHI_DOT_NAME: &str = "dφ/dt, precession";
 const ENERGY_NAME: &str = "Energy, 0 at the peg's centre";
-const TORQUE_NAME: &str = "Friction torque, node frame";
+const TORQUE_NAME: &str = "Friction torque";
 
 const INCLINATION: Chart = chart("θ, inclination", THETA, RightTop);
 const THETA_RATE: Chart = chart("dθ/dt", THETA_DOT, LeftTop);
@@ -156,9 +156,9 @@ pub(super) const TERMS: [Chart; 3] = [
 
 /// Further quantities.
 pub(super) const MORE: [Chart; 6] = [
-    chart("dφ/dt − slow root", EXCESS, LeftTop),
+    chart("dφ/dt − slow rate", EXCESS, LeftTop),
     chart("Nutation period", PERIOD, LeftTop),
-    chart("Gravity torque, node frame", GRAVITY, RightTop),
+    chart("Gravity torque", GRAVITY, RightTop),
     SLIP_VELOCITY,
     chart("Work of friction", WORK, RightTop),
     chart("Power of friction", POWER, RightBottom),
@@ -216,7 +216,7 @@ pub(super) const MORE_CONTRASTS: [Chart; 5] = [
         legend: Some(LeftBottom),
         ..contrast(ENERGY_NAME, ENERGY, ENERGY)
     },
-    contrast("dφ/dt − slow root", EXCESS, EXCESS),
+    contrast("dφ/dt − slow rate", EXCESS, EXCESS),
     contrast("Nutation period", PERIOD, PERIOD),
 ];
 

@@ -4,7 +4,7 @@ use rerun::blueprint::components::{ContainerKind, Corner2D, LinkAxis};
 use rerun::components::Name;
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
-use super::axis::value_range;
+use super::axis::{MAX_TICKS, value_range};
 use super::builder::{Child, Layout, column};
 use super::views::{set_value_range, time_series, titled};
 use crate::rerun::measured::Series;
@@ -56,7 +56,7 @@ fn values(
                 range = [range[0].min(of_run[0]), range[1].max(of_run[1])];
             }
         }
-        if let Some(range) = value_range(range) {
+        if let Some(range) = value_range(range, MAX_TICKS) {
             set_value_range(layout, &view, range);
         }
     }

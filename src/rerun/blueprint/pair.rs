@@ -4,7 +4,7 @@
 use rerun::blueprint::components::{Corner2D, LinkAxis};
 use rerun::components::Name;
 
-use super::axis::{MIN_SPAN, axis_range};
+use super::axis::{MAX_TICKS_IN_LOW_CHART, MIN_SPAN, axis_range};
 use super::builder::{Child, Layout, Messages, column, row, tabs};
 use super::charts::{
     Chart, FRICTION_CONTRASTS, MORE_CONTRASTS, MOTION_CONTRASTS, RATE_CONTRASTS, TABLE_CONTRASTS,
@@ -40,6 +40,8 @@ pub(crate) struct Extent<'a> {
     pub(crate) runs: [&'a Plots; 2],
     /// The differences.
     pub(crate) differences: &'a Plots,
+    /// The logarithms of the differences.
+    pub(crate) logarithms: &'a Plots,
 }
 
 /// The messages of the layout; at the end of the comparison, those that change it to show the whole extent.
@@ -196,7 +198,8 @@ impl Charts<'_> {
             .iter()
             .filter_map(|chart| self.overlay(chart))
             .collect();
-        motion.extend(self.layout.contain_any(row(&[]), &friction));
+        let effects = self.layout.contain_any(row(&[]), &friction);
+        motion.extend(effects.map(|row| (row, 1.0)));
         let mut named_pages = vec![("Differences", motion)];
         if is_free {
             named_pages.push(("On the table", self.rows(&TABLE_CONTRASTS)));
@@ -205,20 +208,23 @@ impl Charts<'_> {
         named_pages.push(("More", self.rows(&MORE_CONTRASTS)));
         let mut pages = Vec::new();
         for (name, rows) in named_pages {
-            let page = column(&[]).with_display_name(Name(name.into()));
+            let (rows, shares): (Vec<_>, Vec<_>) = rows.into_iter().unzip();
+            let page = column(&shares).with_display_name(Name(name.into()));
             pages.extend(self.layout.contain_any(page, &rows));
         }
         self.layout.contain_any(tabs(), &pages)
     }
 
-    /// A row of charts per quantity: both curves, their difference, and the magnitude of that.
-    fn rows(&mut self, contrasts: &[Chart]) -> Vec<Child> {
+    /// A row of charts per quantity: both curves, their difference, and the magnitude of that. Each row has a share of the
+    /// height.
+    fn rows(&mut self, contrasts: &[Chart]) -> Vec<(Child, f32)> {
         let mut rows = Vec::new();
         for contrast in contrasts {
             let mut charts: Vec<_> = self.overlay(contrast).into_iter().collect();
             charts.extend(self.difference(contrast));
             charts.extend(self.magnitude(contrast));
-            rows.extend(self.layout.contain_any(row(&[]), &charts));
+            let row = self.layout.contain_any(row(&[]), &charts);
+            rows.extend(row.map(|row| (row, height(contrast))));
         }
         rows
     }
@@ -235,7 +241,13 @@ impl Charts<'_> {
         });
         let range = self.extent.and_then(|extent| {
             let magnitudes = &identity.a.magnitudes;
-            axis_range(contrast.plots, &extent.runs, magnitudes, MIN_SPAN)
+            axis_range(
+                contrast.plots,
+                &extent.runs,
+                magnitudes,
+                MIN_SPAN,
+                MAX_TICKS_IN_LOW_CHART,
+            )
         });
         let mut legend = contrast.legend.or_else(|| legend_of_parts(contrast.plots));
         if let (Some(preferred), Some(extent)) = (legend, self.extent) {
@@ -273,11 +285,7 @@ impl Charts<'_> {
         };
         let view = self.curves(&name, &contents, legend_of_parts(plots))?;
         if let Some(extent) = self.extent {
-            let magnitudes = &self.identity.a.magnitudes;
-            let values = [extent.differences];
-            if let Some(range) = axis_range(plots, &values, magnitudes, MIN_DIFFERENCE) {
-                set_value_range(self.layout, &view, range);
-            }
+            self.fit_axis(&view, plots, extent.differences, MIN_DIFFERENCE);
         }
         Some(view)
     }
@@ -305,7 +313,20 @@ impl Charts<'_> {
             &Role::Magnitude,
         );
         let name = format!("{}: log₁₀ |B − A|", contrast.name);
-        self.curves(&name, &contents, None)
+        let view = self.curves(&name, &contents, None)?;
+        if let Some(extent) = self.extent {
+            self.fit_axis(&view, contrast.differences, extent.logarithms, 0.0);
+        }
+        Some(view)
+    }
+
+    /// Sets the value range of a chart of these values, at least `least` times as long as the quantity's typical magnitude.
+    fn fit_axis(&mut self, view: &Child, plots: &[Plot], values: &Plots, least: f64) {
+        let magnitudes = &self.identity.a.magnitudes;
+        let range = axis_range(plots, &[values], magnitudes, least, MAX_TICKS_IN_LOW_CHART);
+        if let Some(range) = range {
+            set_value_range(self.layout, view, range);
+        }
     }
 
     /// A chart whose time axis moves with those of all others, if it has contents.
@@ -318,6 +339,16 @@ impl Charts<'_> {
         let link = LinkAxis::LinkToGlobal;
         (!contents.is_empty()).then(|| time_series(self.layout, name, contents, legend, link))
     }
+}
+
+/// The height of a row of charts relative to others: a legend that names three numbers of both runs needs more room.
+fn height(contrast: &Chart) -> f32 {
+    let numbers: usize = contrast
+        .plots
+        .iter()
+        .map(|plot| plot.numbers().count())
+        .sum();
+    if numbers > 2 { 1.35 } else { 1.0 }
 }
 
 /// The corner of a legend that names several numbers of a run, if a chart shows more than one. The colours of runs mean the

@@ -4,7 +4,7 @@ use rerun::blueprint::components::{ContainerKind, Corner2D, LinkAxis};
 use rerun::components::Name;
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
-use super::axis::{MIN_SPAN, axis_range};
+use super::axis::{MAX_TICKS, MIN_SPAN, axis_range};
 use super::builder::{Child, Layout, Messages, column, tabs};
 use super::charts::{Chart, MORE, RATES, RISE, TABLE, TERMS, TRAVEL};
 use super::corner::corner_for;
@@ -245,8 +245,15 @@ fn right_side(
 /// The range of a chart's axis; `None` if the viewer's choice is as good.
 fn value_range(chart: &Chart, identity: &Identity, plots: Option<&Plots>) -> Option<[f64; 2]> {
     // The peaks of a tippe top would flatten the rest of the curve.
-    bounds_of_tippe_top(chart.plots[0].unit(), &identity.geometry)
-        .or_else(|| axis_range(chart.plots, &[plots?], &identity.magnitudes, MIN_SPAN))
+    bounds_of_tippe_top(chart.plots[0].unit(), &identity.geometry).or_else(|| {
+        axis_range(
+            chart.plots,
+            &[plots?],
+            &identity.magnitudes,
+            MIN_SPAN,
+            MAX_TICKS,
+        )
+    })
 }
 
 /// The corner of a chart's legend, where the curves of a run that has ended are not. The title names a single curve.
@@ -353,12 +360,24 @@ mod tests {
         assert!(high - low < 1e-12, "energy is conserved");
         let torque = &RISE[4];
         assert!(is_constant(torque, &plots, &identity.magnitudes));
-        let [low, high] =
-            axis_range(torque.plots, &[&plots], &identity.magnitudes, MIN_SPAN).unwrap();
+        let [low, high] = axis_range(
+            torque.plots,
+            &[&plots],
+            &identity.magnitudes,
+            MIN_SPAN,
+            MAX_TICKS,
+        )
+        .unwrap();
         assert!(high - low > 0.0);
         let (_, values) = plots.ranges(RISE[1].plots[0]).next().unwrap();
-        let [low, high] =
-            axis_range(RISE[1].plots, &[&plots], &identity.magnitudes, MIN_SPAN).unwrap_or(values);
+        let [low, high] = axis_range(
+            RISE[1].plots,
+            &[&plots],
+            &identity.magnitudes,
+            MIN_SPAN,
+            MAX_TICKS,
+        )
+        .unwrap_or(values);
         assert!(
             high - low < 2.0 * (values[1] - values[0]),
             "the top nutates"
