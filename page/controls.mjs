@@ -34,15 +34,30 @@ export function valueAt(key, place) {
   return isLogarithmic(key) ? low * (high / low) ** place : low + place * (high - low);
 }
 
+/** Whether a number is in the range of a key. */
+const isValid = ({ range }, value) => !range || (value >= range[0] && value <= range[1]);
+
 /** A short number within the valid range: the range's ends may have many digits (the next number above 0.02), so it is rounded inward. */
 export function validText(key, value) {
   for (const digits of [3, 5, 8]) {
     const unit = 10 ** (Math.floor(Math.log10(Math.abs(value) || 1)) + 1 - digits);
     const texts = [value, value + unit, value - unit].map((each) => typed(each, digits));
-    const valid = texts.find((text) => !key.range || (Number(text) >= key.range[0] && Number(text) <= key.range[1]));
+    const valid = texts.find((text) => isValid(key, Number(text)));
     if (valid !== undefined) return valid;
   }
   return String(value);
+}
+
+/**
+ * The shortest number that is nearer to a slider's position than to its neighbours, so that every round value has a
+ * position: `0.04` instead of `0.0399`.
+ */
+export function roundText(key, place, step) {
+  const value = valueAt(key, place);
+  const [low, high] = [place - step / 2, place + step / 2].map((each) => valueAt(key, each));
+  const texts = [1, 2, 3, 4, 5].map((digits) => typed(value, digits));
+  const isNear = (number) => number >= low && number < high && isValid(key, number);
+  return texts.find((text) => isNear(Number(text))) ?? validText(key, value);
 }
 
 /** The name of a choice: its key without the dot. */

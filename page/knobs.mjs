@@ -1,10 +1,11 @@
 // The large sliders: friction, spin and tilt; and friction's switch.
 
-import { placeOf, sliderRange, validText, valueAt } from "./controls.mjs";
+import { placeOf, roundText, sliderRange } from "./controls.mjs";
 import { element } from "./elements.mjs";
 import { degrees, fixed, revolutions, written } from "./numbers.mjs";
 
-const KNOB_STEPS = 500;
+/** Not more than a slider has pixels: each position must be in a mouse's reach. */
+export const KNOB_STEPS = 250;
 
 const KNOBS = [
   {
@@ -68,7 +69,7 @@ export class Knobs {
     row.dataset.knob = knob.path;
     const made = { ...knob, row, slider, value, noted: note, key: null, sent: null };
     slider.oninput = () => {
-      const text = validText(made.key, valueAt(made.key, slider.value / KNOB_STEPS));
+      const text = roundText(made.key, slider.value / KNOB_STEPS, 1 / KNOB_STEPS);
       made.sent = Number(text);
       this.print(made, made.sent);
       changed(made.key, text);

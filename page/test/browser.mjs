@@ -83,28 +83,28 @@ const tests = {
     assert.match(await summary(tab), /^The paper's rise: upright after 24\.72\u00a0s$/);
     await pause(tab);
     const before = [await picture(tab, "curves"), await picture(tab, "top")];
-    await tab.fill("#knob-k", "400");
-    await becomes(tab, "The paper's rise, friction k = 0.119");
+    await tab.fill("#knob-k", "200");
+    await becomes(tab, "The paper's rise, friction k = 0.12");
     await tab.waitForTimeout(100);
     assert.notEqual(await picture(tab, "curves"), before[0]);
     assert.notEqual(await picture(tab, "top"), before[1]);
-    assert.equal(await tab.textContent("#command"), "toprise run paper --set friction.k=0.119");
+    assert.equal(await tab.textContent("#command"), "toprise run paper --set friction.k=0.12");
   },
   async "spin and tilt are shown in turns and degrees"(tab) {
     assert.equal(await tab.textContent('[data-knob="initial.psi_dot"] output'), "27.1 rev/s 170 rad/s");
     assert.equal(await tab.textContent('[data-knob="initial.theta"] output'), "28.6° 0.5 rad");
     assert.match(await tab.textContent('[data-knob="initial.psi_dot"] .ends'), /ω·n = ψ̇ \+ φ̇ cos θ = 27\.3 rev\/s/);
-    await tab.fill("#knob-theta", "250");
+    await tab.fill("#knob-theta", "125");
     await becomes(tab, "tilt θ = 0.755 rad");
     assert.equal(await tab.textContent('[data-knob="initial.theta"] output'), "43.3° 0.755 rad");
   },
   async "friction is switched off, and on as it was"(tab) {
-    await tab.fill("#knob-k", "300");
+    await tab.fill("#knob-k", "150");
     await becomes(tab, "friction k = 0.0475");
     await tab.uncheck("#friction");
     await becomes(tab, "The paper's rise, without friction: ");
     assert.ok(await tab.isDisabled("#knob-k"));
-    await tab.fill("#knob-theta", "250");
+    await tab.fill("#knob-theta", "125");
     await becomes(tab, "The paper's rise, without friction, tilt θ = 0.755 rad: ");
     await tab.click("#pin");
     await tab.check("#friction");
@@ -162,7 +162,7 @@ const tests = {
   async "arrows keep their scale when friction changes, and are chosen by checkboxes"(tab) {
     const scale = await tab.textContent("#scale-force");
     assert.equal(scale, "(1 cm = 20 mN)");
-    await tab.fill("#knob-k", "330");
+    await tab.fill("#knob-k", "165");
     await becomes(tab, "friction k = 0.06");
     assert.equal(await tab.textContent("#scale-force"), scale);
     await tab.check("#show-momentum");
@@ -300,7 +300,7 @@ const tests = {
     });
     await becomes(second, "Full friction: upright");
     for (const name of ["torque", "momentum"]) assert.ok(await second.isChecked(`#show-${name}`));
-    await second.fill("#knob-k", "300");
+    await second.fill("#knob-k", "150");
     await becomes(second, "friction k = 0.0475");
     assert.equal(new URL(second.url()).hash, "#full-coulomb&friction.k=0.0475&lesson=2");
     await second.reload();
@@ -594,8 +594,8 @@ const tests = {
   },
   async "the playback speed stays what was chosen"(tab) {
     await tab.selectOption("#speed", "0.1");
-    await tab.fill("#knob-k", "400");
-    await becomes(tab, "friction k = 0.119");
+    await tab.fill("#knob-k", "200");
+    await becomes(tab, "friction k = 0.12");
     await tab.click('#presets [value="drop"]');
     await becomes(tab, "Dropped on the table:");
     assert.equal(await tab.inputValue("#speed"), "0.1");
@@ -614,7 +614,7 @@ const tests = {
     assert.ok(inner <= outer, `${inner} > ${outer}`);
     await shot(tab, "phone");
     await tab.locator("#knob-theta").evaluate((slider) => slider.scrollIntoView({ block: "end" }));
-    await tab.fill("#knob-theta", "300");
+    await tab.fill("#knob-theta", "150");
     await becomes(tab, "tilt θ");
     const [top, slider] = [await tab.locator("#top").boundingBox(), await tab.locator("#knob-theta").boundingBox()];
     assert.ok(top.y >= 0 && top.y + top.height <= slider.y && slider.y + slider.height <= 844, JSON.stringify([top, slider]));
@@ -734,7 +734,7 @@ const tests = {
       const slider = document.getElementById("knob-k");
       const sizes = [];
       for (let change = 0; change < 300; change++) {
-        slider.value = 150 + (change % 200);
+        slider.value = 75 + (change % 100);
         slider.dispatchEvent(new Event("input"));
         await new Promise((resume) => setTimeout(resume, 60));
         if (change % 100 === 99) {
@@ -752,7 +752,7 @@ const tests = {
       const slider = document.getElementById("knob-k");
       const shown = document.getElementById("summary");
       const times = [];
-      for (let place = 250; place < 270; place++) {
+      for (let place = 126; place < 146; place++) {
         const start = performance.now();
         const changed = new Promise((resolve) => new MutationObserver(resolve).observe(shown, { childList: true }));
         slider.value = place;

@@ -5,9 +5,10 @@ import { readFile } from "node:fs/promises";
 import { gunzipSync } from "node:zlib";
 import { ARROWS, arrowScale, momentumParts, vectorAt } from "../arrows.mjs";
 import { axisRange, axisTicks, constantOf, scaleOf } from "../axes.mjs";
-import { sliderRange, validText, valueAt } from "../controls.mjs";
+import { placeOf, roundText, sliderRange, validText, valueAt } from "../controls.mjs";
 import { quantities } from "../curves.mjs";
 import { EnergyAreas, PARTS, changesShown, energyChanges, isBelowTable } from "../energy.mjs";
+import { KNOB_STEPS } from "../knobs.mjs";
 import { STEPS_OF_LESSON } from "../lesson.mjs";
 import { nameLines, nameParts, runName } from "../names.mjs";
 import { degrees, fixed, imagined, prefixed, revolutions, typed, written } from "../numbers.mjs";
@@ -110,6 +111,17 @@ const tests = {
     assert.ok(Math.abs(motion[1] / (jellett ** 2 / (2 * moment * turnedLine ** 2)) - 1) < 1e-3);
     assert.ok(c.momentum_z.every((vertical) => vertical > 0));
     says(5, `at ${fixed(revolutions(last(c.axial_rate)), 1)} instead of ${fixed(revolutions(c.axial_rate[0]), 1)} rev/s`);
+  },
+  "every k of the worksheet has a position of the slider, and positions differ"() {
+    const key = { typical: [0.003, 0.3], range: [0, 100], is_logarithmic: true };
+    for (const [k] of [...RISE_TIMES, [0.01], [0.05], [0.1], [0.11], [0.3]]) {
+      const place = Math.round(KNOB_STEPS * placeOf(key, k));
+      assert.equal(roundText(key, place / KNOB_STEPS, 1 / KNOB_STEPS), String(k));
+    }
+    for (const each of [key, { typical: [0, 300], range: [-1e4, 1e4] }, { typical: [0.06, 1.45], range: [0, 3.2] }]) {
+      const values = Array.from({ length: KNOB_STEPS + 1 }, (_, place) => Number(roundText(each, place / KNOB_STEPS, 1 / KNOB_STEPS)));
+      values.slice(1).forEach((value, index) => assert.ok(value > values[index], `${values[index]} ${value}`));
+    }
   },
   async "the worksheet has the times of the runs"() {
     for (const [k, time] of RISE_TIMES) {
