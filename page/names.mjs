@@ -37,15 +37,13 @@ function changeText(path, value, keys) {
   return `${keyName(path)} = ${writtenValue(value)}${unit ? ` ${unit}` : ""}`;
 }
 
-/** Whether a changed key belongs to a switch of friction: without friction, its other keys and stop conditions are gone. */
-const goesWithFriction = ([path, value]) => path.startsWith("friction.") || (path.startsWith("stop.") && value === "");
-
 /** Changed keys in words, with their paths and values. Friction that is off is one change: its other keys went with it. */
 function namedChanges({ set }, keys) {
-  const changes = Object.entries(set);
-  if (set["friction.law"] !== "none") return changes.map(([path, value]) => ({ path, value, text: changeText(path, value, keys) }));
-  const others = changes.filter((change) => !goesWithFriction(change)).map(([path, value]) => ({ path, value, text: changeText(path, value, keys) }));
-  return [{ path: "friction.law", value: "none", text: "without friction" }, ...others];
+  const isOff = set["friction.law"] === "none";
+  const others = Object.entries(set)
+    .filter(([path]) => !isOff || !path.startsWith("friction."))
+    .map(([path, value]) => ({ path, value, text: changeText(path, value, keys) }));
+  return isOff ? [{ path: "friction.law", value: "none", text: "without friction" }, ...others] : others;
 }
 
 /**

@@ -357,6 +357,8 @@ const tests = {
     assert.equal(runName(await runOf("full-coulomb&friction.k=0.06&initial.psi_dot=100&initial.theta=0.6")), "Full friction, 3 values changed");
     // Its outcome says when it ends.
     assert.equal(runName(await runOf("frictionless&stop.duration=25")), "No friction");
+    const off = await runOf("full-coulomb&friction.law=none&friction.k=&friction.dissipation=&stop.theta_risen=&stop.duration=5");
+    assert.equal(runName(off), "Full friction, without friction, without stop theta risen");
     const parts = ["k = 0.06", "ψ̇ = 100 rad/s", "θ = 0.3 rad"];
     for (const [width, lines] of [
       [99, ["B: k = 0.06, ψ̇ = 100 rad/s, θ = 0.3 rad"]],
