@@ -63,10 +63,16 @@ export function nameParts(run, other) {
 /** More changes than these are counted in a run's name. */
 const MAX_NAMED = 2;
 
+/** Many changes, counted. A law of friction is named: a preset without friction would seem to have none. */
+function countedChanges(changes) {
+  const law = changes.find(({ path }) => path === "friction.law");
+  return law ? [law.text, `${changes.length - 1} more values changed`] : [`${changes.length} values changed`];
+}
+
 /** The name of a run in a sentence: its preset's title, and what differs from the preset. Its outcome says when it ends. */
 export function runName(run) {
   const changes = namedChanges(run.scenario, run.keys).filter(({ path }) => path !== "stop.duration");
-  const named = changes.length > MAX_NAMED ? [`${changes.length} values changed`] : changes.map(({ text }) => text);
+  const named = changes.length > MAX_NAMED ? countedChanges(changes) : changes.map(({ text }) => text);
   return [run.title, ...named].join(", ");
 }
 

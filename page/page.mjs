@@ -370,6 +370,7 @@ function pin(wanted = !state.pinned) {
   state.pinned = wanted ? state.run : null;
   state.window = null;
   showPinned();
+  showSummary();
   toLink();
   draw();
   ask();

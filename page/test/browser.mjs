@@ -113,7 +113,7 @@ const tests = {
     await tab.click('#presets [value="frictionless"]');
     await becomes(tab, "No friction:");
     await tab.check("#friction");
-    await becomes(tab, "upright");
+    await becomes(tab, "No friction, friction law = coulomb");
   },
   async "presets have buttons"(tab) {
     for (const preset of ["tippe-top", "frictionless", "drop", "paper"]) {
@@ -135,6 +135,11 @@ const tests = {
     const rows = await tab.locator("#comparison td").allTextContents();
     assert.deepEqual(rows.slice(0, 3), ["24.7194", "16.4733", "−8.25 s ± 54.1 ms"]);
     await shot(tab, "pair");
+    // The sentence is about the runs that are shown.
+    await tab.click("#pin");
+    assert.ok(!(await tab.textContent("#summary")).includes("A: "));
+    await tab.click("#pin");
+    await becomes(tab, "A: The paper's rise, friction k = 0.045: ");
   },
   async "a comparison of earlier runs is dimmed from the moment another run is shown"(tab) {
     await tab.click("#pin");
@@ -587,7 +592,7 @@ const tests = {
     await other.close();
   },
   async "a run without a known cause says so"() {
-    const other = await open("#tippe-top&friction.k=0.003&rolling.arm=1e-6");
+    const other = await open("#full-coulomb&stop.duration=0.06");
     await other.waitForFunction(() => document.querySelector("#explanation p") !== null);
     assert.match(await other.textContent("#story"), /^The numbers of this run show none of the causes/);
     await other.close();

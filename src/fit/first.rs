@@ -13,6 +13,10 @@ use super::spin_guess::start_with_measured_spin;
 use super::step_limit::MAX_MOTIONS;
 use super::{law, modes, offset, sigma};
 
+/// χ² per value above which a minimum may be that of another phase of the nutation; wrong models and standard deviations
+/// give less, as a rule.
+const FAR: f64 = 100.0;
+
 /// The motions whose steps a search may take that starts with the spin of the data: these took the steps of 40 to 310.
 const NEAR_MOTIONS: u64 = MAX_MOTIONS / 2;
 
@@ -94,6 +98,23 @@ fn fit_law(request: &Request, monitor: &Monitor<'_>) -> Result<First, FitError> 
     })
 }
 
+/// Whether the motion of a minimum is far from the data, whose errors are known.
+fn is_far(problem: &Problem, solution: &Solution, split: &Split) -> bool {
+    let knows_errors = !problem
+        .signals
+        .iter()
+        .any(|signal| signal.is_sigma_estimated);
+    knows_errors && solution.chi2 > FAR * split.fitted.len() as f64
+}
+
+/// Whether another minimum is better than what was found; any is better than none.
+fn is_better(other: &Solution, found: &Result<(Solution, Split), FitError>) -> bool {
+    match found {
+        Ok((solution, _)) if solution.is_converged => other.chi2 < solution.chi2,
+        Ok(_) | Err(_) => true,
+    }
+}
+
 /// Fits all signals, from the start of the request or, if that leads nowhere, with the spin that the precession shows.
 fn solve_from_any(
     problem: &mut Problem,
@@ -104,7 +125,7 @@ fn solve_from_any(
     let unsolved = problem.clone();
     let solved = solve_all(problem, request, &unsolved.start(), MAX_MOTIONS, monitor);
     let leads_nowhere = match &solved {
-        Ok((solution, _)) => !solution.is_converged,
+        Ok((solution, split)) => !solution.is_converged || is_far(problem, solution, split),
         Err(error) => error.is_of_motion(),
     };
     let guess = start_with_measured_spin(&unsolved);
@@ -113,10 +134,10 @@ fn solve_from_any(
     };
     let mut again = unsolved;
     match solve_all(&mut again, request, &start.values, NEAR_MOTIONS, monitor) {
-        Ok((solution, split)) if solution.is_converged => {
+        Ok((solution, split)) if solution.is_converged && is_better(&solution, &solved) => {
             *problem = again;
             notes.push(format!(
-                "From the start no minimum was found. The search began again with initial.psi_dot = {} rad/s, the spin that belongs to the precession at the beginning of the data.",
+                "From the start no minimum near the data was found. The search began again with initial.psi_dot = {} rad/s, the spin that belongs to the precession at the beginning of the data.",
                 format_rounded(start.spin, 4)
             ));
             Ok((solution, split))

@@ -1508,3 +1508,34 @@ fn precession_shows_a_spin_from_which_the_fit_succeeds() {
         assert!(remark.is_some(), "from {start}: {:?}", report.notes);
     }
 }
+
+/// The nutation has other phases in which a motion comes near the data, but not to them.
+#[test]
+fn a_minimum_far_from_the_data_is_not_the_answer() {
+    let truth = scenario(
+        "paper",
+        &[("initial.theta", "1.3"), ("stop.theta_risen", "")],
+    );
+    let data = measure(
+        &truth,
+        100.0,
+        3.0,
+        &[(state::THETA, 1e-3), (state::PHI, 5e-3)],
+        Some(5),
+    );
+    let start = scenario(
+        "paper",
+        &[
+            ("initial.theta", "1.3"),
+            ("initial.psi_dot", "-100"),
+            ("stop.theta_risen", ""),
+        ],
+    );
+    let request = Request::new(start, data, &["friction.k", "initial"]);
+    let report = fit(&request, &|_| {}).unwrap().report;
+    assert_eq!(report.verdict, Verdict::Fitted);
+    let mut parameters = report.parameters.iter();
+    let spin = parameters.find(|p| p.name == "initial.psi_dot").unwrap();
+    let [low, high] = spin.interval.unwrap();
+    assert!((low..=high).contains(&170.0), "{low} to {high}");
+}
