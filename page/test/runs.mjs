@@ -101,7 +101,7 @@ const tests = {
     const { columns: c } = run;
     const [height, , , heat] = energyChanges(run, run.end).map((change) => 1e3 * change);
     const motion = [0, -1].map((index) => c.kinetic.at(index));
-    says(5, `${fixed(1e3 * motion[1], 1)} instead of ${fixed(1e3 * motion[0], 1)} mJ of motion. Of the rest, ${fixed(height, 1)} mJ lift the centre of mass by ${fixed(height / run.top.weight, 1)} mm, and ${fixed(heat, 1)} mJ become heat`);
+    says(5, `${fixed(1e3 * motion[1], 2)} instead of ${fixed(1e3 * motion[0], 2)} mJ of motion. Of the rest, ${fixed(height, 2)} mJ lift the centre of mass by ${fixed(height / run.top.weight, 1)} mm, and ${fixed(heat, 2)} mJ become heat`);
     // Jellett's integral at the start, and the least energy of motion with it once the top has turned over.
     const [l, tilt] = [Number(tables.presets.find(({ name }) => name === "tippe-top").values["top.center_distance"]), c.theta[0]];
     const { peg_radius: radius, axial_moment: moment } = run.top;
