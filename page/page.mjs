@@ -153,7 +153,7 @@ function showControls(keys) {
   knobs.show(scenario, keys);
   at("preset").value = scenario.preset.name;
   const isChanged = Object.keys(scenario.set).length > 0;
-  at("description").replaceChildren(...typeset(`${isChanged ? "Unchanged: " : ""}${scenario.preset.description ?? ""}`));
+  at("description").replaceChildren(...typeset(`${isChanged ? "Before the changes: " : ""}${scenario.preset.description ?? ""}`));
   at("source-of").textContent = OF_PAPER.includes(scenario.preset.name) ? "The paper:" : "Beyond the paper:";
   at("reset").disabled = !isChanged;
   for (const button of at("presets").children) button.setAttribute("aria-pressed", button.value === scenario.preset.name);

@@ -38,16 +38,9 @@ pub(super) struct Drift {
     losses: [bool; 2],
     is_tippe_top: bool,
     place: Place,
-    /// How the contact point grips for good, some time after the start.
-    grip: Option<Grip>,
+    /// Whether the contact point slips no more at the end of the run.
+    grips: bool,
     falls: bool,
-}
-
-/// How a contact point no longer slips.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Grip {
-    Rolls,
-    Sticks,
 }
 
 /// What a drift is part of.
@@ -208,13 +201,7 @@ fn new_drift(evidence: &Evidence, parts: Vec<DriftPart>, place: Place) -> Drift 
         losses: [friction.acts_at_contact(), friction.has_air_drag()],
         is_tippe_top: evidence.history.is_tippe_top(),
         place,
-        grip: evidence.observations.grip.map(|_| {
-            if evidence.scenario.model.support.is_free() {
-                Grip::Rolls
-            } else {
-                Grip::Sticks
-            }
-        }),
+        grips: evidence.observations.grip.is_some(),
         falls: evidence.fall().is_some(),
     }
 }
@@ -222,7 +209,7 @@ fn new_drift(evidence: &Evidence, parts: Vec<DriftPart>, place: Place) -> Drift 
 /// The end of the mean motions that are looked at.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Until {
-    /// The contact point grips for good, or the run ends. Static friction changes the angular momenta of a rolling top to
+    /// The contact point grips to the end of the run, or the run ends without that. Static friction changes the angular momenta of a rolling top to
     /// and fro, and holds one that sticks.
     Grip,
     /// The run ends.
@@ -449,7 +436,7 @@ mod tests {
             (
                 "free-paper",
                 &["initial.psi_dot = 30"],
-                "Until the peg rolls for good, friction",
+                "Until the contact point slips for the last time, friction",
             ),
             (
                 "paper",

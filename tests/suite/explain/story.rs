@@ -388,8 +388,7 @@ fn check_nutation(explained: &ExplainedRun, text: &str) {
 /// The angular momenta change as the words have it, and with them the inclination at which the energy without θ̇ is
 /// least.
 fn check_regular_inclination(explained: &ExplainedRun, text: &str) {
-    let grips_later = text.contains("Until the peg rolls for good")
-        || text.contains("Until the contact point sticks for good");
+    let grips_later = text.contains("Until the contact point slips for the last time");
     let regimes = explained.numbers(contact::REGIME);
     let last_slip = regimes.iter().rposition(|&regime| regime != 0.0).unwrap();
     let last = if grips_later {

@@ -1,6 +1,6 @@
 //! The words of causes of a drift.
 
-use super::{Cause, Drift, DriftPart, Grip, Place, Turn};
+use super::{Cause, Drift, DriftPart, Place, Turn};
 use crate::analysis::phrase::{capitalized, works};
 
 impl Drift {
@@ -20,13 +20,12 @@ impl Drift {
 
     /// Words of time before a part.
     fn time(&self, at: usize) -> &'static str {
-        match (self.place, at, self.grip) {
-            (Place::Whole, 0, Some(Grip::Rolls)) => "Until the peg rolls for good, ",
-            (Place::Whole, 0, Some(Grip::Sticks)) => "Until the contact point sticks for good, ",
-            (Place::Whole, _, Some(_)) => "Later, but still before that, ",
-            (Place::Whole, 0, None) if self.parts.len() == 1 => "",
-            (Place::Whole, 0, None) | (Place::Earlier, ..) => "At first, ",
-            (Place::Whole, _, None) | (Place::Later, ..) => "Later, ",
+        match (self.place, at, self.grips) {
+            (Place::Whole, 0, true) => "Until the contact point slips for the last time, ",
+            (Place::Whole, _, true) => "Later, but still before that, ",
+            (Place::Whole, 0, false) if self.parts.len() == 1 => "",
+            (Place::Whole, 0, false) | (Place::Earlier, ..) => "At first, ",
+            (Place::Whole, _, false) | (Place::Later, ..) => "Later, ",
         }
     }
 
