@@ -2,6 +2,7 @@
 
 import { element, typeset } from "./elements.mjs";
 import { unbroken, withDegrees } from "./numbers.mjs";
+import { sentenceText } from "./sentence.mjs";
 
 /** Groups items in order of their first appearance. */
 function grouped(items, keyOf) {
@@ -88,16 +89,13 @@ function findingRows([name, a, b, difference]) {
   ];
 }
 
-/** A sentence without the keys of the program. */
-const withoutKeys = (text) => unbroken(text).replaceAll(/ \(stop\.[a-z_]+\)/g, "");
-
 /** Shows the program's comparison of A and B, or a note instead. */
 export function showComparison(place, { error, verdict, agreement, findings }) {
   const head = element("tr", {}, ...["A", "B", "B − A"].map((textContent) => element("th", { textContent })));
   const rows = (findings ?? []).flatMap(findingRows);
   const sentences = [];
   if (error) sentences.push(error);
-  else if (agreement) sentences.push(withoutKeys(agreement));
+  else if (agreement) sentences.push(sentenceText(agreement));
   else if (rows.length === 0) sentences.push(`${verdict}. No average, event or energy differs by more than the integration error.`);
   const table = rows.length > 0 ? [element("table", {}, head, ...rows)] : [];
   place.replaceChildren(...sentences.map((textContent) => element("p", { textContent })), ...table);

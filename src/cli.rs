@@ -19,16 +19,14 @@ mod input;
 mod interrupt;
 mod laws;
 mod losses;
-mod numbers;
 mod output;
-mod page;
 mod presets;
 mod progress;
 mod report;
 mod run;
 mod schema;
 mod status;
-mod table;
+mod terminal;
 mod text;
 mod verify;
 mod version;
@@ -250,7 +248,7 @@ fn parse(words: &[OsString]) -> Result<Arguments, clap::Error> {
         // Parsed again, as clap quotes what was given.
         let sanitized = words
             .iter()
-            .map(|word| text::sanitized(&word.to_string_lossy()).into_owned());
+            .map(|word| crate::words::sanitized(&word.to_string_lossy()).into_owned());
         Arguments::command()
             .color(option_or_default(words, "--color"))
             .try_get_matches_from(sanitized)

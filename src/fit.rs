@@ -22,7 +22,6 @@ mod law;
 mod model;
 mod modes;
 mod monitor;
-pub(crate) mod numbers;
 mod objective;
 mod offset;
 mod parameter;

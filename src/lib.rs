@@ -19,7 +19,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Ten modules: [`physics`] (mechanics), [`run`] (scenarios, simulation), [`telemetry`] (channels, encodings),
+//! Eleven modules: [`words`] (sentences as values), [`physics`] (mechanics), [`run`] (scenarios, simulation), [`telemetry`] (channels, encodings),
 //! [`archive`] (recordings, verify), [`analysis`] (diff, explain), `sweep` (tables of runs; feature `sweep`), `fit`
 //! (friction from measured motions; feature `fit`), `rerun` (Rerun viewer; feature `rerun`), [`figures`] (drawings for
 //! print), `cli` (the program; feature `cli`). Each uses only those before it; `analysis`, `sweep`, `fit` and `rerun`
@@ -57,3 +57,4 @@ pub mod run;
 #[cfg(feature = "sweep")]
 pub mod sweep;
 pub mod telemetry;
+pub mod words;

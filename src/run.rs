@@ -5,10 +5,8 @@
     clippy::match_wildcard_for_single_variants
 )]
 
-pub(crate) mod decimal;
 pub(crate) mod listed;
 pub mod outcome;
-pub(crate) mod plural;
 pub mod scenario;
 pub mod simulation;
 pub(crate) mod suggestion;

@@ -109,7 +109,7 @@ impl Page {
                 let report = compare(&a.scenario()?, &b.scenario()?, &Options::default())?;
                 let findings = report.findings.iter().filter(|finding| finding.differs());
                 let findings: Vec<_> = findings.map(Finding::cells).collect();
-                let agreement = report.agreement.map(|agreement| agreement.to_string());
+                let agreement = report.agreement.map(|agreement| agreement.sentence());
                 Ok(json!({
                     "verdict": report.verdict.title(),
                     "agreement": agreement,

@@ -36,7 +36,6 @@ pub use self::precession::Stage;
 pub use self::story::Story;
 
 use crate::analysis::history::{RunHistory, RunSummary};
-use crate::analysis::phrase::moment;
 use crate::analysis::subject::{ReadEnd, Subject};
 use crate::archive::recording::RecordingError;
 use crate::physics::top::Top;
@@ -44,6 +43,7 @@ use crate::run::scenario::Scenario;
 use crate::run::simulation::{EventKind, StopReason};
 use crate::telemetry::fields::{ACCELERATION, ENERGY, EVENTS, NUTATION, STATE};
 use crate::telemetry::{Message, Topic, Topics};
+use crate::words::Piece;
 use schemars::JsonSchema;
 use serde::Serialize;
 use thiserror::Error;
@@ -339,7 +339,7 @@ fn energy(evidence: &Evidence) -> Vec<Fact> {
 fn title(evidence: &Evidence) -> String {
     let history = &evidence.history;
     let scenario = evidence.scenario.title();
-    let end = moment(history.stop_time().unwrap_or(0.0));
+    let end = Piece::time(history.stop_time().unwrap_or(0.0));
     match history.stop_reason() {
         Some(reason) if history.is_recorded_to_end() => {
             format!("{scenario}: {} at t = {end}", reason.sentence())

@@ -2,13 +2,12 @@
 
 use super::arguments::{Override, parse_override};
 use super::input::open;
-use super::page::{Part, Section};
 use super::report;
 use super::status::Status;
-use super::table::Table;
 use crate::analysis::explain::{self, EventSummary, Explanation, Fact, Stage};
-use crate::analysis::phrase::significant;
 use crate::run::simulation::EventKind;
+use crate::words::number::significant;
+use crate::words::{Part, Section, Table};
 use anyhow::{Context as _, Error};
 use clap::Args;
 use std::path::PathBuf;
@@ -42,9 +41,12 @@ fn page(explanation: &Explanation, all: bool) -> Vec<Section> {
     let mut sections = Vec::new();
     // The causes come first, in words; the numbers follow.
     let mut story = Section::default();
-    story
-        .parts
-        .extend(explanation.story.text().map(Part::Paragraph));
+    story.parts.extend(
+        explanation
+            .story
+            .text()
+            .map(|text| Part::Paragraph(text.into())),
+    );
     sections.push(story);
     for chapter in &explanation.chapters {
         let sentences = chapter.facts.iter().map(Fact::sentence);

@@ -8,11 +8,11 @@ use super::arguments::{Override, parse_override, parse_positive};
 use super::file_kind::FileKind;
 use super::input::checked;
 use super::interrupt;
-use super::page::markdown;
 use super::progress::Progress;
 use super::report::{self, WrittenFile};
 use super::rerun::fit::{ShowArguments, ShowPlan};
 use super::status::Status;
+use super::terminal;
 use crate::archive::input::values;
 use crate::archive::publish::{
     Draft, Drafts, Existing, check_not_an_input, check_target, is_same_file,
@@ -22,6 +22,7 @@ use crate::fit::{
     self, AdvisedError, Fit, FitError, Interface, Loss, Report, Request, SignalSpec, Verdict,
 };
 use crate::run::scenario::Scenario;
+use crate::words::markdown;
 use anyhow::Context as _;
 use clap::{Args, Subcommand, ValueEnum};
 use schemars::JsonSchema;
@@ -209,7 +210,10 @@ fn fit(arguments: &FitArguments, drafts: &Drafts) -> Result<Status, anyhow::Erro
         Err(error) => return Err(error.advised(Interface::Terminal).into()),
     };
     let complete = plan.write(&fitted, drafts)?;
-    let text = markdown(&page::page(&fitted.report, &[], arguments.all));
+    let text = markdown(
+        &page::page(&fitted.report, &[], arguments.all),
+        terminal::option,
+    );
     let shown = plan.show.show(&fitted, text, drafts, plan.existing)?;
     // Until here an interruption leaves all files as they were. From here on the first one is too late.
     interrupt::watch(drafts)?;

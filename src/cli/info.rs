@@ -1,19 +1,17 @@
 //! `toprise info`.
 
 use super::losses::loss_lines;
-use super::numbers::{format_fixed, format_integer, format_size};
-use super::page::Section;
 use super::report;
 use super::status::Status;
-use super::table::{Column, Table};
 use crate::archive::format::{
     CONTENT_DIGEST, SCENARIO_DIGEST, STEPS, STOP_REASON, STOP_TIME, VERSION,
 };
 use crate::archive::recording::{AttachmentOverview, ChannelOverview, Condition, Overview};
-use crate::run::plural::plural;
 use crate::run::simulation::EventKind;
 use crate::run::time::seconds_and_nanoseconds;
 use crate::telemetry::Topic;
+use crate::words::number::{bytes, fixed};
+use crate::words::{Column, Section, Table, grouped, plural};
 use anyhow::{Context as _, Error};
 use clap::Args;
 use schemars::JsonSchema;
@@ -74,7 +72,7 @@ pub(super) fn info(arguments: &InfoArguments) -> Result<Status, Error> {
 impl InfoReport {
     fn page(&self) -> Vec<Section> {
         let facts = Section::from(Table::from_facts(self.facts()));
-        let head = facts.titled(&self.file, format_size(self.bytes));
+        let head = facts.titled(&self.file, bytes(self.bytes));
         let mut rest = Section::from(self.channel_table());
         // A recording of toprise has its scenario, which the first lines name.
         if !self.overview.is_ours {
@@ -119,7 +117,7 @@ impl InfoReport {
                 let quantity = if is_extreme { " of θ" } else { "" };
                 counts.push(format!(
                     "{} × {}{quantity}",
-                    format_integer(number),
+                    grouped(number),
                     event_words(name, number)
                 ));
             }
@@ -130,7 +128,7 @@ impl InfoReport {
 
     /// Number of messages; also without those for viewers, which other commands don't count.
     fn message_line(&self) -> String {
-        let all = format_integer(self.messages);
+        let all = grouped(self.messages);
         let channels = self.overview.channels.iter();
         let of_run: u64 = channels
             .filter(|channel| Topic::all().any(|topic| topic.name() == channel.topic))
@@ -139,7 +137,7 @@ impl InfoReport {
         if !self.overview.is_ours || of_run == self.messages {
             return all;
         }
-        format!("{all} ({} of the run itself)", format_integer(of_run))
+        format!("{all} ({} of the run itself)", grouped(of_run))
     }
 
     /// Number of events of each kind.
@@ -159,12 +157,12 @@ impl InfoReport {
                 None => channel.schema.clone(),
             }),
             ("encoding", |channel| channel.encoding.clone()),
-            ("messages", |channel| format_integer(channel.messages)),
+            ("messages", |channel| grouped(channel.messages)),
             ("rate", |channel| match channel.rate_hz {
                 Some(rate) => format!("{rate:.1} Hz"),
                 None => String::new(),
             }),
-            ("uncompressed", |channel| format_size(channel.bytes)),
+            ("uncompressed", |channel| bytes(channel.bytes)),
         ];
         Table::new(&self.overview.channels, 3, &columns)
     }
@@ -173,7 +171,7 @@ impl InfoReport {
         let columns: [Column<&AttachmentOverview>; 3] = [
             ("attachment", |attachment| attachment.name.clone()),
             ("media type", |attachment| attachment.media_type.clone()),
-            ("bytes", |attachment| format_size(attachment.bytes)),
+            ("bytes", |attachment| bytes(attachment.bytes)),
         ];
         Table::new(&self.overview.attachments, 2, &columns)
     }
@@ -235,7 +233,7 @@ fn run_line(run: &BTreeMap<String, String>) -> String {
 fn end_line(end: &BTreeMap<String, String>) -> String {
     let time = entry(end, STOP_TIME)
         .parse()
-        .map_or("?".to_owned(), |time| format_fixed(time, 6));
+        .map_or("?".to_owned(), |time| fixed(time, 6));
     format!(
         "{} at {} s, {}, {} (from one maximum of θ̇ to the next), {}",
         entry(end, STOP_REASON),

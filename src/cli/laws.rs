@@ -1,11 +1,10 @@
 //! `toprise laws`.
 
-use super::page::Section;
 use super::report;
 use super::status::Status;
-use super::table::Table;
 use crate::run::scenario::{Key, LAWS, Law};
 use crate::run::suggestion::suggestion;
+use crate::words::{Section, Table};
 use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;

@@ -1,7 +1,7 @@
 //! Unreadable parts of a file as lines of text.
 
-use super::numbers::format_integer;
 use crate::archive::recording::Loss;
+use crate::words::grouped;
 
 /// Maximum number of losses that are shown; the JSON output lists more.
 const MAX_SHOWN: usize = 10;
@@ -16,7 +16,7 @@ pub(super) fn loss_lines(losses: &[Loss], unlisted: Option<u64>) -> Vec<(&'stati
         .collect();
     let more = (losses.len() - lines.len()) as u64 + unlisted.unwrap_or(0);
     if more > 0 {
-        lines.push(("lost", format!("and {} more", format_integer(more))));
+        lines.push(("lost", format!("and {} more", grouped(more))));
     }
     lines
 }

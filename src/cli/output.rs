@@ -5,6 +5,7 @@
 
 use super::arguments::Format;
 use super::text;
+use crate::words::sanitized_lines;
 use anstyle::{AnsiColor, Effects, Style};
 use clap::ColorChoice;
 use std::io::{self, IsTerminal as _, Write};
@@ -62,7 +63,7 @@ pub(super) fn columns() -> Option<usize> {
 
 /// Prints a plain report.
 pub(super) fn print(report: &str) -> io::Result<()> {
-    write(&mut io::stdout().lock(), &text::sanitized_lines(report))
+    write(&mut io::stdout().lock(), &sanitized_lines(report))
 }
 
 /// Prints a styled, already sanitised report; removes colours if they are disabled.

@@ -1,12 +1,11 @@
 //! `toprise presets`.
 
 use super::input::checked;
-use super::page::{Part, Section};
 use super::report;
 use super::status::Status;
-use super::table::Table;
 use crate::archive::input::{is_preset, values};
 use crate::run::scenario::{PRESETS, Preset};
+use crate::words::{Part, Section, Table};
 use anyhow::Error;
 use clap::Args;
 use schemars::JsonSchema;

@@ -1,15 +1,15 @@
 //! Reports of commands. They are serialized as JSON, or rendered as text or Markdown.
 
 use super::arguments::Format;
-use super::numbers::format_size;
-use super::output;
-use super::page::{self, Section};
 use super::text::sanitized_json;
 use super::{fit, sweep};
+use super::{output, terminal};
 use crate::archive::input::InputError;
 use crate::archive::publish::Draft;
 use crate::archive::sink::SinkError;
 use crate::run::scenario::ScenarioError;
+use crate::words::number::bytes;
+use crate::words::{Section, markdown};
 use anyhow::Error;
 use schemars::{JsonSchema, schema_for};
 use serde::Serialize;
@@ -23,8 +23,8 @@ pub(super) fn print(
 ) -> Result<(), Error> {
     match output::format() {
         Format::Text if output::is_quiet() => {}
-        Format::Text => output::print_styled(&page::text(&sections(), output::columns()))?,
-        Format::Markdown => output::print(&page::markdown(&sections()))?,
+        Format::Text => output::print_styled(&terminal::render(&sections(), output::columns()))?,
+        Format::Markdown => output::print(&markdown(&sections(), terminal::option))?,
         Format::Json => output::print(&sanitized_json(&serde_json::to_string_pretty(report)?))?,
     }
     Ok(())
@@ -104,7 +104,7 @@ impl WrittenFile {
 
 /// The path and the size of a file, human-readable.
 pub(super) fn file_line(path: &str, size: u64) -> String {
-    format!("{path}  {}", format_size(size))
+    format!("{path}  {}", bytes(size))
 }
 
 /// A Rerun stream that has ended.

@@ -1,15 +1,14 @@
 //! `toprise schema`.
 
-use super::page::{Part, Section};
 use super::report::{self, WrittenFile};
 use super::status::Status;
-use super::table::Table;
 use crate::archive::publish::{self, Drafts, Existing};
 use crate::run::scenario;
 use crate::telemetry::encoding::Encoding;
 use crate::telemetry::protobuf::{proto_file, proto_file_name};
 use crate::telemetry::schema::{file_name, json_schema};
 use crate::telemetry::{ChannelInfo, Topic, UnknownTopic, channels};
+use crate::words::{Part, Section, Table};
 use anyhow::Error;
 use clap::Args;
 use schemars::JsonSchema;

@@ -6,7 +6,6 @@ mod report;
 use super::arguments::{Override, parse_override};
 use super::file_kind::FileKind;
 use super::interrupt;
-use super::numbers::{format_count, format_integer};
 use super::output;
 use super::progress::Progress;
 use super::report::{self as reports, WrittenFile};
@@ -18,6 +17,7 @@ use crate::sweep::{
     Axis, Base, Counts, Design, Finished, Method, Options, Sample, Shard, Spec, Sweep, SweepError,
     Table, Watch, is_catching, parts_directory, remaining_rows, run, values_of_row,
 };
+use crate::words::{counted, grouped};
 use anyhow::{Context as _, Error, bail};
 use clap::builder::PossibleValue;
 use clap::{Args, Subcommand, ValueEnum};
@@ -240,10 +240,10 @@ fn sweep(arguments: &SweepArguments, drafts: &Drafts) -> Result<Status, Error> {
 fn compute(arguments: &SweepArguments, sweep: &Sweep, left: u64) -> Result<Finished, SweepError> {
     let rows = sweep.spec().rows();
     if left > 0 && left < rows {
-        let left = format_integer(left);
+        let left = grouped(left);
         output::note(&format!(
             "{}, {left} still to be computed",
-            format_count(rows, "run")
+            counted(rows, "run")
         ));
     }
     let progress = Progress::new(

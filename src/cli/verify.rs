@@ -1,15 +1,13 @@
 //! `toprise verify`.
 
 use super::losses::loss_lines;
-use super::numbers::format_count;
-use super::page::{Section, Tone};
 use super::progress::Progress;
 use super::status::Status;
-use super::table::Table;
 use super::{output, report};
 use crate::archive::recording::{Condition, Recording};
 use crate::archive::verify::{Equality, Report, SchemaCheck, Verdict, verify as check};
 use crate::telemetry::table;
+use crate::words::{Section, Table, Tone, counted};
 use anyhow::Error;
 use clap::Args;
 use rayon::iter::{IntoParallelRefIterator as _, ParallelIterator as _};
@@ -168,10 +166,10 @@ fn section(file: &str, report: &Report) -> Section {
         facts.push(("recorded by", format!("toprise {version}; this is {this}")));
     }
     if let Some(equal) = report.equal {
-        facts.push(("equal", format_count(equal, "message")));
+        facts.push(("equal", counted(equal, "message")));
     }
     if report.missing > 0 {
-        facts.push(("missing", format_count(report.missing, "message")));
+        facts.push(("missing", counted(report.missing, "message")));
     }
     if !report.unknown.is_empty() {
         facts.push(("not compared", report.unknown.join(", ")));

@@ -2,8 +2,8 @@
 
 use super::unit::split_header;
 use crate::archive::recording::RecordingError;
-use crate::run::plural::counted;
 use crate::run::suggestion::{did_you_mean, most_similar, similarity};
+use crate::words::counted;
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;

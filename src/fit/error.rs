@@ -5,9 +5,9 @@ use super::degeneracy::{Degeneracy, join_clauses};
 use super::parameter::is_offset;
 use super::place::{Place, ValuePlace};
 use super::step_limit::MAX_RATIO;
-use crate::run::plural::counted;
 use crate::run::scenario::ScenarioError;
 use crate::run::simulation::SimulationError;
+use crate::words::counted;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 

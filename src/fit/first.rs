@@ -5,13 +5,13 @@ use super::fitted::{Fitted, Split};
 use super::law::Refused;
 use super::model::Problem;
 use super::monitor::Monitor;
-use super::numbers::format_rounded;
 use super::prepare::{Prepared, prepare};
 use super::request::Request;
 use super::solve::{Solution, grow_window, refused_step};
 use super::spin_guess::start_with_measured_spin;
 use super::step_limit::MAX_MOTIONS;
 use super::{law, modes, offset, sigma};
+use crate::words::number::rounded;
 
 /// χ² per value above which a minimum may be that of another phase of the nutation; wrong models and standard deviations
 /// give less, as a rule.
@@ -138,7 +138,7 @@ fn solve_from_any(
             *problem = again;
             notes.push(format!(
                 "From the start no minimum near the data was found. The search began again with initial.psi_dot = {} rad/s, the spin that belongs to the precession at the beginning of the data.",
-                format_rounded(start.spin, 4)
+                rounded(start.spin, 4)
             ));
             Ok((solution, split))
         }

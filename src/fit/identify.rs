@@ -8,8 +8,8 @@ use super::plausibility::check_units;
 use super::signal::Signal;
 use super::statistics::{NULL_EIGENVALUE, ScaledGram};
 use crate::physics::kinematics::Tilt;
-use crate::run::plural::plural;
 use crate::run::scenario::Scenario;
+use crate::words::plural;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 

@@ -5,10 +5,10 @@ use super::signal::{FileSignals, Row, SigmaSpec, Signal, SignalSpec};
 use super::table::{MAX_ROWS, MAX_SHOWN};
 use super::unit::{Dimension, split_header};
 use crate::archive::recording::{Condition, FileChannel, Recording, Selection};
-use crate::run::plural::counted;
 use crate::run::time::seconds;
 use crate::telemetry::fields::NumberField;
 use crate::telemetry::{Numbers as _, Topic, Topics};
+use crate::words::counted;
 use serde_json::Value as Json;
 use std::path::Path;
 

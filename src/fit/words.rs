@@ -10,12 +10,11 @@ use super::estimate::REJECTED;
 use super::model::Loss;
 use super::modes::MAX_TRIALS;
 use super::monitor::Progress;
-use super::numbers::{decimals, format_estimate, format_probability, format_rounded, format_time};
 use super::parameter::is_offset;
 use super::remedy::{Interface, Remedy};
 use super::report::{Estimate, Limit, Oddity, Quality, Report, SignalReport, Verdict};
-use crate::run::decimal::fixed;
-use crate::run::plural::{counted, grouped};
+use crate::words::number::{Digits, decimals_of_error, fixed, format, probability, rounded};
+use crate::words::{Piece, counted, grouped};
 use serde::Serialize;
 use std::fmt::{self, Display, Formatter};
 
@@ -125,7 +124,7 @@ impl Report {
                 "{}: {}, RMS {} σ",
                 signal.field,
                 counted(signal.samples as u64, "sample"),
-                format_rounded(signal.rms, 3)
+                rounded(signal.rms, 3)
             ));
         }
         if let Some(comparison) = &self.comparison {
@@ -155,7 +154,7 @@ impl Display for Progress {
         write!(
             f,
             ": χ² = {}, {} simulations",
-            format_rounded(self.chi2, 4),
+            rounded(self.chi2, 4),
             self.evaluations
         )
     }
@@ -216,8 +215,18 @@ fn goodness(quality: &Quality) -> String {
         quality.freedom
     );
     match quality.p_value {
-        Some(p) => format!("{chi2}, {}", format_probability(p)),
+        Some(p) => format!("{chi2}, {}", labelled_probability(p)),
         None => chi2,
+    }
+}
+
+/// A probability with its symbol.
+fn labelled_probability(p: f64) -> String {
+    let text = probability(p);
+    if text.starts_with('<') {
+        format!("p {text}")
+    } else {
+        format!("p = {text}")
     }
 }
 
@@ -233,8 +242,8 @@ fn extent(report: &Report) -> Vec<String> {
     lines.push(format!(
         "{} in {} s; the scenario starts at t = {} s in the data. {}.",
         counted(samples as u64, "sample"),
-        format_time(report.until),
-        format_time(report.origin),
+        format(report.until, Digits::AtMostDecimals(6)),
+        format(report.origin, Digits::AtMostDecimals(6)),
         counted(report.evaluations, "simulation")
     ));
     lines
@@ -249,7 +258,7 @@ pub(crate) fn estimates(parameters: &[Estimate], all: bool) -> Table {
             estimate_cell(estimate, all),
             interval_cell(estimate),
             // Clocks differ by days, and offsets by nutations.
-            format_rounded(
+            rounded(
                 estimate.start,
                 if is_offset(&estimate.name) { 10 } else { 4 },
             ),
@@ -277,11 +286,11 @@ fn estimate_cell(estimate: &Estimate, all: bool) -> String {
     // The standard deviation of a parameter with a limit only would mislead, so its estimate has none.
     match (estimate.sd, estimate.limit) {
         (Some(_), None) if estimate.is_over_minima() && !all => "several values".to_owned(),
-        (Some(_), None) if estimate.is_over_minima() => format_rounded(estimate.value, 6),
-        (Some(sd), None) => format_estimate(estimate.value, sd),
+        (Some(_), None) if estimate.is_over_minima() => rounded(estimate.value, 6),
+        (Some(sd), None) => Piece::estimate(estimate.value, sd, "").to_string(),
         // The search ended there, but in no minimum.
-        (None, None) => format_rounded(estimate.value, 4),
-        (Some(_) | None, Some(_)) if all => format_rounded(estimate.value, 6),
+        (None, None) => rounded(estimate.value, 4),
+        (Some(_) | None, Some(_)) if all => rounded(estimate.value, 6),
         (Some(_) | None, _) => "–".to_owned(),
     }
 }
@@ -289,12 +298,12 @@ fn estimate_cell(estimate: &Estimate, all: bool) -> String {
 fn interval_cell(estimate: &Estimate) -> String {
     match (estimate.interval, estimate.limit) {
         (_, Some(Limit::Below(limit) | Limit::Above(limit)))
-            if format_rounded(limit, 3) == format_rounded(estimate.value, 3) =>
+            if rounded(limit, 3) == rounded(estimate.value, 3) =>
         {
             at_bound(estimate)
         }
-        (_, Some(Limit::Below(limit))) => format!("< {} (95 %)", format_rounded(limit, 3)),
-        (_, Some(Limit::Above(limit))) => format!("> {} (95 %)", format_rounded(limit, 3)),
+        (_, Some(Limit::Below(limit))) => format!("< {} (95 %)", rounded(limit, 3)),
+        (_, Some(Limit::Above(limit))) => format!("> {} (95 %)", rounded(limit, 3)),
         (_, Some(Limit::AtBound)) => at_bound(estimate),
         (_, Some(Limit::None)) => "not determined".to_owned(),
         (Some([low, high]), None) if estimate.is_over_minima() => {
@@ -302,7 +311,7 @@ fn interval_cell(estimate: &Estimate) -> String {
         }
         (Some([low, high]), None) => {
             // With as many decimals as the estimate next to it.
-            let digits = decimals(estimate.sd.unwrap_or_default());
+            let digits = decimals_of_error(estimate.sd.unwrap_or_default());
             format!("{} to {}", fixed(low, digits), fixed(high, digits))
         }
         (None, None) => "–".to_owned(),
@@ -310,7 +319,7 @@ fn interval_cell(estimate: &Estimate) -> String {
 }
 
 fn at_bound(estimate: &Estimate) -> String {
-    format!("at its bound, {}", format_rounded(estimate.value, 3))
+    format!("at its bound, {}", rounded(estimate.value, 3))
 }
 
 /// A sentence on parameters that have a limit and no estimate.
@@ -349,21 +358,21 @@ fn signals(signals: &[SignalReport]) -> Table {
         let mut row = vec![
             signal.field.clone(),
             grouped(signal.samples as u64),
-            format!(
-                "{} {}{origin}",
-                format_rounded(signal.sigma, 3),
-                signal.unit
-            ),
-            format_rounded(signal.rms, 3),
+            format!("{} {}{origin}", rounded(signal.sigma, 3), signal.unit),
+            rounded(signal.rms, 3),
         ];
         if has_held_out {
             row.push(
                 signal
                     .held_out_rms
-                    .map_or("–".to_owned(), |rms| format_rounded(rms, 3)),
+                    .map_or("–".to_owned(), |rms| rounded(rms, 3)),
             );
         }
-        row.push(signal.whiteness.map_or("–".to_owned(), format_probability));
+        row.push(
+            signal
+                .whiteness
+                .map_or("–".to_owned(), labelled_probability),
+        );
         row.push(losses(signal));
         rows.push(row);
     }
@@ -408,7 +417,7 @@ fn modes(report: &Report, interface: Interface, all: bool) -> Table {
     for mode in modes.iter().take(shown) {
         let mut row = vec![fixed(mode.delta_chi2, 2)];
         for (value, sd) in mode.values.iter().zip(&mode.sds) {
-            row.push(format_estimate(*value, *sd));
+            row.push(Piece::estimate(*value, *sd, "").to_string());
         }
         rows.push(row);
     }
@@ -489,7 +498,7 @@ fn remark_on_size(quality: &Quality) -> Option<String> {
     } else if p > 1.0 - TOO_SMALL {
         Some(format!(
             "The data scatter much less than the given σ (χ²/ν = {}): σ is too large, and so are the standard deviations of the parameters.",
-            format_rounded(reduced, 2)
+            rounded(reduced, 2)
         ))
     } else {
         None
@@ -509,7 +518,7 @@ fn remarks_on_signal(signal: &SignalReport) -> Vec<String> {
     if has_constant_error(signal) {
         remarks.push(format!(
             "The residuals of {field} have the mean {} σ: a constant error, such as a camera that is not level.",
-            format_rounded(signal.mean, 2)
+            rounded(signal.mean, 2)
         ));
     }
     if signal.is_mostly_outliers() {
@@ -522,12 +531,12 @@ fn remarks_on_signal(signal: &SignalReport) -> Vec<String> {
     match signal.oddity {
         Some(Oddity::Constant { value }) => remarks.push(format!(
             "All values of {field} are {} {unit}: they have no noise from which σ could be estimated. Check the sensor, or give σ.",
-            format_rounded(value, 6)
+            rounded(value, 6)
         )),
         Some(Oddity::OneValue { time, value }) => remarks.push(format!(
             "One value of {field}, {} {unit} at {} s after the start, makes most of the estimated σ. Remove it, or give σ.",
-            format_rounded(value, 6),
-            format_time(time)
+            rounded(value, 6),
+            format(time, Digits::AtMostDecimals(6))
         )),
         None => {}
     }

@@ -6,9 +6,9 @@ use super::preview::Preview;
 use crate::physics::kinematics::Tilt;
 use crate::physics::math;
 use crate::physics::top::Top;
-use crate::run::decimal::with_power;
 use crate::run::scenario::Scenario;
 use crate::telemetry::proportions::Proportions;
+use crate::words::number::with_power;
 
 /// Maximum length of an arrow, in heights of the top: from every side of the top, the tip is in the view.
 const MAX_LENGTH: f64 = 1.25;

@@ -1,7 +1,7 @@
 //! Shared parts of the decoders: rows, errors, message structure.
 
 use super::channel::ChannelInfo;
-use crate::run::plural::counted;
+use crate::words::counted;
 use std::str::Utf8Error;
 use thiserror::Error;
 

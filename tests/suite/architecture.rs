@@ -7,19 +7,20 @@ use std::path::Path;
 use toprise::telemetry::channels;
 
 /// The rooms from the bottom up, each with those that it may use; `cli` may use all.
-const ROOMS: [(&str, &str); 9] = [
+const ROOMS: [(&str, &str); 10] = [
+    ("words", ""),
     ("physics", ""),
-    ("run", "physics"),
-    ("telemetry", "physics run"),
-    ("archive", "physics run telemetry"),
-    ("sweep", "physics run telemetry archive"),
-    ("analysis", "physics run telemetry archive"),
-    ("fit", "physics run telemetry archive"),
+    ("run", "words physics"),
+    ("telemetry", "words physics run"),
+    ("archive", "words physics run telemetry"),
+    ("sweep", "words physics run telemetry archive"),
+    ("analysis", "words physics run telemetry archive"),
+    ("fit", "words physics run telemetry archive"),
     (
         "figures",
-        "physics run telemetry archive sweep analysis fit",
+        "words physics run telemetry archive sweep analysis fit",
     ),
-    ("rerun", "physics run telemetry archive analysis"),
+    ("rerun", "words physics run telemetry archive analysis"),
 ];
 
 /// The code of each file below `src`, by path, without comments and unit tests.

@@ -5,14 +5,12 @@ use super::finding::{EndCondition, Finding, Quantity};
 use super::findings::end_conditions;
 use super::topic::ChannelDifference;
 use crate::analysis::history::RunHistory;
-use crate::analysis::phrase::{moment, quantity, significant};
-use crate::run::plural::counted;
 use crate::run::simulation::{EventKind, StopReason};
 use crate::run::time::seconds;
 use crate::telemetry::Topic;
 use crate::telemetry::fields::{IMPACTS, STATE, state};
 use crate::telemetry::side::Side;
-use std::fmt;
+use crate::words::{Piece, Sentence, sentence};
 use std::ops::{Bound, RangeBounds as _};
 
 /// How far the motions of two runs agree.
@@ -247,83 +245,85 @@ fn changes_forces(kind: EventKind) -> bool {
 }
 
 impl RunEnd {
-    /// The time of the end and the reason, with the key that sets its limit.
-    fn words(self) -> String {
-        let time = moment(self.time);
-        let Some(EndCondition { reason, limit }) = self.condition else {
-            return time;
-        };
-        let words = reason.words();
-        match (reason, limit) {
-            (StopReason::Duration, _) => format!("{time}, {words} (stop.duration)"),
-            (StopReason::Risen, Some(level)) => {
-                format!(
-                    "{time}, {words} to {} rad (stop.theta_risen)",
-                    significant(level, 3)
-                )
-            }
-            (StopReason::Fallen, Some(level)) => {
-                format!(
-                    "{time}, {words} to {} rad (stop.theta_fallen)",
-                    significant(level, 3)
-                )
-            }
-            (StopReason::SlipStopped, _) => format!("{time}, {words} (stop.on_stick)"),
-            _ => format!("{time}, {words}"),
+    /// The time of the end and the reason.
+    fn sentence(self) -> Sentence {
+        let time = Piece::time(self.time);
+        match self.condition {
+            None => time.into(),
+            Some(EndCondition {
+                reason: reason @ (StopReason::Risen | StopReason::Fallen),
+                limit: Some(level),
+            }) => sentence!(
+                "{}, {} to {}",
+                time,
+                reason.words(),
+                Piece::number(level, 3, "rad")
+            ),
+            Some(EndCondition { reason, .. }) => sentence!("{}, {}", time, reason.words()),
         }
     }
 }
 
-impl fmt::Display for Agreement {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
+impl Agreement {
+    /// How far the motions agree, and what ends the agreement.
+    pub fn sentence(self) -> Sentence {
+        match self {
             Self::WhileBothRun {
                 samples,
                 precision,
                 ends,
             } => {
-                write!(f, "As long as both run, the motions agree: ")?;
-                let samples = counted(samples, "sample");
-                match precision {
-                    Precision::Exact => write!(f, "{samples} are identical, bit for bit.")?,
-                    Precision::IntegrationError { theta } => write!(
-                        f,
-                        "{samples} differ by no more than the integration error, θ by {} at most.",
-                        quantity(theta, 2, "rad")
-                    )?,
-                }
-                ends.map_or(Ok(()), |ends| write_ends(f, ends))
+                let samples = Piece::count(samples, "sample");
+                let precision = match precision {
+                    Precision::Exact => sentence!("{} are identical, bit for bit.", samples),
+                    Precision::IntegrationError { theta } => sentence!(
+                        "{} differ by no more than the integration error, θ by {} at most.",
+                        samples,
+                        Piece::number(theta, 2, "rad")
+                    ),
+                };
+                let ends = ends.map(ends_sentence).unwrap_or_default();
+                sentence!(
+                    "As long as both run, the motions agree: {}{}",
+                    precision,
+                    ends
+                )
             }
-            Self::Until { time, change } => {
-                let time = moment(time);
-                write!(f, "The motions are identical, bit for bit, until {time}")?;
-                match change {
-                    None => write!(f, "."),
-                    Some(Change::Impact) => write!(f, ", when an impact parts them."),
-                    Some(Change::Event(kind)) => write!(f, ", the event “{}”.", kind.words(1)),
-                    Some(Change::EventOf(side, kind)) => {
-                        write!(f, ", {}'s event “{}”.", side.name(), kind.words(1))
-                    }
-                }
+            Self::Until { time, change } => sentence!(
+                "The motions are identical, bit for bit, until {}{}.",
+                Piece::time(time),
+                change.map(Change::sentence).unwrap_or_default()
+            ),
+        }
+    }
+}
+
+impl Change {
+    /// What changes, after the time of the change.
+    fn sentence(self) -> Sentence {
+        match self {
+            Self::Impact => sentence!(", when an impact parts them"),
+            Self::Event(kind) => sentence!(", the event “{}”", kind.words(1)),
+            Self::EventOf(side, kind) => {
+                sentence!(", {}'s event “{}”", side.name(), kind.words(1))
             }
         }
     }
 }
 
-/// Writes which run ends first, and why.
-fn write_ends(f: &mut fmt::Formatter<'_>, ends: [RunEnd; 2]) -> fmt::Result {
+/// Which run ends first, and why.
+fn ends_sentence(ends: [RunEnd; 2]) -> Sentence {
     let shorter = if ends[0].time < ends[1].time {
         Side::A
     } else {
         Side::B
     };
     let longer = shorter.other();
-    write!(
-        f,
+    sentence!(
         " {} ends first, at {}; {} ends at {}.",
         shorter.name(),
-        ends[shorter.index()].words(),
+        ends[shorter.index()].sentence(),
         longer.name(),
-        ends[longer.index()].words()
+        ends[longer.index()].sentence()
     )
 }

@@ -1,8 +1,9 @@
 //! A finding: a pair of corresponding numbers, and how it is displayed.
 
 use super::integration_error::IntegrationError;
-use crate::analysis::phrase::{duration, moment, signed_duration, significant};
 use crate::run::simulation::{EventKind, StopReason};
+use crate::words::Piece;
+use crate::words::number::significant;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Serialize;
 use std::borrow::Cow;
@@ -125,17 +126,19 @@ impl Quantity {
             }
             Self::Inversion => "inverts".to_owned(),
             Self::FirstLoop => "first loop".to_owned(),
-            Self::Loops { until } => format!("loops by {}", moment(until)),
+            Self::Loops { until } => format!("loops by {}", Piece::time(until)),
             Self::FirstEvent { event } => event_label(event),
             Self::FirstRoll => "first rolls".to_owned(),
-            Self::Hops { until } => format!("hops by {}", moment(until)),
+            Self::Hops { until } => format!("hops by {}", Piece::time(until)),
             Self::FinalRollTheta => "θ at start of final rolling".to_owned(),
-            Self::MeanTheta { at } => format!("mean θ at {}", moment(at)),
-            Self::MeanPrecession { at } => format!("mean φ̇ at {}", moment(at)),
-            Self::MeanSpin { at } => format!("mean ψ̇ at {}", moment(at)),
-            Self::PhaseLead { at } => format!("nutation phase lead in cycles at {}", moment(at)),
-            Self::Amplitude { at } => format!("nutation amplitude of θ̇ at {}", moment(at)),
-            Self::EnergyLost { until } => format!("energy lost by {}", moment(until)),
+            Self::MeanTheta { at } => format!("mean θ at {}", Piece::time(at)),
+            Self::MeanPrecession { at } => format!("mean φ̇ at {}", Piece::time(at)),
+            Self::MeanSpin { at } => format!("mean ψ̇ at {}", Piece::time(at)),
+            Self::PhaseLead { at } => {
+                format!("nutation phase lead in cycles at {}", Piece::time(at))
+            }
+            Self::Amplitude { at } => format!("nutation amplitude of θ̇ at {}", Piece::time(at)),
+            Self::EnergyLost { until } => format!("energy lost by {}", Piece::time(until)),
             Self::TorqueDifference { has_air_drag: true } => {
                 "largest difference of friction and air drag torques".to_owned()
             }
@@ -201,11 +204,17 @@ impl Quantity {
 
     fn format_uncertainty(self, uncertainty: f64) -> String {
         if self.is_time() {
-            duration(uncertainty)
+            Piece::duration(uncertainty).to_string()
         } else {
             significant(uncertainty, 2)
         }
     }
+}
+
+/// A duration with its sign.
+fn signed_duration(seconds: f64) -> String {
+    let sign = if seconds < 0.0 { "−" } else { "+" };
+    format!("{sign}{}", Piece::duration(seconds))
 }
 
 fn event_label(event: EventKind) -> String {

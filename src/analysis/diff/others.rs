@@ -3,10 +3,10 @@
 use super::spelling::{MAX_DEPTH, Spelling, compare_json};
 use crate::analysis::subject;
 use crate::archive::recording::{Recording, Selection};
-use crate::run::plural::counted;
 use crate::run::time::seconds;
 use crate::telemetry::Topics;
 use crate::telemetry::side::Side;
+use crate::words::counted;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};

@@ -318,7 +318,10 @@ impl Report {
     /// The verdict, how far the motions agree, and a line for each key of the scenarios and each finding that differs.
     pub fn summary(&self) -> Vec<String> {
         let mut lines = vec![self.verdict.title().to_owned()];
-        lines.extend(self.agreement.map(|agreement| agreement.to_string()));
+        lines.extend(
+            self.agreement
+                .map(|agreement| agreement.sentence().to_string()),
+        );
         for key in &self.setup.scenario {
             let [a, b] = [&key.a, &key.b].map(|value| value.as_deref().unwrap_or("–"));
             lines.push(format!("{}: A {a}, B {b}", key.key));

@@ -2,8 +2,8 @@
 
 use crate::analysis::subject::Subject;
 use crate::archive::recording::Recording;
-use crate::run::plural::plural;
 use crate::run::scenario::{KEYS, Value};
+use crate::words::plural;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};

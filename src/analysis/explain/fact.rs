@@ -1,10 +1,10 @@
 //! Facts of an explanation, and their text.
 
-use crate::analysis::phrase::{
-    ENERGY_ZERO, moment, pair, quantities, quantity, separate_quantities, significant, works,
-};
+use crate::analysis::phrase::{ENERGY_ZERO, works};
 use crate::physics::friction::Dissipation;
 use crate::run::scenario::find_dissipation;
+use crate::words::Piece;
+use crate::words::number::{pair, significant};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -308,39 +308,39 @@ impl Fact {
                 format!(
                     "The top reaches θ = {} at {}.",
                     angle(*theta),
-                    moment(*time)
+                    Piece::time(*time)
                 )
             }
             Self::Fallen { theta, time } => {
                 format!(
                     "The top falls to θ = {} at {}.",
                     angle(*theta),
-                    moment(*time)
+                    Piece::time(*time)
                 )
             }
             Self::Inverted { time } => {
                 format!(
                     "The top inverts (its axis passes the horizontal) at {}.",
-                    moment(*time)
+                    Piece::time(*time)
                 )
             }
             Self::NotInverted { time } => {
                 format!(
                     "The top does not invert before the end at {}.",
-                    moment(*time)
+                    Piece::time(*time)
                 )
             }
             Self::PassesHorizontal { time } => format!(
                 "The axis passes the horizontal at {}, but the top does not stay inverted.",
-                moment(*time)
+                Piece::time(*time)
             ),
             Self::MeanTheta { first, last } if is_same_angle(*first, *last) => format!(
                 "The mean inclination θ, {}, hardly changes (last nutation minus first nutation: {}).",
                 angle(*first),
-                quantity(last - first, 2, "rad")
+                Piece::number(last - first, 2, "rad")
             ),
             Self::MeanTheta { first, last } => {
-                let [first, last] = quantities([*first, *last], 4, "rad");
+                let [first, last] = Piece::range([*first, *last], 4, "rad");
                 format!(
                     "The mean inclination θ changes from {first} (first nutation) to {last} (last nutation)."
                 )
@@ -356,15 +356,18 @@ impl Fact {
                 nutation_end: Some(time),
             } => format!(
                 "The nutation ends at {}; at the end (last sample), θ = {}.",
-                moment(*time),
+                Piece::time(*time),
                 angle(*theta)
             ),
             Self::End { theta, .. } => format!("At the end (last sample), θ = {}.", angle(*theta)),
             Self::Loops { count: 1, first } => {
-                format!("The axis loops once, at {}.", moment(*first))
+                format!("The axis loops once, at {}.", Piece::time(*first))
             }
             Self::Loops { count, first } => {
-                format!("The axis loops {count} times, first at {}.", moment(*first))
+                format!(
+                    "The axis loops {count} times, first at {}.",
+                    Piece::time(*first)
+                )
             }
             Self::Sticks {
                 time,
@@ -372,8 +375,8 @@ impl Fact {
                 slips_at_end,
             } => {
                 let times = match count {
-                    1 => format!("at {}", moment(*time)),
-                    count => format!("{}, first at {}", times(*count), moment(*time)),
+                    1 => format!("at {}", Piece::time(*time)),
+                    count => format!("{}, first at {}", times(*count), Piece::time(*time)),
                 };
                 let end = if *slips_at_end {
                     ", but slips again at the end"
@@ -391,11 +394,11 @@ impl Fact {
             ),
             Self::Hops { count: 1, first } => format!(
                 "The peg flies once, from {} (bounces do not end a flight).",
-                moment(*first)
+                Piece::time(*first)
             ),
             Self::Hops { count, first } => format!(
                 "The peg flies {count} times, first from {} (bounces do not end a flight).",
-                moment(*first)
+                Piece::time(*first)
             ),
             Self::Impacts {
                 count,
@@ -412,19 +415,21 @@ impl Fact {
             }
             Self::Rolls { from, theta } if theta.is_finite() => format!(
                 "The peg rolls from {} to the end, starting at θ = {}.",
-                moment(*from),
+                Piece::time(*from),
                 angle(*theta)
             ),
-            Self::Rolls { from, .. } => format!("The peg rolls from {} to the end.", moment(*from)),
+            Self::Rolls { from, .. } => {
+                format!("The peg rolls from {} to the end.", Piece::time(*from))
+            }
             Self::RollsAtTimes { first, duration } => format!(
                 "The peg first rolls at {}; it rolls for {} in total.",
-                moment(*first),
-                quantity(*duration, 3, "s")
+                Piece::time(*first),
+                Piece::number(*duration, 3, "s")
             ),
             Self::FollowsRoot { root, within } => format!(
                 "The mean precession rate φ̇ follows the {} rate of regular precession (± {}).",
                 root.name(),
-                quantity(*within, 2, "rad/s")
+                Piece::number(*within, 2, "rad/s")
             ),
             Self::FollowsNoRoot => {
                 "The mean precession rate φ̇ follows neither rate of regular precession.".to_owned()
@@ -453,48 +458,48 @@ impl Fact {
                 } else {
                     "The"
                 };
-                let [first, last] = quantities([*first, *last], 4, "kg m²/s");
+                let [first, last] = Piece::range([*first, *last], 4, "kg m²/s");
                 format!(
                     "{start} horizontal part of the angular momentum decreases from {first} to {last}."
                 )
             }
             Self::AngleToMomentum { largest } => format!(
                 "Meanwhile the axis is always within {} of the line of the angular momentum.",
-                quantity(*largest, 2, "rad")
+                Piece::number(*largest, 2, "rad")
             ),
             Self::AngleToMomentumChange { first, last } => {
-                let [first, last] = quantities([*first, *last], 3, "rad");
+                let [first, last] = Piece::range([*first, *last], 3, "rad");
                 format!(
                     "The angle between the axis and the line of the angular momentum decreases from {first} to {last}."
                 )
             }
             Self::TurnsAway { first, last, .. } => {
-                let [first, last] = quantities([*first, *last], 3, "rad");
+                let [first, last] = Piece::range([*first, *last], 3, "rad");
                 format!(
                     "After the axis is least inclined, the angle between it and the line of the angular momentum increases from {first} to {last}."
                 )
             }
             Self::EnergyToTurnOver { energy, needed } => {
-                let [energy, needed] = separate_quantities([*energy, *needed], 4, "J");
+                let [energy, needed] = Piece::distinct([*energy, *needed], 4, "J");
                 format!(
                     "The top starts with an energy of {energy}; to reach the horizontal, it would need at least {needed} ({ENERGY_ZERO})."
                 )
             }
             Self::AxialMomentum { first, last } => {
-                let size = quantity(*last, 4, "kg m²/s");
-                if size == quantity(*first, 4, "kg m²/s") {
+                let size = Piece::number(*last, 4, "kg m²/s");
+                if size == Piece::number(*first, 4, "kg m²/s") {
                     format!("The angular momentum about the axis stays at {size}.")
                 } else {
-                    let [first, last] = quantities([*first, *last], 4, "kg m²/s");
+                    let [first, last] = Piece::range([*first, *last], 4, "kg m²/s");
                     format!("The angular momentum about the axis changes from {first} to {last}.")
                 }
             }
             Self::WeakBelow { critical } => format!(
                 "The top is weak where its size is less than {}.",
-                quantity(*critical, 4, "kg m²/s")
+                Piece::number(*critical, 4, "kg m²/s")
             ),
             Self::CenterHeight { first, last } => {
-                let [first, last] = quantities([*first, *last], 4, "m");
+                let [first, last] = Piece::range([*first, *last], 4, "m");
                 format!("The centre of mass rises from a height of {first} to {last}.")
             }
             Self::HeldTheta {
@@ -511,7 +516,7 @@ impl Fact {
                 if only == angle(*greatest) {
                     format!("While the {grip}, θ stays at {only}.")
                 } else {
-                    let [least, greatest] = quantities([*least, *greatest], 4, "rad");
+                    let [least, greatest] = Piece::range([*least, *greatest], 4, "rad");
                     format!("While the {grip}, θ stays between {least} and {greatest}.")
                 }
             }
@@ -535,8 +540,8 @@ impl Fact {
                 let is_lost = last < first;
                 let verb = if is_lost { "decreases" } else { "increases" };
                 let change = (last - first).abs();
-                let change = quantity(change, known_digits(change, *within), "J");
-                let until = moment(*time);
+                let change = Piece::number(change, known_digits(change, *within), "J");
+                let until = Piece::time(*time);
                 // Every torque of friction dissipates: only terms without a torque add energy.
                 let remark = if is_lost {
                     ""
@@ -548,11 +553,11 @@ impl Fact {
             // Its size would need its zero: the page also shows energies from the table.
             Self::EnergyConstant { deviation, .. } => format!(
                 "Energy is constant in all samples (± {}).",
-                quantity(*deviation, 2, "J")
+                Piece::number(*deviation, 2, "J")
             ),
             Self::EnergyImbalance { deviation } => format!(
                 "The recorded energy does not agree with the recorded work: they differ by up to {}.",
-                quantity(*deviation, 2, "J")
+                Piece::number(*deviation, 2, "J")
             ),
             Self::Balance {
                 within,
@@ -562,7 +567,7 @@ impl Fact {
             } => format!(
                 "The work of {} equals this change (± {}).",
                 works([*has_friction, *has_air_drag, *has_impacts]),
-                quantity(*within, 2, "J")
+                Piece::number(*within, 2, "J")
             ),
             Self::Sliding { sliding, losses } if *losses > 0.0 => {
                 let [sliding, losses] = pair([*sliding, *losses], 4);
@@ -573,7 +578,7 @@ impl Fact {
             Self::Sliding { sliding, .. } => format!("Sliding dissipates {}.", joule(*sliding)),
             Self::SlipPath { length } => format!(
                 "The contact point slips {} in all.",
-                quantity(*length, 3, "m")
+                Piece::number(*length, 3, "m")
             ),
             Self::VerticalMomentum {
                 deviation,
@@ -606,16 +611,16 @@ pub(super) fn is_same_angle(one: f64, other: f64) -> bool {
     angle(one) == angle(other)
 }
 
-fn angle(theta: f64) -> String {
-    quantity(theta, 4, "rad")
+fn angle(theta: f64) -> Piece {
+    Piece::number(theta, 4, "rad")
 }
 
-fn rate(rate: f64) -> String {
-    quantity(rate, 4, "rad/s")
+fn rate(rate: f64) -> Piece {
+    Piece::number(rate, 4, "rad/s")
 }
 
-fn joule(energy: f64) -> String {
-    quantity(energy, 4, "J")
+fn joule(energy: f64) -> Piece {
+    Piece::number(energy, 4, "J")
 }
 
 /// What a value of `friction.dissipation` leaves out of the friction of sliding.

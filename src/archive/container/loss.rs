@@ -1,7 +1,7 @@
 //! Unreadable or skipped parts of a file.
 
-use crate::run::plural::{counted, grouped};
 use crate::run::time::seconds;
+use crate::words::{counted, grouped};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt;

@@ -5,8 +5,8 @@
 use super::missing::{Excess, MessageCounts, Missing};
 use crate::archive::error::MessageError;
 use crate::archive::format::Entries;
-use crate::run::plural::counted;
 use crate::telemetry::{Message, Topic};
+use crate::words::counted;
 use std::fmt;
 
 /// Messages that can't be decoded.

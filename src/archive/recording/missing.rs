@@ -2,9 +2,9 @@
 //! to the recording.
 
 use crate::archive::format::{EVENT_COUNT, Entries, NUTATION_COUNT, SAMPLE_COUNT};
-use crate::run::plural::grouped;
 use crate::telemetry::fields::{EVENTS, FREE_PEG, IMPACTS, NUTATION, free_peg, impacts};
 use crate::telemetry::{Message, Topic};
+use crate::words::grouped;
 use std::collections::BTreeMap;
 use std::fmt;
 

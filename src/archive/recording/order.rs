@@ -3,9 +3,9 @@
 use super::file::Recording;
 use crate::archive::container::channels::FileChannel;
 use crate::archive::container::section::MessageRecord;
-use crate::run::plural::grouped;
 use crate::run::time::seconds;
 use crate::telemetry::Topic;
+use crate::words::grouped;
 use std::collections::BTreeMap;
 use std::fmt;
 

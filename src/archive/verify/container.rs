@@ -9,8 +9,8 @@ use crate::archive::format::{
 };
 use crate::archive::recording::Recording;
 use crate::archive::writer::{Header, RegisteredChannel};
-use crate::run::plural::plural;
 use crate::telemetry::supplement::supplements;
+use crate::words::plural;
 use sha2::{Digest as _, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
 

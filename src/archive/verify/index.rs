@@ -13,7 +13,7 @@ use super::error::IndexFault;
 use crate::archive::container::record::{HEAD, head, parse};
 use crate::archive::container::section::{Buffers, MessageRecord, Section, record_at};
 use crate::archive::recording::Recording;
-use crate::run::plural::plural;
+use crate::words::plural;
 use mcap::Summary;
 use mcap::records::{
     AttachmentIndex, ChunkHeader, ChunkIndex, MessageIndexEntry, MetadataIndex, Record, op,

@@ -5,10 +5,10 @@ use super::rerun::{Expected, Rerun};
 use super::scope::Scope;
 use crate::archive::format::{Entries, TELEMETRY};
 use crate::archive::recording::{Losses, Recording, Selection, Undecoded};
-use crate::run::plural::plural;
 use crate::run::time::seconds;
 use crate::telemetry::encoding::{DecodeError, Decoder, Row};
 use crate::telemetry::{Topic, table};
+use crate::words::plural;
 use std::collections::VecDeque;
 
 /// The result of comparing messages.

@@ -2,9 +2,9 @@
 
 use crate::archive::container::attachment::Attachment;
 use crate::archive::recording::{Recording, Selection};
-use crate::run::plural::plural;
 use crate::telemetry::Topics;
 use crate::telemetry::supplement::SUPPLEMENTARY_ATTACHMENTS;
+use crate::words::plural;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt;

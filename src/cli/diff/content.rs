@@ -5,12 +5,10 @@ use crate::analysis::diff::{
     FirstDifference, IntegrationErrors, IntegratorError, KeyDifference, Report, Residual,
     TopicBytes, Verdict,
 };
-use crate::analysis::phrase::significant;
-use crate::cli::numbers::{format_count, format_integer};
-use crate::cli::page::{Section, Tone};
 use crate::cli::rerun::diff::SPAWN_HINT;
-use crate::cli::table::{Column, Table};
 use crate::telemetry::Topic;
+use crate::words::number::significant;
+use crate::words::{Column, Section, Table, Tone, counted, grouped};
 
 /// Maximum number of table rows without --all.
 const MAX_ROWS: usize = 12;
@@ -46,7 +44,7 @@ fn subject_row((letter, run): (&str, &ComparedRun)) -> Vec<String> {
         letter.to_owned(),
         run.name.clone(),
         run.file.clone().unwrap_or_else(|| "simulated".to_owned()),
-        format_count(run.messages, "message"),
+        counted(run.messages, "message"),
     ]
 }
 
@@ -58,7 +56,7 @@ pub(in crate::cli) fn verdict(report: &Report) -> Section {
     };
     let mut section = Section::with_tone(tone, report.verdict.title());
     if let Some(agreement) = report.agreement {
-        section.line(agreement.to_string());
+        section.line(agreement.sentence());
     }
     section
 }
@@ -207,10 +205,10 @@ pub(in crate::cli) fn topics(report: &Report) -> Section {
             })
         }),
         ("different", |channel| {
-            format_integer(channel.pairs - channel.identical)
+            grouped(channel.pairs - channel.identical)
         }),
         ("unmatched", |channel| {
-            format_integer(channel.unmatched.iter().chain(&channel.beyond).sum())
+            grouped(channel.unmatched.iter().chain(&channel.beyond).sum())
         }),
     ];
     Section::from(Table::new(differing, 2, &columns))
@@ -230,12 +228,10 @@ pub(in crate::cli) fn others(report: &Report, all: bool) -> Section {
             let described = is_other.then_some("different schema or encoding");
             described.unwrap_or_default().to_owned()
         }),
-        ("equal", |topic| {
-            format_integer(topic.equal + topic.respelled)
-        }),
-        ("different", |topic| format_integer(topic.different)),
-        ("only A", |topic| format_integer(topic.unmatched[0])),
-        ("only B", |topic| format_integer(topic.unmatched[1])),
+        ("equal", |topic| grouped(topic.equal + topic.respelled)),
+        ("different", |topic| grouped(topic.different)),
+        ("only A", |topic| grouped(topic.unmatched[0])),
+        ("only B", |topic| grouped(topic.unmatched[1])),
         ("first", |topic| match topic.first {
             Some(time) => format!("{time} s"),
             None => String::new(),
@@ -268,10 +264,8 @@ fn fields(channel: &ChannelDifference) -> Section {
             shown.unwrap_or_default()
         }),
     ];
-    Section::from(Table::new(differing, 1, &columns)).titled(
-        &channel.topic,
-        format!("{} pairs", format_integer(channel.pairs)),
-    )
+    Section::from(Table::new(differing, 1, &columns))
+        .titled(&channel.topic, format!("{} pairs", grouped(channel.pairs)))
 }
 
 fn averages(averaged: &Averaged) -> Section {
@@ -300,7 +294,7 @@ fn models(discrepancy: &Discrepancy) -> Section {
         "Models",
         format!(
             "B − A, evaluated at {} states of A",
-            format_integer(discrepancy.states)
+            grouped(discrepancy.states)
         ),
     )
 }

@@ -1,16 +1,11 @@
 //! The human-readable report of a fit.
 
-use crate::cli::numbers::format_fixed;
-use crate::cli::page::{Section, Tone};
 use crate::cli::report::WrittenFile;
-use crate::cli::table::Table;
 use crate::fit::Interface;
-use crate::fit::numbers::{
-    MIN_PRINTED_P, decimals, format_printable_probability, format_rounded, format_small_probability,
-};
 use crate::fit::report::{Comparison, Extension, ExtensionKind, LawFit, Profile, Report, Verdict};
 use crate::fit::words::{self, Correlations, Words};
-use crate::run::plural::counted;
+use crate::words::number::{decimals_of_error, fixed, probability, rounded};
+use crate::words::{Section, Sentence, Table, Tone, counted};
 
 /// A profile whose interval differs from the curvature's by more than this is mentioned.
 const CURVATURE_LIES: f64 = 0.2;
@@ -52,7 +47,7 @@ fn headline(fit: &Report, words: &Words) -> Section {
         Verdict::BadFit | Verdict::NotConverged => Tone::Bad,
     };
     let mut section = Section::with_tone(tone, &*words.title);
-    section.note.clone_from(&words.note);
+    section.note = words.note.as_str().into();
     for line in &words.extent {
         section.line(&**line);
     }
@@ -88,8 +83,7 @@ fn signals(words: &Words) -> Section {
 
 fn modes(words: &Words) -> Section {
     let mut section = Section::with_tone(Tone::Weak, "Other minima");
-    "of χ²: each describes the data as well within the noise, and the 95 % intervals contain them all"
-        .clone_into(&mut section.note);
+    section.note = "of χ²: each describes the data as well within the noise, and the 95 % intervals contain them all".into();
     section.table(table(&words.modes, 0));
     section
 }
@@ -97,8 +91,12 @@ fn modes(words: &Words) -> Section {
 /// A table whose first `left` columns hold text.
 fn table(words: &words::Table, left: usize) -> Table {
     Table {
-        header: words.header.clone(),
-        rows: words.rows.clone(),
+        header: words.header.iter().map(Into::into).collect(),
+        rows: words
+            .rows
+            .iter()
+            .map(|row| row.iter().map(Into::into).collect())
+            .collect(),
         left,
     }
 }
@@ -106,7 +104,7 @@ fn table(words: &words::Table, left: usize) -> Table {
 fn profile_section(profile: &Profile, has_other_minima: bool, all: bool) -> Section {
     let mut section = Section::new(format!("Profile of {}", profile.parameter));
     if has_other_minima {
-        "around the best minimum only".clone_into(&mut section.note);
+        section.note = "around the best minimum only".into();
     }
     let half_width = match profile.interval_1 {
         [Some(low), Some(high)] => Some(0.5 * (high - low)),
@@ -133,10 +131,13 @@ fn profile_section(profile: &Profile, has_other_minima: bool, all: bool) -> Sect
     if all {
         let rows = profile.values.iter().zip(&profile.delta_chi2);
         section.table(Table {
-            header: vec![profile.parameter.clone(), "Δχ²".to_owned()],
+            header: vec![profile.parameter.as_str().into(), "Δχ²".into()],
             rows: rows
                 .map(|(value, delta)| {
-                    vec![format_place(*value, half_width), format_fixed(*delta, 4)]
+                    vec![
+                        format_place(*value, half_width).into(),
+                        fixed(*delta, 4).into(),
+                    ]
                 })
                 .collect(),
             left: 0,
@@ -162,8 +163,8 @@ fn format_interval(low: Option<f64>, high: Option<f64>, half_width: Option<f64>)
 /// Formats a value of a parameter with the decimals of its estimate, and one more.
 fn format_place(value: f64, half_width: Option<f64>) -> String {
     match half_width {
-        Some(half_width) => format_fixed(value, decimals(half_width) + 1),
-        None => format_rounded(value, 8),
+        Some(half_width) => fixed(value, decimals_of_error(half_width) + 1),
+        None => rounded(value, 8),
     }
 }
 
@@ -196,21 +197,20 @@ fn laws(fit: &Report, comparison: &Comparison) -> Section {
             law.law.clone(),
             law.parameters.len().to_string(),
             if has_estimated_sigma {
-                let sigmas: Vec<String> =
-                    law.sigmas.iter().map(|s| format_rounded(*s, 4)).collect();
+                let sigmas: Vec<String> = law.sigmas.iter().map(|s| rounded(*s, 4)).collect();
                 sigmas.join(", ")
             } else {
-                format_rounded(quality.chi2 / quality.freedom as f64, 5)
+                rounded(quality.chi2 / quality.freedom as f64, 5)
             },
-            format_probability_cell(quality.p_value),
-            format_probability_cell(law.residual_p_value),
-            format_fixed(law.delta_aic, 1),
-            format_fixed(law.delta_bic, 1),
+            probability_cell(quality.p_value),
+            probability_cell(law.residual_p_value),
+            fixed(law.delta_aic, 1),
+            fixed(law.delta_bic, 1),
         ];
         if has_held_out {
             row.push(
                 law.held_out_rms
-                    .map_or("–".to_owned(), |rms| format_rounded(rms, 3)),
+                    .map_or("–".to_owned(), |rms| rounded(rms, 3)),
             );
         }
         let verdict = match law.verdict {
@@ -219,10 +219,10 @@ fn laws(fit: &Report, comparison: &Comparison) -> Section {
             Verdict::Undecided | Verdict::NotConverged => "no minimum found",
         };
         row.push(verdict.to_owned());
-        rows.push(row);
+        rows.push(row.into_iter().map(Sentence::from).collect());
     }
     section.table(Table {
-        header: header.into_iter().map(str::to_owned).collect(),
+        header: header.into_iter().map(Sentence::from).collect(),
         rows,
         left: 1,
     });
@@ -240,25 +240,21 @@ fn laws(fit: &Report, comparison: &Comparison) -> Section {
     section
 }
 
-/// Formats a p-value for a column whose header names it.
-fn format_probability_cell(p: Option<f64>) -> String {
-    match p {
-        Some(p) if p < MIN_PRINTED_P => format_small_probability(),
-        Some(p) => format_printable_probability(p),
-        None => "–".to_owned(),
-    }
+/// A p-value for a column whose header names it.
+fn probability_cell(p: Option<f64>) -> String {
+    p.map_or("–".to_owned(), probability)
 }
 
 fn extension(extension: &Extension) -> String {
-    let delta = format_rounded(extension.delta_chi2, 2);
+    let delta = rounded(extension.delta_chi2, 2);
     match extension.kind {
         ExtensionKind::Longer => format!(
             "measure {} s (expected Δχ² = {delta})",
-            format_rounded(extension.amount, 3)
+            rounded(extension.amount, 3)
         ),
         ExtensionKind::Finer => format!(
             "take {} times as many samples, or repeat the measurement as often (expected Δχ² = {delta})",
-            format_rounded(extension.amount, 2)
+            rounded(extension.amount, 2)
         ),
         ExtensionKind::Azimuth => format!("measure φ, too (expected Δχ² = {delta})"),
         ExtensionKind::Inclination => format!("measure θ, too (expected Δχ² = {delta})"),

@@ -7,9 +7,10 @@ use crate::cli::arguments::OUTPUT;
 use crate::cli::diff::content;
 use crate::cli::file_kind::FileKind;
 use crate::cli::output;
-use crate::cli::page::{self, Section};
+use crate::cli::terminal;
 use crate::rerun::{Destinations, Identity, Live, PairIdentity, PairSink, Playback};
 use crate::telemetry::{Message, side::Side};
+use crate::words::{Section, markdown};
 use anyhow::{Context as _, Error, bail};
 use clap::Args;
 use std::path::PathBuf;
@@ -106,7 +107,7 @@ impl PairViewer {
     /// Adds the report to the recording and completes the file. Returns whether the viewer went away before it had
     /// everything.
     pub(in crate::cli) fn finish(mut self, report: &Report) -> Result<bool, Error> {
-        let markdown = page::markdown(&summary(report));
+        let markdown = markdown(&summary(report), terminal::option);
         self.sink.summarize(&markdown);
         let completed = complete(self.sink.finish(), self.draft)?;
         if let Some(file) = completed.file {
@@ -173,7 +174,7 @@ mod tests {
 
     #[test]
     fn summary_begins_with_the_verdict() {
-        let markdown = page::markdown(&summary(&Report::default()));
+        let markdown = markdown(&summary(&Report::default()), terminal::option);
         assert!(markdown.starts_with("## Different"), "{markdown}");
     }
 }

@@ -1,10 +1,7 @@
 //! The report of a run.
 
-use crate::analysis::phrase::{ENERGY_ZERO, significant, works};
-use crate::cli::numbers::{format_count, format_fixed, format_integer, format_significant};
-use crate::cli::page::{Section, Tone};
+use crate::analysis::phrase::{ENERGY_ZERO, works};
 use crate::cli::report::WrittenFile;
-use crate::cli::table::Table;
 use crate::physics::dynamics::Model;
 use crate::physics::friction::Friction;
 use crate::physics::top::Top;
@@ -12,6 +9,8 @@ use crate::run::outcome::Outcome;
 use crate::run::scenario::{Scenario, Value, Values};
 use crate::run::simulation::EventCount;
 use crate::run::time::seconds;
+use crate::words::number::{fixed, rounded, significant};
+use crate::words::{Section, Table, Tone, counted, grouped};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -144,8 +143,8 @@ impl RunReport {
     fn angles(&self) -> String {
         format!(
             "θ = {} rad after {} turns of precession",
-            format_fixed(self.outcome.end.motion.angles.theta, 4),
-            format_fixed(self.outcome.turns, 2)
+            fixed(self.outcome.end.motion.angles.theta, 4),
+            fixed(self.outcome.turns, 2)
         )
     }
 
@@ -153,9 +152,9 @@ impl RunReport {
         let rates = &self.outcome.end.motion.tilt.rates;
         format!(
             "φ̇ = {} rad/s, θ̇ = {} rad/s, ψ̇ = {} rad/s",
-            format_fixed(rates.phi, 4),
-            format_fixed(rates.theta, 5),
-            format_fixed(rates.psi, 3)
+            fixed(rates.phi, 4),
+            fixed(rates.theta, 5),
+            fixed(rates.psi, 3)
         )
     }
 
@@ -173,7 +172,7 @@ impl RunReport {
             if is_small {
                 significant(energy, 4)
             } else {
-                format_fixed(energy, 6)
+                fixed(energy, 6)
             }
         });
         let causes = works([
@@ -205,7 +204,7 @@ impl RunReport {
                 }
                 (several, Some(plural)) => lines.push(format!(
                     "{} {plural} between {:.4} s and {:.4} s",
-                    format_integer(several),
+                    grouped(several),
                     event.first_time,
                     event.last_time
                 )),
@@ -218,9 +217,9 @@ impl RunReport {
     fn logged(&self) -> String {
         format!(
             "{} at {} Hz, {}, {}",
-            format_count(self.samples, "sample"),
-            format_significant(1.0 / self.sample_period, 6),
-            format_count(self.outcome.end.nutations, "nutation cycle"),
+            counted(self.samples, "sample"),
+            rounded(1.0 / self.sample_period, 6),
+            counted(self.outcome.end.nutations, "nutation cycle"),
             self.logged_events()
         )
     }
@@ -234,10 +233,10 @@ impl RunReport {
                 extremes += event.count;
             }
         }
-        let events = format_count(all, "event");
+        let events = counted(all, "event");
         match extremes {
             0 => events,
-            _ => format!("{events} ({} extremes of θ)", format_integer(extremes)),
+            _ => format!("{events} ({} extremes of θ)", grouped(extremes)),
         }
     }
 
@@ -248,7 +247,7 @@ impl RunReport {
         } else {
             String::new()
         };
-        let steps = format_count(self.outcome.end.statistics.accepted, "integration step");
+        let steps = counted(self.outcome.end.statistics.accepted, "integration step");
         format!("{:.2} s{share}; {steps}", self.wall_time)
     }
 }

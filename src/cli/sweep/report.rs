@@ -1,11 +1,10 @@
 //! The report of `toprise sweep`.
 
-use crate::cli::numbers::{format_count, format_fixed, format_integer};
-use crate::cli::page::{Section, Tone};
 use crate::cli::report::WrittenFile;
-use crate::cli::table::Table;
 use crate::run::simulation::StopReason;
 use crate::sweep::{RowError, Shard};
+use crate::words::number::fixed;
+use crate::words::{Section, Table, Tone, counted, grouped};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -40,10 +39,10 @@ pub(super) fn summary(stops: &BTreeMap<String, u64>, errors: u64) -> String {
     all.sort_by_key(|(_, number)| std::cmp::Reverse(**number));
     let mut words: Vec<_> = all
         .into_iter()
-        .map(|(stop, number)| format!("{} {}", format_integer(*number), stop_words(stop)))
+        .map(|(stop, number)| format!("{} {}", grouped(*number), stop_words(stop)))
         .collect();
     if errors > 0 {
-        words.push(format!("{} failed", format_integer(errors)));
+        words.push(format!("{} failed", grouped(errors)));
     }
     words.join(", ")
 }
@@ -65,16 +64,16 @@ impl SweepReport {
             facts.push(("first error", format!("run {}: {}", error.run, error.error)));
         }
         if dry_run {
-            facts.push(("left", format_count(left, "run")));
+            facts.push(("left", counted(left, "run")));
         } else {
             let computed = match self.computed {
                 0 if left > 0 => "nothing".to_owned(),
                 0 => "0 runs (all were already computed)".to_owned(),
                 computed => format!(
                     "{} in {} s ({} per second)",
-                    format_count(computed, "run"),
-                    format_fixed(self.wall_time, 2),
-                    format_fixed(computed as f64 / self.wall_time, 1)
+                    counted(computed, "run"),
+                    fixed(self.wall_time, 2),
+                    fixed(computed as f64 / self.wall_time, 1)
                 ),
             };
             facts.push(("computed", computed));
@@ -84,7 +83,7 @@ impl SweepReport {
         }
         if self.interrupted {
             // Of a shard, the other runs are none of this command's.
-            let (kept, left) = (format_integer(self.computed), format_count(left, "run"));
+            let (kept, left) = (grouped(self.computed), counted(left, "run"));
             facts.push(("kept", format!("{kept} of the {left} that were left")));
         }
         if let Some(parts) = &self.parts {
@@ -103,7 +102,7 @@ impl SweepReport {
     }
 
     fn title(&self, dry_run: bool, shard: Option<Shard>) -> Section {
-        let runs = format_count(self.runs, "run");
+        let runs = counted(self.runs, "run");
         // The last shard may have completed the table.
         let is_part = self.table.is_none();
         if self.interrupted {
@@ -118,7 +117,7 @@ impl SweepReport {
         } else if self.errors > 0 {
             Section::with_tone(
                 Tone::Weak,
-                format!("{runs}, {} failed", format_integer(self.errors)),
+                format!("{runs}, {} failed", grouped(self.errors)),
             )
         } else {
             Section::with_tone(Tone::Good, runs)

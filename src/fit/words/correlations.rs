@@ -1,7 +1,7 @@
 //! Pairs of parameters that the data determine together better than each alone.
 
 use super::super::report::Correlation;
-use crate::run::decimal::fixed;
+use crate::words::number::fixed;
 use serde::Serialize;
 
 /// Number of pairs in the sentence.

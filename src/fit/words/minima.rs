@@ -1,11 +1,10 @@
 //! What a report says where the data allow several minima, and one estimate would mislead.
 
 use super::super::estimate::TWO_SIDED;
-use super::super::numbers::decimals;
 use super::super::parameter::is_offset;
 use super::super::report::{Estimate, Report};
 use super::{estimate_cell, interval_cell, label};
-use crate::run::decimal::fixed;
+use crate::words::number::{decimals_of_error, fixed};
 
 /// Distance of an interval's end from the estimate, in standard deviations, beyond which the estimate of the best minimum
 /// would mislead: the interval of a single one ends at 1.96, and is hardly wider if the others agree with it.
@@ -68,7 +67,7 @@ pub(super) fn headline(report: &Report) -> String {
 
 /// The ends of an interval over several minima, with the digits that its width leaves.
 pub(super) fn ends(low: f64, high: f64) -> [String; 2] {
-    let digits = decimals((high - low) / (2.0 * TWO_SIDED));
+    let digits = decimals_of_error((high - low) / (2.0 * TWO_SIDED));
     [low, high].map(|end| fixed(end, digits))
 }
 

@@ -3,8 +3,8 @@
 use crate::physics::dynamics::{Motion, Transition};
 use crate::physics::math::cos;
 use crate::physics::top::Top;
-use crate::run::decimal::{fixed, with_power};
 use crate::run::listed::listed;
+use crate::words::number::{fixed, with_power};
 
 /// An event of a run.
 #[derive(Clone, Debug, PartialEq)]

@@ -46,9 +46,9 @@ fn shorter_copies_agree_as_long_as_both_run() {
         let found = agreement(preset, &long, &short, &quick());
         assert_eq!(found, expected([ends_at(0.3), ends_at(0.2)]), "{preset}");
         assert_eq!(
-            found.unwrap().to_string(),
+            found.unwrap().sentence().to_string(),
             "As long as both run, the motions agree: 201 samples are identical, bit for bit. B ends first, at 0.2000 s, \
-             at the time limit (stop.duration); A ends at 0.3000 s, at the time limit (stop.duration)."
+             at the time limit; A ends at 0.3000 s, at the time limit."
         );
         let found = agreement(preset, &short, &long, &quick());
         assert_eq!(found, expected([ends_at(0.2), ends_at(0.3)]), "{preset}");
@@ -73,7 +73,7 @@ fn shorter_copy_may_end_between_samples() {
     assert!(
         found
             .to_string()
-            .contains("s, risen to 0.490 rad (stop.theta_risen); A ends at 1.0000 s"),
+            .contains("s, risen to 0.490 rad; A ends at 1.0000 s"),
         "{found}"
     );
 }

@@ -2,7 +2,8 @@
 
 use super::{Claim, Hold, Inversion, Stopped, SufficientSpin};
 use crate::analysis::explain::course::Course;
-use crate::analysis::phrase::{capitalized, works};
+use crate::analysis::phrase::works;
+use crate::words::capitalized;
 
 impl Claim {
     /// Whether it is about a rise of the top.

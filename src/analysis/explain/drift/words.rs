@@ -1,7 +1,8 @@
 //! The words of causes of a drift.
 
 use super::{Cause, Drift, DriftPart, Place, Turn};
-use crate::analysis::phrase::{capitalized, works};
+use crate::analysis::phrase::works;
+use crate::words::capitalized;
 
 impl Drift {
     /// The causes in words.

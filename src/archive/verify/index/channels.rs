@@ -3,7 +3,7 @@
 use super::equality::{check_equal, list};
 use crate::archive::recording::{FileChannel, Recording};
 use crate::archive::verify::difference::Difference;
-use crate::run::plural::plural;
+use crate::words::plural;
 use mcap::{Channel, Summary};
 use std::collections::BTreeMap;
 
