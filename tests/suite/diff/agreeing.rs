@@ -72,6 +72,7 @@ fn shorter_copy_may_end_between_samples() {
     assert_eq!(samples, (1e3 * end.time).ceil() as u64);
     assert!(
         found
+            .sentence()
             .to_string()
             .contains("s, risen to 0.490 rad; A ends at 1.0000 s"),
         "{found}"
