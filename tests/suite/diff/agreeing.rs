@@ -66,16 +66,16 @@ fn shorter_copy_may_end_between_samples() {
         samples,
     } = found
     else {
-        panic!("{found}");
+        panic!("{found:?}");
     };
-    assert!(end.time < 1.0 && (1e3 * end.time).fract() != 0.0, "{found}");
+    assert!(end.time < 1.0 && (1e3 * end.time).fract() != 0.0, "{found:?}");
     assert_eq!(samples, (1e3 * end.time).ceil() as u64);
     assert!(
         found
             .sentence()
             .to_string()
             .contains("s, risen to 0.490 rad; A ends at 1.0000 s"),
-        "{found}"
+        "{found:?}"
     );
 }
 
@@ -92,7 +92,7 @@ fn other_tolerances_agree_within_the_integration_error() {
         ends: None,
     } = found
     else {
-        panic!("{found}");
+        panic!("{found:?}");
     };
     assert!(theta > 0.0 && theta < 1e-8, "{theta}");
     // Without an estimate nothing shows that they agree.
@@ -108,7 +108,7 @@ fn other_restitution_parts_the_motions_at_an_impact() {
         change: Some(Change::Impact),
     } = found
     else {
-        panic!("{found}");
+        panic!("{found:?}");
     };
     // The peg falls 5 mm, and the nutation moves it by less.
     let fall = (2.0 * 0.005 / 9.81_f64).sqrt();
