@@ -1,7 +1,7 @@
 // What a fit is asked for, and with which errors, in the words of the page.
 
 import { WORDS, keyName } from "./names.mjs";
-import { unbroken, written } from "./numbers.mjs";
+import { withUnit, written } from "./numbers.mjs";
 
 /** Groups of keys that the program knows by these words. */
 const GROUPS = { friction: "friction", start: "start", initial: "start" };
@@ -63,6 +63,6 @@ export function angleError(text) {
 export function heldText(names, { keys, values: texts }) {
   const applicable = DETERMINING.flatMap((path) => keys.find((key) => key.path === path) ?? []);
   const held = applicable.filter(({ path }) => !names.includes(path) && (texts[path] ?? "") !== "");
-  const values = held.map(({ path, unit }) => `${keyName(path)} = ${written(Number(texts[path]), 5)}${unit ? ` ${unit}` : ""}`);
-  return values.length > 0 ? unbroken(`Held at ${values.join(", ")}: the result holds only if ${values.length > 1 ? "these are" : "this is"} right.`) : "";
+  const values = held.map(({ path, unit }) => `${keyName(path)} = ${withUnit(written(Number(texts[path]), 5), unit)}`);
+  return values.length > 0 ? `Held at ${values.join(", ")}: the result holds only if ${values.length > 1 ? "these are" : "this is"} right.` : "";
 }

@@ -1,6 +1,6 @@
 // Names of runs: the preset and the keys that differ from it.
 
-import { written } from "./numbers.mjs";
+import { withUnit, written } from "./numbers.mjs";
 
 /** What people call the keys of the sliders and their like. */
 export const WORDS = {
@@ -34,7 +34,7 @@ const writtenValue = (value) => (value !== "" && Number.isFinite(Number(value)) 
 function changeText(path, value, keys) {
   if (value === "") return `without ${keyName(path)}`;
   const unit = keys.find((key) => key.path === path)?.unit;
-  return `${keyName(path)} = ${writtenValue(value)}${unit ? ` ${unit}` : ""}`;
+  return `${keyName(path)} = ${withUnit(writtenValue(value), unit)}`;
 }
 
 /** Changed keys in words, with their paths and values. Friction that is off is one change: its other keys went with it. */

@@ -18,10 +18,8 @@ export function written(value, digits = 4) {
   return `${mantissa} × 10${raised}`;
 }
 
-const UNIT = /(?<=[\d⁰¹²³⁴-⁹]) (?=(?:[mµnc]?(?:rad|rev|s|m|J|N|g|W)|kg|deg|%)(?![\p{L}\d]))/gu;
-
-/** A text in which no line ends between a number and its unit. */
-export const unbroken = (text) => text.replaceAll(UNIT, "\u00a0");
+/** A number with its unit, which a line never ends between. */
+export const withUnit = (number, unit) => (unit ? `${number}\u00a0${unit}` : number);
 
 /** The SI prefix that suits values of a size, with its factor. */
 export const prefixFor = (size) => PREFIXES.find(([factor]) => size >= 0.9995 * factor) ?? (size === 0 ? PREFIXES[0] : PREFIXES.at(-1));
@@ -37,21 +35,6 @@ export const fixed = (value, decimals) => value.toFixed(decimals).replace(/^-(?=
 
 export const degrees = (radians) => (radians * 180) / Math.PI;
 export const revolutions = (rate) => rate / (2 * Math.PI);
-
-/** Radians in a text, of one angle or of a range, unless a bracket follows. */
-const ANGLES = /(?:(?<low>[−-]?\d+(?:\.\d+)?) (?<word>and|to) )?(?<![\d.])(?<high>[−-]?\d+(?:\.\d+)?) rad(?![\p{L}\d/])(?! \()/gu;
-
-/** An angle in degrees, of a number as the program writes it. */
-const degreesOf = (number) => imagined(Number(number.replace("−", "-")), "rad");
-
-/** A text with degrees beside angles in radians: `0.0200 rad (1.1°)`, `0.1 to 0.2 rad (5.7° to 11.5°)`. */
-export function withDegrees(text) {
-  return text.replaceAll(ANGLES, (angles, ...rest) => {
-    const { low, word, high } = rest.at(-1);
-    const range = low === undefined ? "" : `${degreesOf(low)} ${word} `;
-    return `${angles} (${range}${degreesOf(high)})`;
-  });
-}
 
 /** The same value in the unit in which people picture it: degrees or turns per second; empty for other units. */
 export function imagined(value, unit) {

@@ -11,7 +11,6 @@ import { Knobs } from "./knobs.mjs";
 import { Lesson, STEPS_OF_LESSON } from "./lesson.mjs";
 import { runName } from "./names.mjs";
 import { EventList, showComparison, showExplanation } from "./reading.mjs";
-import { unbroken } from "./numbers.mjs";
 import { Scenario, linkOf, parseLink, scenarioFrom } from "./scenario.mjs";
 import { View } from "./top.mjs";
 import { KEYS, showKeys } from "./keys.mjs";
@@ -117,7 +116,7 @@ const sentenceOfGuess = () => (state.isPlaying || state.guess.seen > 0 ? "Watch:
 /** How the run ends, and the pinned one. */
 function sentenceOfRuns() {
   const [b, a] = [state.run, state.pinned].map((run) => run && `${runName(run)}: ${run.outcome}`);
-  return unbroken(a ? `A: ${a}. B: ${b}.` : b);
+  return a ? `A: ${a}. B: ${b}.` : b;
 }
 
 /** Slows the playback of short runs, so that they can be followed, unless a person has chosen its speed. */

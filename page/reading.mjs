@@ -1,7 +1,6 @@
 // The texts about a run: its events, its explanation, and the comparison of A and B.
 
 import { element, typeset } from "./elements.mjs";
-import { unbroken, withDegrees } from "./numbers.mjs";
 import { sentenceText } from "./sentence.mjs";
 
 /** Groups items in order of their first appearance. */
@@ -37,7 +36,7 @@ export class EventList {
       if (isFrequent(event) && isFrequent(events[index - 1])) groups.at(-1).push(index);
       else groups.push([index]);
       const time = element("b", { textContent: `${event.time.toFixed(4)} s` });
-      return element("li", { onclick: () => this.choose(event.time) }, time, ` ${unbroken(withDegrees(event.text))}`);
+      return element("li", { onclick: () => this.choose(event.time) }, time, ` ${sentenceText(event.text)}`);
     });
     this.place.replaceChildren(...groups.flatMap((group) => this.entries(group)));
   }
@@ -68,23 +67,20 @@ export class EventList {
 
 /** Shows the causal paragraph and the chapters of the program's explanation. */
 export function showExplanation(story, place, { error, story: paragraph, chapters }) {
-  story.textContent = error ?? paragraph ?? "The numbers of this run show none of the causes that are checked. They show this:";
+  story.textContent = error ?? sentenceText(paragraph);
   place.replaceChildren(
-    ...(chapters ?? []).flatMap(({ heading, sentences }) => [
-      element("h3", { textContent: heading }),
-      element("p", {}, ...typeset(unbroken(withDegrees(sentences.join(" "))))),
+    ...(chapters ?? []).flatMap(({ title, parts }) => [
+      element("h3", { textContent: sentenceText(title) }),
+      element("p", {}, ...typeset(parts.map(({ line }) => sentenceText(line)).join(" "))),
     ]),
   );
 }
 
-/** A number of a table in radians, with degrees; a text that is no number as it is. */
-const angleCell = (text) => withDegrees(`${text} rad`).replace(" rad", "");
-
 /** The row of a finding: what is compared, A, B and B − A, with degrees beside A's and B's angles. */
-function findingRows([name, a, b, difference]) {
-  const numbers = name.endsWith("[rad]") ? [angleCell(a), angleCell(b), difference] : [a, b, difference];
+function findingRows(cells) {
+  const [name, ...numbers] = cells.map(sentenceText);
   return [
-    element("tr", {}, element("th", { colSpan: 3, scope: "row", textContent: withDegrees(name) })),
+    element("tr", {}, element("th", { colSpan: 3, scope: "row", textContent: name })),
     element("tr", {}, ...numbers.map((textContent) => element("td", { textContent }))),
   ];
 }

@@ -1,13 +1,11 @@
 // Sentences of the program: lists of typed pieces, written for readers of the page.
 
 import { keyName } from "./names.mjs";
-import { imagined } from "./numbers.mjs";
-
-const NO_BREAK = "\u00a0";
+import { imagined, withUnit } from "./numbers.mjs";
 
 /** A number with its unit, and in degrees where it is an angle. */
 function numberText({ text, value, unit, has_unit: hasUnit }) {
-  const own = hasUnit ? `${text}${NO_BREAK}${unit}` : text;
+  const own = hasUnit ? withUnit(text, unit) : text;
   return unit === "rad" ? `${own} (${imagined(value, unit)})` : own;
 }
 
@@ -16,8 +14,8 @@ const WRITTEN = {
   text: (text) => text,
   number: numberText,
   time: numberText,
-  estimate: ({ text, error_text: error, unit }) => `${text} ± ${error}${unit ? NO_BREAK + unit : ""}`,
-  count: ({ count, noun }) => `${count.toLocaleString("en")}${NO_BREAK}${count === 1 ? noun : plural(noun)}`,
+  estimate: ({ text, error_text: error, unit }) => withUnit(`${text} ± ${error}`, unit),
+  count: ({ count, noun }) => withUnit(count.toLocaleString("en"), count === 1 ? noun : plural(noun)),
   key: keyName,
   field: (path) => path,
   argument: ({ name, value }) => value ?? name,

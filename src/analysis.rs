@@ -3,5 +3,5 @@
 pub mod diff;
 pub mod explain;
 pub mod history;
-pub(crate) mod phrase;
+pub mod losses;
 pub mod subject;

@@ -9,7 +9,7 @@ use serde_json::{Value as Json, json};
 use std::collections::BTreeMap;
 use std::error::Error;
 use toprise::analysis::diff::{Finding, Options, compare};
-use toprise::analysis::explain::{Fact, explain};
+use toprise::analysis::explain::{Chapter, explain};
 use toprise::run::scenario::{Preset, Scenario, ScenarioError, Values};
 use toprise::telemetry::encoding::Encoding;
 use toprise::telemetry::proportions::Proportions;
@@ -191,12 +191,9 @@ fn describe(scenario: &Scenario, request: &ScenarioRequest) -> Result<Json, Scen
     }))
 }
 
-/// The explanation of a run: a paragraph on its cause, and chapters with a heading and sentences.
+/// The explanation of a run: a paragraph on its causes, and the sections of its chapters.
 fn explanation(scenario: &Scenario) -> Result<Json, Box<dyn Error>> {
     let explanation = explain(scenario)?;
-    let chapters = explanation.chapters.iter().map(|chapter| {
-        let sentences: Vec<_> = chapter.facts.iter().map(Fact::sentence).collect();
-        json!({ "heading": chapter.heading, "sentences": sentences })
-    });
-    Ok(json!({ "story": explanation.story.text(), "chapters": chapters.collect::<Vec<_>>() }))
+    let chapters: Vec<_> = explanation.chapters.iter().map(Chapter::section).collect();
+    Ok(json!({ "story": explanation.story.paragraph(), "chapters": chapters }))
 }

@@ -287,12 +287,12 @@ fn last(tally: &Tally, kind: EventKind) -> Option<f64> {
         .map(|count| count.last_time)
 }
 
-/// A time in s, with three decimals where two would be few.
+/// A time in s, with three decimals where two would be few, and no line break before its unit.
 fn rounded(time: f64) -> String {
     if time < 1.0 {
-        format!("{time:.3} s")
+        format!("{time:.3}\u{a0}s")
     } else {
-        format!("{time:.2} s")
+        format!("{time:.2}\u{a0}s")
     }
 }
 

@@ -135,7 +135,7 @@ pub fn explain(py: Python<'_>, run: RunArgument<'_>) -> PyResult<(String, Vec<St
     let sentences = [title]
         .into_iter()
         .chain(explanation.story.text())
-        .chain(facts.map(Fact::sentence));
+        .chain(facts.map(|fact| fact.sentence().to_string()));
     Ok((json(&explanation)?, sentences.collect()))
 }
 

@@ -69,7 +69,7 @@ def test_a_run_is_explained(paper):
     lines = explanation.summary.splitlines()
     facts = [fact for chapter in explanation["chapters"] for fact in chapter["facts"]]
     assert lines[0] == f"{explanation['title']}." and len(lines) == 2 + len(facts)
-    assert lines[1].startswith("The top rises because friction")
+    assert lines[1].startswith("The top rose because friction")
     assert is_of_schema(explanation, "ExplainReport")
 
 

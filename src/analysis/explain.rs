@@ -15,25 +15,32 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod chapters;
 mod claim;
-mod course;
+mod conservation;
 mod drift;
 mod evidence;
 mod fact;
-mod fixed;
-mod free;
+mod fall;
+mod flight;
+mod grip;
 mod momentum;
 mod observations;
 mod precession;
+mod rise;
+mod sections;
 mod story;
+mod time_span;
 mod tippe;
 
-pub use self::claim::{Claim, Hold, Inversion, Stopped, SufficientSpin};
+pub use self::claim::{Carrier, Claim, Hold, Inversion, Stopped, SufficientSpin, Weakness};
 use self::evidence::Evidence;
+pub(crate) use self::fact::ENERGY_ZERO;
 pub use self::fact::{Fact, PrecessionRoot};
 use self::observations::Observations;
 pub use self::precession::Stage;
 pub use self::story::Story;
+pub use self::time_span::TimeSpan;
 
 use crate::analysis::history::{RunHistory, RunSummary};
 use crate::analysis::subject::{ReadEnd, Subject};
@@ -193,7 +200,7 @@ pub fn explain_while<'a>(
 ///     ..ReadEnd::default()
 /// };
 /// let story = explainer.finish(ended)?.story.text().unwrap();
-/// assert!(story.starts_with("Without friction, nothing changes the energy"));
+/// assert!(story.starts_with("Without friction, nothing changed the energy"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -266,13 +273,13 @@ fn explanation(evidence: Evidence) -> Explanation {
         Story::default()
     };
     let motion = if lacks_averages || lacks_events {
-        vec![fixed::start(&evidence)]
+        vec![chapters::start(&evidence)]
     } else {
-        motion(&evidence)
+        chapters::motion(&evidence)
     };
     let mut cause: Vec<Fact> = story.claims.iter().flat_map(Claim::facts).collect();
     if !lacks_averages && !history.lacks(ACCELERATION) {
-        cause.extend(motion_cause(&evidence));
+        cause.extend(chapters::cause(&evidence));
     }
     let mut chapters = vec![
         Chapter {
@@ -289,7 +296,7 @@ fn explanation(evidence: Evidence) -> Explanation {
         },
         Chapter {
             heading: "Where the energy goes",
-            facts: energy(&evidence),
+            facts: chapters::energy(&evidence),
         },
     ];
     chapters.retain(|chapter| !chapter.facts.is_empty());
@@ -309,30 +316,6 @@ fn explanation(evidence: Evidence) -> Explanation {
         },
         summary: evidence.summary,
         losses: evidence.losses,
-    }
-}
-
-fn motion(evidence: &Evidence) -> Vec<Fact> {
-    if evidence.scenario.model.support.is_free() {
-        free::motion(evidence)
-    } else {
-        fixed::motion(evidence)
-    }
-}
-
-fn motion_cause(evidence: &Evidence) -> Vec<Fact> {
-    if evidence.scenario.model.support.is_free() {
-        free::cause(evidence)
-    } else {
-        fixed::cause(evidence)
-    }
-}
-
-fn energy(evidence: &Evidence) -> Vec<Fact> {
-    if evidence.scenario.model.support.is_free() {
-        free::energy(evidence)
-    } else {
-        fixed::energy(evidence)
     }
 }
 
@@ -363,7 +346,7 @@ fn event_summaries(history: &RunHistory, top: &Top) -> Vec<EventSummary> {
                 count: 1,
                 first: event.time,
                 last: event.time,
-                description: kind.sentence(top, event.state),
+                description: kind.sentence(top, event.state).to_string(),
             }),
         }
     }

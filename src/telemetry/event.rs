@@ -11,7 +11,7 @@ pub fn event_sentence(message: &Message<'_>, top: &Top) -> String {
     // Recordings have had no sentences since version 6 of the telemetry: a later version may word them better.
     EventKind::find(name).map_or_else(
         || name.to_owned(),
-        |kind| kind.sentence(top, event_state(message)),
+        |kind| kind.sentence(top, event_state(message)).to_string(),
     )
 }
 

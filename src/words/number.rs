@@ -17,6 +17,8 @@ pub enum Digits {
     AtMost(usize),
     /// At most so many decimals, without zeros at the end.
     AtMostDecimals(usize),
+    /// So many significant digits, and a power of ten.
+    Power(usize),
 }
 
 /// Writes a number.
@@ -27,7 +29,10 @@ pub fn format(value: f64, digits: Digits) -> String {
     match digits {
         Digits::Decimals(decimals) => fixed(value, decimals),
         Digits::AtMostDecimals(decimals) => without_zeros(&fixed(value, decimals)),
-        Digits::Significant(_) | Digits::AtMost(_) if value == 0.0 => "0".to_owned(),
+        Digits::Significant(_) | Digits::AtMost(_) | Digits::Power(_) if value == 0.0 => {
+            "0".to_owned()
+        }
+        Digits::Power(digits) => with_power(value, digits),
         Digits::Significant(digits) => {
             let exponent = exponent(value, digits);
             if PLAIN.contains(&exponent) {

@@ -87,8 +87,10 @@ impl std::ops::AddAssign for Sentence {
 
 impl<P: Into<Piece>> From<P> for Sentence {
     fn from(piece: P) -> Self {
+        let piece = piece.into();
+        let is_empty = matches!(&piece, Piece::Text(text) if text.is_empty());
         Self {
-            pieces: vec![piece.into()],
+            pieces: if is_empty { Vec::new() } else { vec![piece] },
         }
     }
 }

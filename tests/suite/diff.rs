@@ -79,7 +79,7 @@ fn field<'r>(report: &'r Report, topic: &str, name: &str) -> &'r FieldDifference
 /// The finding whose name begins so.
 fn finding<'r>(report: &'r Report, what: &str) -> Option<&'r Finding> {
     let mut findings = report.findings.iter();
-    findings.find(|finding| finding.quantity.label().starts_with(what))
+    findings.find(|finding| finding.quantity.label().to_string().starts_with(what))
 }
 
 fn values(report: &Report, what: &str) -> [Option<f64>; 2] {

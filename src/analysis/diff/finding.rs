@@ -2,8 +2,8 @@
 
 use super::integration_error::IntegrationError;
 use crate::run::simulation::{EventKind, StopReason};
-use crate::words::Piece;
-use crate::words::number::significant;
+use crate::words::number::{Digits, significant};
+use crate::words::{Number, Piece, Sentence, sentence};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Serialize;
 use std::borrow::Cow;
@@ -98,53 +98,54 @@ pub struct EndCondition {
 }
 
 impl EndCondition {
-    fn label(self) -> String {
+    fn label(self) -> Sentence {
         let name = self.reason.words();
         match (self.reason, self.limit) {
             (StopReason::Risen | StopReason::Fallen, Some(level)) => {
-                format!("{name} to {} rad", significant(level, 3))
+                sentence!("{} to {}", name, angle(level))
             }
-            _ => name,
+            _ => name.into(),
         }
     }
 }
 
+/// A level of θ, rad.
+fn angle(level: f64) -> Piece {
+    Piece::number(level, 3, "rad")
+}
+
 impl Quantity {
     /// What is compared, without the unit.
-    pub fn label(self) -> String {
+    pub fn label(self) -> Sentence {
         match self {
             Self::End { ends: [a, b] } => match (a, b) {
-                (None, _) | (_, None) => "ends".to_owned(),
-                (Some(a), Some(b)) if a.label() == b.label() => format!("ends ({})", a.label()),
-                (Some(a), Some(b)) => format!("ends ({}, {})", a.label(), b.label()),
+                (None, _) | (_, None) => sentence!("ends"),
+                (Some(a), Some(b)) if a.label() == b.label() => sentence!("ends ({})", a.label()),
+                (Some(a), Some(b)) => sentence!("ends ({}, {})", a.label(), b.label()),
             },
-            Self::MeanCrossing { level } => {
-                format!("mean θ crosses {} rad", significant(level, 3))
-            }
-            Self::FirstReach { level } => {
-                format!("θ first reaches {} rad", significant(level, 3))
-            }
-            Self::Inversion => "inverts".to_owned(),
-            Self::FirstLoop => "first loop".to_owned(),
-            Self::Loops { until } => format!("loops by {}", Piece::time(until)),
-            Self::FirstEvent { event } => event_label(event),
-            Self::FirstRoll => "first rolls".to_owned(),
-            Self::Hops { until } => format!("hops by {}", Piece::time(until)),
-            Self::FinalRollTheta => "θ at start of final rolling".to_owned(),
-            Self::MeanTheta { at } => format!("mean θ at {}", Piece::time(at)),
-            Self::MeanPrecession { at } => format!("mean φ̇ at {}", Piece::time(at)),
-            Self::MeanSpin { at } => format!("mean ψ̇ at {}", Piece::time(at)),
+            Self::MeanCrossing { level } => sentence!("mean θ crosses {}", angle(level)),
+            Self::FirstReach { level } => sentence!("θ first reaches {}", angle(level)),
+            Self::Inversion => sentence!("inverts"),
+            Self::FirstLoop => sentence!("first loop"),
+            Self::Loops { until } => sentence!("loops by {}", Piece::time(until)),
+            Self::FirstEvent { event } => event_label(event).into(),
+            Self::FirstRoll => sentence!("first rolls"),
+            Self::Hops { until } => sentence!("hops by {}", Piece::time(until)),
+            Self::FinalRollTheta => sentence!("θ at start of final rolling"),
+            Self::MeanTheta { at } => sentence!("mean θ at {}", Piece::time(at)),
+            Self::MeanPrecession { at } => sentence!("mean φ̇ at {}", Piece::time(at)),
+            Self::MeanSpin { at } => sentence!("mean ψ̇ at {}", Piece::time(at)),
             Self::PhaseLead { at } => {
-                format!("nutation phase lead in cycles at {}", Piece::time(at))
+                sentence!("nutation phase lead in cycles at {}", Piece::time(at))
             }
-            Self::Amplitude { at } => format!("nutation amplitude of θ̇ at {}", Piece::time(at)),
-            Self::EnergyLost { until } => format!("energy lost by {}", Piece::time(until)),
+            Self::Amplitude { at } => sentence!("nutation amplitude of θ̇ at {}", Piece::time(at)),
+            Self::EnergyLost { until } => sentence!("energy lost by {}", Piece::time(until)),
             Self::TorqueDifference { has_air_drag: true } => {
-                "largest difference of friction and air drag torques".to_owned()
+                sentence!("largest difference of friction and air drag torques")
             }
             Self::TorqueDifference {
                 has_air_drag: false,
-            } => "largest difference of friction torques".to_owned(),
+            } => sentence!("largest difference of friction torques"),
         }
     }
 
@@ -180,14 +181,18 @@ impl Quantity {
         matches!(self, Self::Loops { .. } | Self::Hops { .. })
     }
 
-    /// A number of a run, with the digits of the quantity.
-    fn format(self, number: f64) -> String {
-        if self.is_time() {
-            format!("{number:.4}")
+    /// A number of a run, with the digits of the quantity and without its unit, which the label has.
+    fn number(self, value: f64) -> Number {
+        let digits = if self.is_time() {
+            Digits::Decimals(4)
         } else if self.is_count() {
-            format!("{number}")
+            Digits::Decimals(0)
         } else {
-            significant(number, 6)
+            Digits::Significant(6)
+        };
+        Number {
+            has_unit: false,
+            ..Number::new(value, digits, self.unit())
         }
     }
 
@@ -274,7 +279,7 @@ impl From<Finding> for FindingReport {
     fn from(finding: Finding) -> Self {
         Self {
             quantity: finding.quantity,
-            what: finding.quantity.label(),
+            what: finding.quantity.label().to_string(),
             unit: finding.quantity.unit(),
             a: finding.a,
             b: finding.b,
@@ -350,21 +355,24 @@ impl Finding {
     }
 
     /// The cells of a table: what is compared with its unit, A's and B's number, B − A with its uncertainty.
-    pub fn cells(&self) -> [String; 4] {
+    pub fn cells(&self) -> [Sentence; 4] {
         let what = match self.quantity.unit() {
             "" => self.quantity.label(),
-            unit => format!("{} [{unit}]", self.quantity.label()),
+            unit => sentence!("{} [{}]", self.quantity.label(), unit),
         };
         [
             what,
             self.number_cell(self.a),
             self.number_cell(self.b),
-            self.difference_cell(),
+            self.difference_cell().into(),
         ]
     }
 
-    fn number_cell(&self, number: Option<f64>) -> String {
-        number.map_or_else(|| "–".to_owned(), |number| self.quantity.format(number))
+    fn number_cell(&self, number: Option<f64>) -> Sentence {
+        match number {
+            Some(number) => Piece::Number(self.quantity.number(number)).into(),
+            None => "–".into(),
+        }
     }
 
     fn difference_cell(&self) -> String {

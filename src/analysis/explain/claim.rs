@@ -1,8 +1,10 @@
 //! Claims about the cause of a motion, and the numbers that carry them.
 
-mod words;
+mod sentence;
 
 use super::fact::Fact;
+use super::time_span::TimeSpan;
+use crate::analysis::losses::Losses;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -41,10 +43,9 @@ pub enum Claim {
         until: f64,
         /// Inclination of the axis in the last sample, rad: the top may fall after its rise.
         theta_at_end: f64,
-        /// Whether there is friction at the contact point.
-        has_friction: bool,
-        /// Whether there is air drag.
-        has_air_drag: bool,
+        /// The losses that act.
+        #[serde(flatten)]
+        losses: Losses,
     },
     /// Friction drives the precession beyond the slow rate of regular precession, where θ̈ is negative; the rise slows
     /// the precession, so that its mean stays near the slow rate.
@@ -67,10 +68,9 @@ pub enum Claim {
         momentum_inclination: f64,
         /// Energy, J; it decreases.
         energy: [f64; 2],
-        /// Whether there is friction at the contact point.
-        has_friction: bool,
-        /// Whether there is air drag.
-        has_air_drag: bool,
+        /// The losses that act.
+        #[serde(flatten)]
+        losses: Losses,
     },
     /// The spin is, or becomes, too slow to hold the axis up, and the top falls.
     ///
@@ -87,13 +87,11 @@ pub enum Claim {
         theta: [f64; 2],
         /// Time of the fall, s.
         time: f64,
-        /// Whether there is friction at the contact point.
-        has_friction: bool,
-        /// Whether there is air drag.
-        has_air_drag: bool,
-        /// Whether the top is weak from the start, and falls only after its spin has been slowed further.
-        #[serde(skip)]
-        needs_loss: bool,
+        /// The losses that act.
+        #[serde(flatten)]
+        losses: Losses,
+        /// Why the spin is too slow.
+        weakness: Weakness,
     },
     /// Friction shortens the part of the angular momentum about the axis, as in fast precession: the axis turns away from
     /// the angular momentum, which is less inclined in the end.
@@ -113,10 +111,56 @@ pub enum Claim {
         theta: [f64; 2],
         /// Whether the top falls to the level of the event.
         falls: bool,
-        /// Whether there is friction at the contact point.
-        has_friction: bool,
-        /// Whether there is air drag.
-        has_air_drag: bool,
+        /// The losses that act.
+        #[serde(flatten)]
+        losses: Losses,
+    },
+    /// The mean inclination changes, in one sense, from one nutation to another.
+    ///
+    /// Without friction, the angular momenta about the vertical and the axis are constant, and the axis nutates about
+    /// the inclination at which a top with these precesses without nutation. Losses change the angular momenta, and with
+    /// them that inclination; and they change the nutation, in which the mean differs from it. The change of the mean is
+    /// the sum of both.
+    MeanInclinationChanges {
+        /// The end of the first nutation, s.
+        from: f64,
+        /// The end of the last nutation, s.
+        until: f64,
+        /// Mean inclination in these nutations, rad.
+        mean_theta: [f64; 2],
+        /// Inclination without nutation, rad, with the angular momenta at these times.
+        regular_theta: [f64; 2],
+        /// Whether the peg hits the table.
+        has_impacts: bool,
+        /// The losses that act.
+        #[serde(flatten)]
+        losses: Losses,
+    },
+    /// A top falls in its first nutation as it would without friction, and not because it is weak: its energy and its
+    /// angular momenta allow it.
+    SwingsDown {
+        /// Inclination at the start and at the fall, rad; it increases.
+        theta: [f64; 2],
+        /// Time of the fall, s.
+        time: f64,
+        /// What carries the axis down.
+        carried_by: Carrier,
+    },
+    /// A tippe top that had enough energy at the start does not turn over, because too little is left.
+    EnergySpent {
+        /// Energy at the start and in the last sample, J.
+        energy: [f64; 2],
+        /// The least energy at some inclination between that at the end and the horizontal, J: more than is left.
+        needed: f64,
+    },
+    /// A tippe top has not turned over at the time limit: it has enough energy, and its contact point slips.
+    NotYetInverted {
+        /// Energy in the last sample, J.
+        energy: f64,
+        /// The least energy at each inclination between that at the end and the horizontal, J: not more than the top has.
+        needed: f64,
+        /// Slip speed in the last sample, m/s; positive.
+        slip_speed: f64,
     },
     /// A tippe top does not turn over, because its energy at the start is less than the least with which the axis can
     /// reach the horizontal with this Jellett's integral.
@@ -162,7 +206,7 @@ pub enum Claim {
         theta: f64,
         /// The least and the greatest inclination in the samples since then, rad.
         theta_range: [f64; 2],
-        /// Energy in the first and the last of these samples, J; it is constant.
+        /// Energy in the first and the last of these samples, J; it is constant unless other losses act.
         energy: [f64; 2],
         /// What the end of the slip stops.
         stops: Stopped,
@@ -183,6 +227,8 @@ pub enum Claim {
     },
     /// The peg hops or bounces.
     Bounces {
+        /// Time at which it is first in the air, s.
+        from: f64,
         /// Number of times in the air.
         hops: u64,
         /// Number of impacts.
@@ -229,6 +275,28 @@ pub enum SufficientSpin {
     Unknown,
 }
 
+/// Why the spin of a top is too slow when it falls.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Weakness {
+    /// It is from the start.
+    FromStart,
+    /// It is from the start, but the axis would come up again if nothing slowed the spin further.
+    NeedsLoss,
+    /// Friction or air drag have slowed it.
+    ByLoss,
+}
+
+/// What carries the axis of a strong top down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Carrier {
+    /// Its motion at the start, which would do so without gravity, too.
+    Motion,
+    /// Gravity, with its motion at the start.
+    Gravity,
+}
+
 /// What holds a top at rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -262,6 +330,65 @@ pub enum Inversion {
 }
 
 impl Claim {
+    /// The time in which the claim holds.
+    pub fn interval(&self) -> TimeSpan {
+        match self {
+            Self::Conserves { .. }
+            | Self::FrictionSpeedsPrecession { .. }
+            | Self::LossesAlign { .. }
+            | Self::StaysUpright { .. }
+            | Self::EnergySpent { .. }
+            | Self::NotYetInverted { .. }
+            | Self::RestsFromStart { .. } => TimeSpan::WHOLE,
+            Self::FrictionRaises { until, .. } => TimeSpan::until(*until),
+            Self::WeakTopFalls { time, .. }
+            | Self::SwingsDown { time, .. }
+            | Self::Inverts { time, .. }
+            | Self::ComesToRest { from: time, .. } => TimeSpan::at(*time),
+            Self::FrictionLowers { from, .. } | Self::SlipEnds { from, .. } => {
+                TimeSpan::from(*from)
+            }
+            Self::Bounces {
+                from, lands: None, ..
+            } => TimeSpan::from(*from),
+            Self::MeanInclinationChanges { from, until, .. }
+            | Self::Bounces {
+                from,
+                lands: Some(until),
+                ..
+            } => TimeSpan::between(*from, *until),
+        }
+    }
+
+    /// Whether it is about a rise of the top.
+    pub(super) fn is_rise(&self) -> bool {
+        matches!(
+            self,
+            Self::FrictionRaises { .. }
+                | Self::FrictionSpeedsPrecession { .. }
+                | Self::LossesAlign { .. }
+        )
+    }
+
+    /// Whether it is about a fall of the top, or the beginning of one.
+    pub(super) fn is_fall(&self) -> bool {
+        matches!(
+            self,
+            Self::WeakTopFalls { .. } | Self::FrictionLowers { .. } | Self::SwingsDown { .. }
+        )
+    }
+
+    /// Whether it is about a tippe top that turns over, or does not.
+    pub(super) fn is_inversion(&self) -> bool {
+        matches!(
+            self,
+            Self::StaysUpright { .. }
+                | Self::Inverts { .. }
+                | Self::EnergySpent { .. }
+                | Self::NotYetInverted { .. }
+        )
+    }
+
     /// The numbers of the claim that no other fact of an explanation states.
     pub(super) fn facts(&self) -> Vec<Fact> {
         match self {
@@ -313,6 +440,10 @@ impl Claim {
                 energy: *energy,
                 needed: *needed,
             }],
+            Self::EnergySpent { energy, needed } => vec![Fact::EnergyLeft {
+                energy: energy[1],
+                needed: *needed,
+            }],
             Self::Inverts {
                 axial,
                 center_height,
@@ -330,7 +461,6 @@ impl Claim {
             Self::SlipEnds {
                 theta_range: [least, greatest],
                 rolls,
-                lasts: true,
                 ..
             } => vec![Fact::HeldTheta {
                 least: *least,
@@ -339,7 +469,9 @@ impl Claim {
             }],
             Self::Conserves { .. }
             | Self::FrictionSpeedsPrecession { .. }
-            | Self::SlipEnds { lasts: false, .. }
+            | Self::MeanInclinationChanges { .. }
+            | Self::SwingsDown { .. }
+            | Self::NotYetInverted { .. }
             | Self::Bounces { .. }
             | Self::RestsFromStart { .. }
             | Self::ComesToRest { .. } => Vec::new(),

@@ -43,11 +43,6 @@ impl MomentumState {
         atan2(self.horizontal, self.sense * self.vertical)
     }
 
-    /// Whether the angular momentum, at the start, points down.
-    pub(super) fn points_down(&self) -> bool {
-        self.sense < 0.0
-    }
-
     /// Magnitude of the angular momentum, kg m²/s.
     pub(super) fn size(&self) -> f64 {
         hypot(self.horizontal, self.vertical)

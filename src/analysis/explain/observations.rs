@@ -5,7 +5,8 @@ use crate::run::simulation::EventKind;
 use crate::run::time::seconds;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{
-    CENTER_OF_MASS, ENERGY, EVENTS, IMPACTS, NUTATION, STATE, center_of_mass, energy, events, state,
+    CENTER_OF_MASS, CONTACT, ENERGY, EVENTS, IMPACTS, NUTATION, STATE, center_of_mass, contact,
+    energy, events, state,
 };
 
 /// A quantity in the first and in the last sample.
@@ -72,6 +73,8 @@ pub(super) struct Observations {
     /// The samples since the contact point stopped slipping; absent if it slips or is in the air at the end.
     pub(super) grip: Option<GripSpan>,
     pub(super) impacts: Option<ImpactTimes>,
+    /// Slip speed in the last sample, m/s.
+    pub(super) slip_speed: Option<f64>,
 }
 
 impl Observations {
@@ -107,6 +110,7 @@ impl Observations {
                 let latest = self.latest_momentum();
                 self.momentum_in_nutations.push(latest);
             }
+            CONTACT => self.slip_speed = Some(contact::SLIP_SPEED.of(message)),
             EVENTS => self.take_event(message),
             IMPACTS => ImpactTimes::take(&mut self.impacts, seconds(message.time_ns)),
             _ => {}

@@ -10,6 +10,7 @@ use std::f64::consts::FRAC_PI_2;
 /// Number of inclinations at which the least energy is computed.
 const INCLINATIONS: u32 = 64;
 
+/// A tippe top that turns over.
 pub(super) fn inverts(evidence: &Evidence) -> Option<Claim> {
     let history = &evidence.history;
     let observations = &evidence.observations;
@@ -49,13 +50,8 @@ pub(super) fn inverts(evidence: &Evidence) -> Option<Claim> {
 /// only takes energy from the motion.
 pub(super) fn stays_upright(evidence: &Evidence) -> Option<Claim> {
     let history = &evidence.history;
-    let friction = &evidence.scenario.model.friction;
     let start = evidence.scenario.angles.theta;
-    // Other torques change Jellett's integral.
-    if friction.has_losses() || !friction.acts_at_contact() {
-        return None;
-    }
-    if !history.is_tippe_top() || start >= FRAC_PI_2 || history.inverted.is_some() {
+    if !can_only_be_barred(evidence) {
         return None;
     }
     // Otherwise the top may turn over after the end of the recording.
@@ -138,50 +134,43 @@ impl Barrier {
     }
 }
 
-/// Why a tippe top with enough energy at the start has not turned over by the end of its run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum NotInverted {
-    /// Friction has taken so much energy that the rest is not enough: it will not turn over.
-    Spent,
-    /// It has enough energy, and its contact point slips: it may turn over later.
-    NotYet,
-}
-
 /// Why a tippe top that had enough energy has not turned over; `None` if the numbers don't show it.
-pub(super) fn not_inverted(evidence: &Evidence) -> Option<NotInverted> {
+pub(super) fn not_inverted(evidence: &Evidence) -> Option<Claim> {
     let history = &evidence.history;
-    let friction = &evidence.scenario.model.friction;
-    let start = evidence.scenario.angles.theta;
-    if friction.has_losses() || !friction.acts_at_contact() {
-        return None;
-    }
-    if !history.is_tippe_top() || start >= FRAC_PI_2 || history.inverted.is_some() {
+    if !can_only_be_barred(evidence) {
         return None;
     }
     let stop = history.stop_reason()?;
     let integral = JellettIntegral::new(evidence)?;
     let [_, last] = history.states?;
     let barrier = Barrier::new(evidence, &integral, last.theta.clamp(0.0, FRAC_PI_2));
-    if barrier.stops(history.energies?.last) {
-        return Some(NotInverted::Spent);
+    let energies = history.energies?;
+    if barrier.stops(energies.last) {
+        return Some(Claim::EnergySpent {
+            energy: [energies.first, energies.last],
+            needed: barrier.needed,
+        });
     }
-    // Where the peg rolls, friction does no work and turns nothing over.
-    let still_slips = evidence.observations.grip.is_none();
-    (still_slips && stop == StopReason::Duration).then_some(NotInverted::NotYet)
+    // A contact point that does not slip turns nothing over.
+    let slip_speed = evidence
+        .observations
+        .slip_speed
+        .filter(|speed| *speed > 0.0)?;
+    (stop == StopReason::Duration).then_some(Claim::NotYetInverted {
+        energy: energies.last,
+        needed: barrier.needed,
+        slip_speed,
+    })
 }
 
-impl NotInverted {
-    /// The reason in words.
-    pub(super) fn words(self) -> &'static str {
-        match self {
-            Self::Spent => {
-                "The top does not turn over. At first it had enough energy for it, but friction has taken so much of it that the rest is not enough: friction at the contact point does not change Jellett's integral, and with this value of the integral the axis could reach the horizontal only with more energy than is left."
-            }
-            Self::NotYet => {
-                "The top has not turned over when the run ends. It still has the energy that it needs to reach the horizontal, and its contact point still slips: a longer run shows whether friction turns it over."
-            }
-        }
-    }
+/// Whether only too little energy can keep a tippe top, which starts upright, from turning over: friction acts, and no
+/// torque changes Jellett's integral; and it has not turned over.
+fn can_only_be_barred(evidence: &Evidence) -> bool {
+    let history = &evidence.history;
+    let friction = &evidence.scenario.model.friction;
+    let starts_upright = evidence.scenario.angles.theta < FRAC_PI_2;
+    let acts_by_force = friction.acts_at_contact() && !friction.has_losses();
+    acts_by_force && history.is_tippe_top() && starts_upright && history.inverted.is_none()
 }
 
 /// An inclination of the axis.
@@ -262,7 +251,7 @@ fn least_jellett_moment(top: &Top, start: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use crate::analysis::explain::{Explanation, Fact, explain};
+    use crate::analysis::explain::{Explanation, explain};
     use crate::run::scenario::{Preset, Scenario};
     use crate::run::simulation::EventKind;
 
@@ -287,15 +276,12 @@ mod tests {
     #[test]
     fn names_why_a_tippe_top_does_not_turn_over() {
         for (keys, expected) in [
-            (("initial.psi_dot", "0"), "It spins too slowly"),
-            (("initial.psi_dot", "30"), "It spins too slowly"),
-            (
-                ("initial.theta", "1.45"),
-                "friction has taken so much of it",
-            ),
+            (("initial.psi_dot", "0"), "It spun too slowly"),
+            (("initial.psi_dot", "30"), "It spun too slowly"),
+            (("initial.theta", "1.45"), "friction took so much of it"),
             (
                 ("friction.k", "0.003"),
-                "has not turned over when the run ends",
+                "had not turned over when the run ended",
             ),
         ] {
             let text = explained(&[keys]).story.text().unwrap_or_default();
@@ -310,9 +296,9 @@ mod tests {
             .chapters
             .iter()
             .flat_map(|chapter| &chapter.facts)
-            .map(Fact::sentence)
+            .map(|fact| fact.sentence().to_string())
             .collect();
-        let expected = "The top starts with an energy of −0.001173 J; to reach the horizontal, it would need at least 0 J (zero at the height of the peg's centre).";
+        let expected = "The top started with an energy of −0.001173 J; to reach the horizontal, it would have needed at least 0 J (zero at the height of the peg's centre).";
         assert!(
             sentences.iter().any(|sentence| sentence == expected),
             "{sentences:?}"
@@ -333,7 +319,7 @@ mod tests {
                     ];
                     let (text, has_inverted) = story_within("3", &keys);
                     assert!(has_inverted || !text.is_empty(), "{keys:?}");
-                    if text.contains("does not turn over") {
+                    if text.contains("did not turn over") {
                         assert!(
                             !has_inverted && !story_within("12", &keys).1,
                             "{keys:?}: {text}"

@@ -8,7 +8,7 @@ use crate::analysis::diff::{
 use crate::cli::rerun::diff::SPAWN_HINT;
 use crate::telemetry::Topic;
 use crate::words::number::significant;
-use crate::words::{Column, Section, Table, Tone, counted, grouped};
+use crate::words::{Column, Section, Sentence, Table, Tone, counted, grouped};
 
 /// Maximum number of table rows without --all.
 const MAX_ROWS: usize = 12;
@@ -157,7 +157,7 @@ pub(in crate::cli) fn findings(report: &Report, all: bool) -> Section {
     if shown.is_empty() && report.integration_errors.is_some() && report.has_other_scenarios() {
         section.line(no_difference(report));
     }
-    let columns: [Column<[String; 4]>; 4] = [
+    let columns: [Column<[Sentence; 4], Sentence>; 4] = [
         ("", |cells| cells[0].clone()),
         ("A", |cells| cells[1].clone()),
         ("B", |cells| cells[2].clone()),

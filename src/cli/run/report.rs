@@ -1,13 +1,14 @@
 //! The report of a run.
 
-use crate::analysis::phrase::{ENERGY_ZERO, works};
+use crate::analysis::explain::ENERGY_ZERO;
+use crate::analysis::losses::acting;
 use crate::cli::report::WrittenFile;
 use crate::physics::dynamics::Model;
 use crate::physics::friction::Friction;
 use crate::physics::top::Top;
 use crate::run::outcome::Outcome;
 use crate::run::scenario::{Scenario, Value, Values};
-use crate::run::simulation::EventCount;
+use crate::run::simulation::{EventCount, EventKind};
 use crate::run::time::seconds;
 use crate::words::number::{fixed, rounded, significant};
 use crate::words::{Section, Table, Tone, counted, grouped};
@@ -141,9 +142,13 @@ impl RunReport {
     }
 
     fn angles(&self) -> String {
+        let theta = fixed(self.outcome.end.motion.angles.theta, 4);
+        // At the vertical the azimuth of the axis is undefined, and jumps by half a turn.
+        if self.outcome.tally.count_of(EventKind::UprightPassage) > 0 {
+            return format!("θ = {theta} rad");
+        }
         format!(
-            "θ = {} rad after {} turns of precession",
-            fixed(self.outcome.end.motion.angles.theta, 4),
+            "θ = {theta} rad after {} turns of precession",
             fixed(self.outcome.turns, 2)
         )
     }
@@ -175,7 +180,7 @@ impl RunReport {
                 fixed(energy, 6)
             }
         });
-        let causes = works([
+        let causes = acting([
             friction.acts_at_contact(),
             friction.has_air_drag(),
             end.impacts > 0,

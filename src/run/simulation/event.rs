@@ -4,7 +4,8 @@ use crate::physics::dynamics::{Motion, Transition};
 use crate::physics::math::cos;
 use crate::physics::top::Top;
 use crate::run::listed::listed;
-use crate::words::number::{fixed, with_power};
+use crate::words::number::Digits;
+use crate::words::{Number, Piece, Sentence, and, sentence};
 
 /// An event of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +35,7 @@ pub struct EventState {
 
 impl Event {
     /// A sentence about this event of `top`.
-    pub fn sentence(&self, top: &Top) -> String {
+    pub fn sentence(&self, top: &Top) -> Sentence {
         let rates = self.motion.tilt.rates;
         let state = EventState {
             theta: self.motion.angles.theta,
@@ -164,81 +165,92 @@ impl EventKind {
     }
 
     /// A sentence about an event of `top` in this state.
-    pub fn sentence(self, top: &Top, state: EventState) -> String {
-        self.sentence_with(top, state, &small_angle(state.theta))
+    pub fn sentence(self, top: &Top, state: EventState) -> Sentence {
+        self.sentence_with(top, state, small_angle(state.theta))
     }
 
     /// The sentence in the views of recordings, whose bytes must stay: small angles have an exponent of ten after an `e`.
     pub(crate) fn recorded_sentence(self, top: &Top, state: EventState) -> String {
-        self.sentence_with(top, state, &format!("{:.2e}", state.theta))
+        let angle = format!("{:.2e} rad", state.theta);
+        self.sentence_with(top, state, angle.into()).to_string()
     }
 
-    /// A sentence with `from_vertical` for an inclination near zero, rad.
-    fn sentence_with(self, top: &Top, state: EventState, from_vertical: &str) -> String {
+    /// A sentence with `from_vertical` for an inclination near zero.
+    fn sentence_with(self, top: &Top, state: EventState, from_vertical: Piece) -> Sentence {
         let EventState {
             theta,
             phi_dot,
             psi_dot,
         } = state;
+        let spin = Piece::fixed(psi_dot, 2, "rad/s");
+        let angle = Piece::fixed(theta, 4, "rad");
         match self {
             Self::Start => start_sentence(theta, phi_dot, psi_dot),
-            Self::Risen => format!("The top reaches θ = {theta:.4} rad."),
-            Self::Fallen => format!(
-                "The top has fallen to θ = {theta:.4} rad; its spin is {} rad/s.",
-                fixed(psi_dot, 2)
+            Self::Risen => sentence!("The top reaches θ = {}.", angle),
+            Self::Fallen => {
+                sentence!("The top has fallen to θ = {}; its spin is {}.", angle, spin)
+            }
+            Self::NutationMinimum => sentence!(
+                "Nutation: the inclination is least, {}.",
+                Piece::fixed(theta, 6, "rad")
             ),
-            Self::NutationMinimum => format!("Nutation: the inclination is least, {theta:.6} rad."),
-            Self::NutationMaximum => {
-                format!("Nutation: the inclination is greatest, {theta:.6} rad.")
-            }
-            Self::UprightPassage => {
-                format!("The axis swings through upright, {from_vertical} rad from the vertical.")
-            }
+            Self::NutationMaximum => sentence!(
+                "Nutation: the inclination is greatest, {}.",
+                Piece::fixed(theta, 6, "rad")
+            ),
+            Self::UprightPassage => sentence!(
+                "The axis swings through upright, {} from the vertical.",
+                from_vertical
+            ),
             // Regular precession of a tippe top may be backward: that makes no loops.
             Self::LoopingBegins if top.center_distance < 0.0 => {
-                format!("The precession turns backward, at θ = {theta:.4} rad.")
+                sentence!("The precession turns backward, at θ = {}.", angle)
             }
-            Self::LoopingBegins => {
-                format!("The precession turns backward: the axis loops, at θ = {theta:.4} rad.")
-            }
+            Self::LoopingBegins => sentence!(
+                "The precession turns backward: the axis loops, at θ = {}.",
+                angle
+            ),
             Self::LoopingEnds if top.center_distance < 0.0 => {
-                format!("The precession turns forward, at θ = {theta:.4} rad.")
+                sentence!("The precession turns forward, at θ = {}.", angle)
             }
             Self::LoopingEnds => {
-                format!("The precession turns forward again, at θ = {theta:.4} rad.")
+                sentence!("The precession turns forward again, at θ = {}.", angle)
             }
             // A top that swings may come back.
-            Self::Inverts => format!(
-                "The axis passes the horizontal: the top inverts, spinning at {} rad/s.",
-                fixed(psi_dot, 2)
+            Self::Inverts => sentence!(
+                "The axis passes the horizontal: the top inverts, spinning at {}.",
+                spin
             ),
-            Self::WeakTop => format!(
-                "The spin, {} rad/s, has become too weak to hold an upright top.",
-                fixed(psi_dot, 2)
+            Self::WeakTop => sentence!(
+                "The spin, {}, has become too weak to hold an upright top.",
+                spin
             ),
-            Self::StrongTop => format!(
-                "The spin, {} rad/s, is strong enough to hold an upright top.",
-                fixed(psi_dot, 2)
+            Self::StrongTop => sentence!(
+                "The spin, {}, is strong enough to hold an upright top.",
+                spin
             ),
-            Self::SlipStops => format!("The contact point stops slipping, at θ = {theta:.4} rad."),
-            Self::Stick => format!(
-                "The contact point sticks: the top turns as a whole, inclined by θ = {theta:.4} rad, at {} rad/s.",
-                fixed(phi_dot + psi_dot * cos(theta), 2)
-            ),
-            Self::SlipResumes => format!("The contact point slips again, at θ = {theta:.4} rad."),
-            Self::Rest => format!("The top rests, inclined by θ = {theta:.4} rad."),
-            Self::Singular => {
-                format!(
-                    "The Euler angles are singular here, {from_vertical} rad from the vertical."
-                )
+            Self::SlipStops => {
+                sentence!("The contact point stops slipping, at θ = {}.", angle)
             }
-            Self::LiftOff => format!("The peg leaves the table, at θ = {theta:.4} rad."),
-            Self::Landing => format!("The peg is on the table again, at θ = {theta:.4} rad."),
-            Self::RollBegins => format!("The peg begins to roll, at θ = {theta:.4} rad."),
-            Self::RollEnds => format!("The peg no longer rolls, at θ = {theta:.4} rad."),
-            Self::Jam => format!("The peg jams, at θ = {theta:.4} rad."),
-            Self::Pivot => format!(
-                "The top turns about the vertical only, inclined by θ = {theta:.4} rad; rolling resistance holds it."
+            Self::Stick => sentence!(
+                "The contact point sticks: the top turns as a whole, inclined by θ = {}, at {}.",
+                angle,
+                Piece::fixed(phi_dot + psi_dot * cos(theta), 2, "rad/s")
+            ),
+            Self::SlipResumes => sentence!("The contact point slips again, at θ = {}.", angle),
+            Self::Rest => sentence!("The top rests, inclined by θ = {}.", angle),
+            Self::Singular => sentence!(
+                "The Euler angles are singular here, {} from the vertical.",
+                from_vertical
+            ),
+            Self::LiftOff => sentence!("The peg leaves the table, at θ = {}.", angle),
+            Self::Landing => sentence!("The peg is on the table again, at θ = {}.", angle),
+            Self::RollBegins => sentence!("The peg begins to roll, at θ = {}.", angle),
+            Self::RollEnds => sentence!("The peg no longer rolls, at θ = {}.", angle),
+            Self::Jam => sentence!("The peg jams, at θ = {}.", angle),
+            Self::Pivot => sentence!(
+                "The top turns about the vertical only, inclined by θ = {}; rolling resistance holds it.",
+                angle
             ),
         }
     }
@@ -271,28 +283,32 @@ listed! {
 }
 
 /// An inclination near zero, with a power of ten.
-fn small_angle(theta: f64) -> String {
-    if theta == 0.0 {
-        "0".to_owned()
-    } else {
-        with_power(theta, 3)
-    }
+fn small_angle(theta: f64) -> Piece {
+    Piece::Number(Number::new(theta, Digits::Power(3), "rad"))
 }
 
 /// The start of the run, with the rates that are not zero.
-fn start_sentence(theta: f64, phi_dot: f64, psi_dot: f64) -> String {
+fn start_sentence(theta: f64, phi_dot: f64, psi_dot: f64) -> Sentence {
     let mut rates = Vec::new();
     if psi_dot != 0.0 {
-        rates.push(format!("spinning at {} rad/s", fixed(psi_dot, 2)));
+        rates.push(sentence!(
+            "spinning at {}",
+            Piece::fixed(psi_dot, 2, "rad/s")
+        ));
     }
     if phi_dot != 0.0 {
-        rates.push(format!("precessing at {} rad/s", fixed(phi_dot, 4)));
+        rates.push(sentence!(
+            "precessing at {}",
+            Piece::fixed(phi_dot, 4, "rad/s")
+        ));
     }
-    let mut sentence = format!("The top starts at θ = {theta:.4} rad");
-    if !rates.is_empty() {
-        sentence += &format!(", {}", rates.join(" and "));
-    }
-    sentence + "."
+    let comma = if rates.is_empty() { "" } else { ", " };
+    sentence!(
+        "The top starts at θ = {}{}{}.",
+        Piece::fixed(theta, 4, "rad"),
+        comma,
+        and(rates)
+    )
 }
 
 /// The consequences of a transition for a run.
@@ -363,7 +379,7 @@ impl StopReason {
             Self::SlipStopped => {
                 "the contact point stopped slipping (to continue, set stop.on_stick = \"continue\")"
             }
-            Self::Rest => "the top came to rest",
+            Self::Rest => "the top is at rest",
             Self::Singular => {
                 "the Euler angles became singular (to continue, set formulation = \"body\")"
             }
@@ -402,7 +418,7 @@ mod tests {
             psi_dot: 80.0,
         };
         for kind in [EventKind::LoopingBegins, EventKind::LoopingEnds] {
-            let sentence = kind.sentence(&top, state).to_lowercase();
+            let sentence = kind.sentence(&top, state).to_string().to_lowercase();
             assert!(sentence.contains(&kind.words(1)), "{sentence}");
         }
         assert_eq!(EventKind::Fallen.words(1), "fallen");
@@ -418,13 +434,14 @@ mod tests {
             psi_dot: 0.0,
         };
         for kind in [EventKind::UprightPassage, EventKind::Singular] {
-            assert!(kind.sentence(&top, state).contains(", 8.00 × 10⁻³ rad "));
+            let sentence = kind.sentence(&top, state).to_string();
+            assert!(sentence.contains(", 8.00 × 10⁻³ rad "));
             assert!(
                 kind.recorded_sentence(&top, state)
                     .contains(", 8.00e-3 rad ")
             );
         }
-        assert_eq!(small_angle(0.0), "0");
+        assert_eq!(small_angle(0.0).to_string(), "0 rad");
     }
 
     #[test]
@@ -442,7 +459,7 @@ mod tests {
                 "The top starts at θ = 0.5000 rad, spinning at 170.00 rad/s and precessing at 1.5000 rad/s.",
             ),
         ] {
-            assert_eq!(start_sentence(0.5, phi_dot, psi_dot), sentence);
+            assert_eq!(start_sentence(0.5, phi_dot, psi_dot).to_string(), sentence);
         }
     }
 }

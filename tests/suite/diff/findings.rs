@@ -226,7 +226,9 @@ fn shorter_run_of_the_same_motion_has_the_same_findings() {
         let short = scenario("paper", &[("stop.duration", end)]);
         let report = compare(&scenario("paper", &[]), &short, &quick()).unwrap();
         let differing = report.findings.iter().filter(|found| found.differs());
-        let differing: Vec<_> = differing.map(|found| found.quantity.label()).collect();
+        let differing: Vec<_> = differing
+            .map(|found| found.quantity.label().to_string())
+            .collect();
         let are_ends = differing.iter().all(|what| what.starts_with("ends"));
         assert!(are_ends, "{end}: {differing:?}");
     }
@@ -254,7 +256,7 @@ fn val_rounding_is_no_finding() {
         assert_eq!(report.verdict, Verdict::Different);
         let found = report.findings.iter().filter(|found| found.differs());
         found
-            .map(|found| found.quantity.label())
+            .map(|found| found.quantity.label().to_string())
             .collect::<Vec<_>>()
     };
     for name in ["drop", "nutation-free", "tippe-top"] {

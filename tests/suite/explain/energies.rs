@@ -14,9 +14,11 @@ use toprise::telemetry::fields::ENERGY;
 #[test]
 fn names_impacts_after_the_last_sample() {
     let explanation = explain(&scenario("drop", &[("stop.duration", "0.0318")])).unwrap();
-    let sentences: Vec<String> = facts(&explanation).map(Fact::sentence).collect();
+    let sentences: Vec<String> = facts(&explanation)
+        .map(|fact| fact.sentence().to_string())
+        .collect();
     let sentence =
-        "The peg hits the table once, after the last sample; the impacts dissipate 0.005591 J.";
+        "The peg hit the table once, after the last sample; the impacts dissipated 0.005591 J.";
     assert!(
         sentences.iter().any(|found| found == sentence),
         "{sentences:#?}"
@@ -61,13 +63,15 @@ fn rolling_ended_by_the_last_event_is_not_final() {
 #[test]
 fn end_of_nutation_follows_the_last_mean() {
     let explanation = explain(&scenario("lifecycle", &[])).unwrap();
-    let sentences: Vec<String> = facts(&explanation).map(Fact::sentence).collect();
+    let sentences: Vec<String> = facts(&explanation)
+        .map(|fact| fact.sentence().to_string())
+        .collect();
     let means = sentences
         .iter()
         .position(|s| s.ends_with("(last nutation)."))
         .unwrap();
     assert!(
-        sentences[means + 1].starts_with("The nutation ends at"),
+        sentences[means + 1].starts_with("The nutation ended at"),
         "{sentences:#?}"
     );
 }

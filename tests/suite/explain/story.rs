@@ -6,7 +6,8 @@ use nalgebra::Vector3;
 use std::error::Error;
 use std::f64::consts::{FRAC_PI_2, PI};
 use toprise::analysis::explain::{
-    Claim, Explainer, Explanation, Fact, Hold, Inversion, Stopped, SufficientSpin, explain,
+    Claim, Explainer, Explanation, Fact, Hold, Inversion, Stopped, SufficientSpin, TimeSpan,
+    explain,
 };
 use toprise::analysis::subject::ReadEnd;
 use toprise::archive::format::end_entries;
@@ -91,15 +92,6 @@ impl ExplainedRun {
     fn ends(&self, field: NumberField) -> [f64; 2] {
         let numbers = self.numbers(field);
         [numbers[0], numbers[numbers.len() - 1]]
-    }
-
-    /// A field of the first nutation and of the last.
-    fn ends_of_nutations(&self, field: NumberField) -> [f64; 2] {
-        let numbers = self.numbers(field);
-        match numbers[..] {
-            [first, .., last] => [first, last],
-            _ => [f64::NAN; 2],
-        }
     }
 
     /// Times of the events of a kind, s.
@@ -230,6 +222,39 @@ fn check(explained: &ExplainedRun, claim: &Claim) {
             let fallen = explained.times_of(EventKind::Fallen);
             assert_eq!(*falls, fallen.first().is_some_and(|time| time > from));
         }
+        Claim::MeanInclinationChanges {
+            from,
+            until,
+            mean_theta,
+            regular_theta,
+            has_impacts,
+            ..
+        } => {
+            check_drift(explained, [*from, *until], *mean_theta, *regular_theta);
+            assert_eq!(*has_impacts, explained.of_topic(IMPACTS).next().is_some());
+        }
+        Claim::SwingsDown { theta, time, .. } => {
+            assert_eq!(explained.times_of(EventKind::Fallen)[0], *time);
+            assert!(theta[1] > theta[0]);
+        }
+        Claim::EnergySpent {
+            energy: total,
+            needed,
+        } => {
+            assert_same("energy", *total, explained.ends(energy::TOTAL));
+            assert!(*needed > total[1], "{claim:?}");
+            assert!(explained.times_of(EventKind::Inverts).is_empty());
+        }
+        Claim::NotYetInverted {
+            energy: total,
+            slip_speed,
+            ..
+        } => {
+            assert_eq!(*total, explained.ends(energy::TOTAL)[1]);
+            assert_eq!(*slip_speed, explained.ends(contact::SLIP_SPEED)[1]);
+            assert!(*slip_speed > 0.0);
+            assert!(explained.times_of(EventKind::Inverts).is_empty());
+        }
         Claim::StaysUpright {
             energy: first,
             needed,
@@ -272,6 +297,7 @@ fn check(explained: &ExplainedRun, claim: &Claim) {
             }
         }
         Claim::Bounces {
+            from,
             hops,
             impacts: count,
             lost,
@@ -302,6 +328,8 @@ fn check(explained: &ExplainedRun, claim: &Claim) {
             if *starts_in_air {
                 assert_eq!(explained.numbers(contact::REGIME)[0], 2.0);
             }
+            // It may lift off at once.
+            assert!(*from == 0.0 || lift_offs.first() == Some(from), "{claim:?}");
         }
         Claim::RestsFromStart { .. } => {
             assert_eq!(explained.times_of(EventKind::Rest), [0.0]);
@@ -332,125 +360,61 @@ fn check_order(claims: &[Claim]) {
     }
 }
 
-/// No sentence denies a fall that happens, and rise and fall are put in order.
-fn check_words(explained: &ExplainedRun) {
-    let text = explained.explanation.story.text().unwrap_or_default();
-    let falls = !explained.times_of(EventKind::Fallen).is_empty();
-    assert!(
-        !(falls && text.contains("neither rises nor falls")),
-        "{text}"
-    );
-    let has_both = text.contains("top rises because") && text.contains("top falls");
-    assert!(!has_both || text.contains("At first, "), "{text}");
-    let (earlier, later) = (text.contains("At first, "), text.contains("Later, "));
-    let is_before_grip = text.contains("Later, but still before that");
-    assert!(earlier == later || is_before_grip, "{text}");
-    // The parts of a motion that turns back have other ends.
-    let is_one = !later;
-    if is_one {
-        check_nutation(explained, &text);
-    }
-    if is_one && text.contains("ithout nutation") && !text.contains("damp") {
-        check_regular_inclination(explained, &text);
-    }
-    if text.contains("until the top falls") {
-        let fallen = explained
-            .of_topic(EVENTS)
-            .find(|event| events::NAME.of(event) == EventKind::Fallen.name())
-            .unwrap();
-        assert!(
-            events::THETA.of(&fallen) > explained.scenario.angles.theta,
-            "{text}"
-        );
+/// Claims are told in the order of time, each with its time where that is not the whole run.
+fn check_order_of_time(explained: &ExplainedRun) {
+    let story = &explained.explanation.story;
+    let starts: Vec<f64> = story
+        .claims
+        .iter()
+        .map(|claim| claim.interval().from.unwrap_or(0.0))
+        .collect();
+    assert!(starts.is_sorted(), "{starts:?}");
+    let end = *explained.times().last().unwrap() + 1e-9;
+    for (claim, sentence) in story.claims.iter().zip(story.sentences()) {
+        let TimeSpan { from, until } = claim.interval();
+        let is_whole =
+            from.is_none_or(|from| from <= 0.0) && until.is_none_or(|until| until >= end);
+        let text = sentence.to_string();
+        let has_time = ["Until ", "From ", "At "]
+            .iter()
+            .any(|word| text.starts_with(word));
+        let is_at_end = until.is_some_and(|until| until >= end - 2e-9 && from != Some(until));
+        assert!(has_time != is_whole || is_at_end, "{claim:?}: {text}");
     }
 }
 
-/// A nutation that is said to grow or to be damped.
-fn check_nutation(explained: &ExplainedRun, text: &str) {
-    let (least, greatest) = (
-        explained.ends_of_nutations(nutation::THETA_MIN),
-        explained.ends_of_nutations(nutation::THETA_MAX),
-    );
-    if text.contains("the nutation grows") {
-        assert!(least[1] < least[0] && greatest[1] > greatest[0], "{text}");
-        let means = explained.ends_of_nutations(nutation::THETA_MEAN);
-        assert_eq!(
-            text.contains("less inclined"),
-            means[1] < means[0],
-            "{text}"
-        );
-    }
-    if text.contains("the nutation shrinks") {
-        assert!(greatest[1] - least[1] < greatest[0] - least[0], "{text}");
-    }
-}
-
-/// The angular momenta change as the words have it, and with them the inclination at which the energy without θ̇ is
-/// least.
-fn check_regular_inclination(explained: &ExplainedRun, text: &str) {
-    let grips_later = text.contains("Until the contact point slips for the last time");
-    let regimes = explained.numbers(contact::REGIME);
-    let last_slip = regimes.iter().rposition(|&regime| regime != 0.0).unwrap();
-    let last = if grips_later {
-        last_slip
-    } else {
-        regimes.len() - 1
-    };
+/// The mean inclination is that of nutations, or that at the end; the other one is that at which the energy without θ̇ is
+/// least, with the angular momenta at these times.
+fn check_drift(
+    explained: &ExplainedRun,
+    times: [f64; 2],
+    mean_theta: [f64; 2],
+    regular_theta: [f64; 2],
+) {
+    let means = explained.numbers(nutation::THETA_MEAN);
+    let thetas = explained.numbers(state::THETA);
     let axial = explained.numbers(momentum::AXIAL);
     let vertical: Vec<f64> = explained.angular_momenta().iter().map(|l| l.z).collect();
-    let times = explained.times();
-    let nutations: Vec<_> = explained
-        .of_topic(NUTATION)
-        .map(|cycle| (nutation::START.of(&cycle), nutation::PERIOD.of(&cycle)))
-        .filter(|(start, period)| {
-            !grips_later
-                || start + period <= times[last] + explained.scenario.sample_period_ns as f64 / 1e9
-        })
-        .collect();
-    // The last samples before the ends of the first nutation and the last, unless the axis no longer nutates.
-    let ends = [nutations[0], nutations[nutations.len() - 1]]
-        .map(|(start, period)| times.partition_point(|time| *time <= start + period) - 1);
-    let (start, period) = nutations[nutations.len() - 1];
-    let first = ends[0];
-    let last = if times[last] > start + 3.0 * period {
-        last
-    } else {
-        ends[1]
-    };
-    let [from, to] =
-        [first, last].map(|at| regular_inclination(explained, vertical[at], axial[at]));
-    let sense = vertical[0].signum();
-    let [from_line, to_line] = [(first, from), (last, to)].map(|(at, theta)| {
-        let (sin, cos) = sin_cos(theta);
-        let horizontal = (axial[at] - vertical[at] * cos) / sin;
-        atan2(sense * horizontal, sense * vertical[at])
-    });
-    // The least of a function is known to half of its digits.
-    if (to - from).abs() < 1e-6 {
-        return;
+    assert!(means.contains(&mean_theta[0]), "{mean_theta:?}");
+    for (time, regular) in times.into_iter().zip(regular_theta) {
+        let at = explained
+            .times()
+            .iter()
+            .position(|other| *other == time)
+            .unwrap();
+        // The least of a function is known to half of its digits.
+        let expected = regular_inclination(explained, vertical[at], axial[at]);
+        assert!((regular - expected).abs() < 1e-6, "{regular} {expected}");
     }
-    let rises = ["rises", "becomes less inclined"].iter().any(|moves| {
-        text.contains(&format!("follows it, and {moves}"))
-            || text.contains(&format!("It follows, and {moves}"))
-    });
-    assert_eq!(
-        rises,
-        to < from,
-        "{from} {to} {text}\n{}",
-        explained.scenario.to_toml()
-    );
-    let upright = text.contains("the angular momentum more upright");
-    let leaning = text.contains("the angular momentum away from the vertical");
-    assert!(!upright || to_line < from_line, "{text}");
-    assert!(!leaning || to_line > from_line, "{text}");
-    for (words, sign) in [
-        ("at a larger angle to", 1.0),
-        ("at a smaller angle to", -1.0),
-    ] {
-        let grows = sign * ((to - to_line) - (from - from_line)) > 0.0;
-        let slows = sign * (axial[last].abs() - axial[first].abs()) < 0.0;
-        assert!(!text.contains(words) || (grows && slows), "{text}");
-    }
+    let events = explained
+        .of_topic(EVENTS)
+        .map(|event| events::THETA.of(&event));
+    let is_known = means
+        .into_iter()
+        .chain(thetas)
+        .chain(events)
+        .any(|theta| theta == mean_theta[1]);
+    assert!(is_known, "{mean_theta:?}");
 }
 
 /// The inclination of least `(L_z′ − L_n cos θ)²/(2 I_x sin² θ) + M g l cos θ`, rad. The energy is convex in cos θ, so
@@ -777,6 +741,10 @@ fn kinds(claims: &[Claim]) -> Vec<&'static str> {
             Claim::LossesAlign { .. } => "losses align",
             Claim::WeakTopFalls { .. } => "weak top falls",
             Claim::FrictionLowers { .. } => "friction lowers",
+            Claim::MeanInclinationChanges { .. } => "mean inclination changes",
+            Claim::SwingsDown { .. } => "swings down",
+            Claim::EnergySpent { .. } => "energy spent",
+            Claim::NotYetInverted { .. } => "not yet inverted",
             Claim::StaysUpright { .. } => "stays upright",
             Claim::Inverts { .. } => "inverts",
             Claim::SlipEnds { .. } => "slip ends",
@@ -852,7 +820,7 @@ fn random_tops_have_true_causes() {
         };
         let of_run = &explained.explanation.story.claims;
         check_order(of_run);
-        check_words(&explained);
+        check_order_of_time(&explained);
         for claim in of_run {
             check(&explained, claim);
             claims += 1;
@@ -862,14 +830,22 @@ fn random_tops_have_true_causes() {
 }
 
 #[test]
-fn story_is_a_paragraph_without_numbers() {
+fn story_is_a_short_paragraph() {
     for preset in PRESETS.iter() {
         let story = explain(&scenario(&preset.name, &[])).unwrap().story;
         let text = story.text().unwrap();
         assert!(text.ends_with('.') && !text.contains('\n'), "{text}");
-        assert!(!text.contains(|c: char| c.is_ascii_digit()), "{text}");
-        assert!(text.split(' ').count() <= 120, "{text}");
+        assert!(text.split(' ').count() <= 140, "{text}");
     }
+}
+
+#[test]
+fn says_if_no_cause_is_found() {
+    let keys = [("stop.duration", "0.001")];
+    let story = explain(&scenario("paper", &keys)).unwrap().story;
+    assert!(story.claims.is_empty());
+    let text = story.text().unwrap();
+    assert!(text.contains("show none of the causes"), "{text}");
 }
 
 /// A top that static friction holds from the start has one sample, and is explained.
@@ -886,7 +862,10 @@ fn rest_from_the_start_is_explained() {
     assert_eq!(kinds(claims), ["rests from start"]);
     check(&explained, &claims[0]);
     let text = explained.explanation.story.text().unwrap();
-    assert!(text.starts_with("The top starts at rest"), "{text}");
+    assert!(
+        text.starts_with("The top was at rest from the start"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -948,11 +927,10 @@ fn comes_to_rest_after_moving() {
             |claim: &Claim| matches!(claim, Claim::ComesToRest { held_by, .. } if *held_by == hold);
         assert!(claims.iter().any(is_rest), "{preset}: {claims:?}");
         assert!(
-            text.contains("comes to rest: its kinetic energy is spent"),
+            text.contains("came to rest: its kinetic energy was spent"),
             "{text}"
         );
-        assert!(!text.contains("starts at rest"), "{text}");
-        assert!(!text.contains("to the end"), "{preset}: {text}");
+        assert!(!text.contains("at rest from the start"), "{text}");
     }
 }
 
@@ -968,16 +946,10 @@ fn mirror_images_have_the_same_causes() {
         .map(|(key, rate)| (key, (-rate).to_string()))
         .into();
         let keys: Vec<(&str, &str)> = mirrored.iter().map(|(k, v)| (*k, v.as_str())).collect();
-        let (explained, text) = checked(&preset.name, &keys);
+        let (explained, _) = checked(&preset.name, &keys);
         let story = explain(&run).unwrap().story;
         let claims = &explained.explanation.story.claims;
         assert_eq!(kinds(claims), kinds(&story.claims), "{}", preset.name);
-        let is_about_momentum = text.contains("upright.");
-        assert_eq!(
-            is_about_momentum,
-            text.contains("the line of its angular momentum"),
-            "{text}"
-        );
     }
 }
 
@@ -1061,14 +1033,14 @@ fn strong_top_that_falls_after_its_rise_is_not_weak() {
         let claims = &explained.explanation.story.claims;
         let causes = ["friction raises", "friction lowers"];
         assert_eq!(kinds(claims), causes, "{preset}: {claims:?}");
-        assert!(text.starts_with("At first, "), "{preset}: {text}");
-        assert!(text.contains("Later, friction"), "{text}");
-        let turns_away = "the axis turns away from the line of the angular momentum, which leans less in the end, and the top";
-        assert!(text.contains(turns_away), "{text}");
+        assert!(text.starts_with("Until "), "{preset}: {text}");
+        let turned_away = "the axis turned away from the line of the angular momentum, and the top";
+        assert!(text.contains(turned_away), "{text}");
         let chapters = &explained.explanation.chapters;
         let sentences: Vec<String> = chapters
             .iter()
-            .flat_map(|chapter| chapter.facts.iter().map(Fact::sentence))
+            .flat_map(|chapter| &chapter.facts)
+            .map(|fact| fact.sentence().to_string())
             .collect();
         let is_of_rise = |sentence: &String| {
             sentence.starts_with("During the rise, ") && sentence.contains("the horizontal part")
@@ -1089,7 +1061,7 @@ fn slow_tippe_tops_lack_the_energy_to_turn_over() {
         let claims = &explained.explanation.story.claims;
         assert_eq!(kinds(claims), [cause], "{spin}");
         let is_slow = cause == "stays upright";
-        assert_eq!(text.contains("It spins too slowly"), is_slow, "{text}");
+        assert_eq!(text.contains("It spun too slowly"), is_slow, "{text}");
     }
 }
 
@@ -1156,24 +1128,23 @@ fn slip_and_roll_by_turns_are_not_an_end_of_slip() {
     let ends = explained.times_of(EventKind::RollEnds);
     let begins = explained.times_of(EventKind::RollBegins);
     assert!(ends.len() > 10 && begins.last() > ends.last());
+    let start = begins.last().unwrap();
     assert!(
-        text.contains("slips and rolls by turns, and rolls at the end"),
+        text.contains(&format!("From {start:.4} s on, the peg rolled")),
         "{text}"
     );
-    assert!(!text.contains("to the end"), "{text}");
-    let is_range = |fact: &Fact| matches!(fact, Fact::HeldTheta { .. });
-    let facts = explained.explanation.chapters.iter().flat_map(|c| &c.facts);
-    assert!(!facts.into_iter().any(is_range));
 }
 
 /// The first slip ends in a roll of a few milliseconds.
 #[test]
-fn short_roll_has_no_fixed_inclinations() {
+fn short_roll_begins_at_its_time() {
     let keys = [("stop.duration", "0.024")];
     let (explained, text) = checked("tippe-top-hangs", &keys);
-    assert_eq!(explained.times_of(EventKind::RollBegins).len(), 1);
+    let [start] = explained.times_of(EventKind::RollBegins)[..] else {
+        panic!("{text}")
+    };
     assert!(
-        text.contains("slips at first, and rolls at the end."),
+        text.contains(&format!("From {start:.4} s on, the peg rolled")),
         "{text}"
     );
 }
@@ -1181,14 +1152,10 @@ fn short_roll_has_no_fixed_inclinations() {
 /// That rolling prevents an inversion is not shown: these tops would not turn over if they slipped.
 #[test]
 fn rolling_is_not_the_cause_of_a_missing_inversion() {
-    for (spin, slips) in [("80", true), ("5", true), ("0", false)] {
+    for spin in ["80", "5", "0"] {
         let keys = [("initial.psi_dot", spin), ("friction.k", "1")];
         let (_, text) = checked("tippe-top-hangs", &keys);
         assert!(!text.contains("because"), "{text}");
-        if text.contains("rolls") {
-            assert!(text.contains("The top does not turn over."), "{text}");
-            assert_eq!(text.contains("slips at first"), slips, "{text}");
-        }
     }
 }
 
@@ -1204,28 +1171,154 @@ fn rolling_after_inversion_mentions_both() {
     ];
     let (explained, text) = checked("tippe-top-hangs", &keys);
     assert_eq!(explained.times_of(EventKind::Inverts).len(), 1);
-    assert!(text.contains("slips at first, and then rolls"), "{text}");
-    assert!(
-        text.contains("The top turns over") || text.contains("passes the horizontal"),
-        "{text}"
-    );
+    assert!(text.contains("s on, the peg rolled"), "{text}");
+    let is_complete = |claim: &Claim| {
+        matches!(
+            claim,
+            Claim::Inverts { .. }
+                | Claim::SlipEnds {
+                    inversion: Some(Inversion::Complete),
+                    ..
+                }
+        )
+    };
+    assert!(explained.explanation.story.claims.iter().any(is_complete));
 }
 
 #[test]
 fn one_impact_is_no_bouncing() {
     let (explained, text) = checked("drop", &[("stop.duration", "0.0325")]);
     assert_eq!(explained.of_topic(IMPACTS).count(), 1);
-    assert!(!text.contains("bounces"), "{text}");
-    assert!(text.contains("hits the table once"), "{text}");
+    assert!(text.contains("hit the table once"), "{text}");
 }
 
-/// An upright top that rolls does not nutate.
+/// A contact point on the axis never slips, although no event says that it stops.
 #[test]
-fn constant_inclination_is_no_nutation() {
-    let keys = [("initial.theta", "0"), ("friction.k", "1")];
-    let (_, text) = checked("tippe-top-hangs", &keys);
-    assert!(!text.contains("nutates"), "{text}");
-    assert!(text.contains("stays constant"), "{text}");
+fn top_that_never_slips_does_not_still_slip() {
+    let (explained, _) = checked("tippe-top", &[("initial.theta", "0")]);
+    assert_eq!(explained.ends(contact::SLIP_SPEED), [0.0; 2]);
+    let claims = &explained.explanation.story.claims;
+    assert!(!kinds(claims).contains(&"not yet inverted"), "{claims:?}");
+}
+
+/// A loss of any size takes no claim away that its own numbers carry.
+#[test]
+fn tiny_loss_leaves_the_end_of_slip() {
+    let (explained, _) = checked("tippe-top-hangs", &[("air.axial", "1e-12")]);
+    let claims = &explained.explanation.story.claims;
+    assert!(kinds(claims).contains(&"slip ends"), "{claims:?}");
+}
+
+/// Why tops fall: by weakness from the start or by losses, by their motion at the start, or by gravity with it.
+#[test]
+fn falls_have_their_causes() {
+    for (preset, keys, expected) in [
+        (
+            "frictionless",
+            &[("initial.psi_dot", "0"), ("stop.duration", "1")][..],
+            "weak from the start",
+        ),
+        (
+            "full-coulomb",
+            &[("initial.psi_dot", "0")],
+            "weak from the start",
+        ),
+        (
+            "full-coulomb",
+            &[("friction.k", "0.06"), ("initial.psi_dot", "30")],
+            "slowed the spin further",
+        ),
+        (
+            "frictionless",
+            &[
+                ("initial.psi_dot", "60"),
+                ("initial.theta", "1.5"),
+                ("initial.phi_dot", "0"),
+            ],
+            "although its spin",
+        ),
+        (
+            "frictionless",
+            &[
+                ("initial.theta", "0.5"),
+                ("initial.theta_dot", "200"),
+                ("initial.phi_dot", "0"),
+            ],
+            "even without gravity",
+        ),
+        (
+            "rise-by-loss-of-spin",
+            &[("initial.theta", "1.45")],
+            "because of its motion at the start",
+        ),
+    ] {
+        let (_, text) = checked(preset, keys);
+        assert!(text.contains(expected), "{preset}, {keys:?}: {text}");
+    }
+}
+
+/// Rises and falls that no other cause explains.
+#[test]
+fn mean_inclination_changes_are_named() {
+    for (preset, keys, senses) in [
+        ("lifecycle", &[("initial.theta", "1.45")][..], "+"),
+        ("spin-torque-only", &[("initial.theta", "1.45")], "+"),
+        ("paper-precession-term-only", &[("friction.k", "0.3")], "-"),
+        ("tilt-torque-only", &[("initial.psi_dot", "30")], "-+"),
+        ("paper-spin-term-only", &[("initial.phi_dot", "30")], "-"),
+        ("free-paper", &[("initial.psi_dot", "30")], "+"),
+        (
+            "paper",
+            &[("stop.theta_risen", ""), ("stop.duration", "40")],
+            "+",
+        ),
+        (
+            "paper",
+            &[("initial.theta", "2.9"), ("stop.theta_fallen", "")],
+            "+-",
+        ),
+        (
+            "free-viscous",
+            &[("initial.theta", "2.0"), ("stop.theta_fallen", "")],
+            "-",
+        ),
+        (
+            "rise-by-loss-of-spin",
+            &[("initial.theta", "2.9"), ("stop.theta_fallen", "")],
+            "+",
+        ),
+    ] {
+        let (explained, text) = checked(preset, keys);
+        let mut found = String::new();
+        for claim in &explained.explanation.story.claims {
+            if let Claim::MeanInclinationChanges {
+                mean_theta: [first, last],
+                ..
+            } = claim
+            {
+                found.push(if last > first { '+' } else { '-' });
+            }
+        }
+        assert_eq!(found, senses, "{preset}, {keys:?}: {text}");
+    }
+}
+
+/// A part of a nutation is not a fall after a rise.
+#[test]
+fn nutation_is_not_a_drift() {
+    for duration in ["1.3", "1.5", "2", "2.5", "4.3"] {
+        for key in [("initial.theta_dot", "15"), ("initial.phi_dot", "-10")] {
+            let (explained, _) = checked("paper", &[key, ("stop.duration", duration)]);
+            for claim in &explained.explanation.story.claims {
+                if let Claim::MeanInclinationChanges { mean_theta, .. } = claim {
+                    assert!(
+                        mean_theta[1] < mean_theta[0],
+                        "{key:?}, {duration}: {claim:?}"
+                    );
+                }
+            }
+        }
+    }
 }
 
 /// A contact point that sticks and slips by turns.
@@ -1264,9 +1357,9 @@ fn counts_stops_of_slip() {
     };
     assert_eq!((*time, *count), (stops[0], stops.len() as u64));
     assert_eq!(*slips_at_end, resumes.last() > stops.last());
-    let sentence = found[0].sentence();
+    let sentence = found[0].sentence().to_string();
     assert!(
-        sentence.contains("first at") || sentence.contains("slips again"),
+        sentence.contains("first at") || sentence.contains("slipped again"),
         "{sentence}"
     );
 }

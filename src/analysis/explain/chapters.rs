@@ -1,19 +1,63 @@
-//! Explanation for a fixed peg.
+//! The facts of an explanation, chapter by chapter.
 
 use super::evidence::{Evidence, ROUNDED, known_deviations};
 use super::fact::Fact;
 use super::precession;
+use crate::analysis::history::{PegHistory, PegSummary};
 use crate::physics::friction::Dissipation;
 use crate::run::simulation::EventKind;
+use std::f64::consts::FRAC_PI_2;
 
 /// What happened.
 pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
     let mut facts = vec![start(evidence)];
     facts.extend(mean_theta(evidence));
     facts.extend(end(evidence));
-    facts.extend(loops(evidence));
-    facts.extend(limits(evidence));
-    facts.extend(sticks(evidence));
+    if evidence.history.is_tippe_top() {
+        facts.extend(inversion(evidence));
+    } else {
+        facts.extend(loops(evidence));
+        facts.extend(limits(evidence));
+    }
+    if evidence.scenario.model.support.is_free() {
+        facts.extend(evidence.summary.peg.iter().flat_map(peg_motion));
+    } else {
+        facts.extend(sticks(evidence));
+    }
+    facts
+}
+
+/// Whether a tippe top turns over.
+fn inversion(evidence: &Evidence) -> Option<Fact> {
+    let history = &evidence.history;
+    match history.inverted {
+        Some(time) if history.has_exact_inversion() && history.is_inverted_at_end() => {
+            Some(Fact::Inverted { time })
+        }
+        Some(time) if history.has_exact_inversion() => Some(Fact::PassesHorizontal { time }),
+        None if evidence.scenario.angles.theta < FRAC_PI_2 => Some(Fact::NotInverted {
+            time: history.stop_time().unwrap_or(0.0),
+        }),
+        _ => None,
+    }
+}
+
+/// Flights and rolling of a free peg.
+fn peg_motion(peg: &PegSummary) -> Vec<Fact> {
+    let mut facts = Vec::new();
+    if let (Some(count @ 1..), Some(first)) = (peg.hops, peg.first_flight) {
+        facts.push(Fact::Hops { count, first });
+    }
+    match (peg.rolls_to_end_from, peg.first_roll, peg.time_rolling) {
+        (Some(from), ..) => facts.push(Fact::Rolls {
+            from,
+            theta: peg.rolls_to_end_at.unwrap_or(f64::NAN),
+        }),
+        (None, Some(first), Some(duration)) => {
+            facts.push(Fact::RollsAtTimes { first, duration });
+        }
+        _ => {}
+    }
     facts
 }
 
@@ -41,7 +85,7 @@ fn sticks(evidence: &Evidence) -> Option<Fact> {
 }
 
 /// The inclinations at which a top has risen or fallen, if it reached them.
-pub(super) fn limits(evidence: &Evidence) -> Vec<Fact> {
+fn limits(evidence: &Evidence) -> Vec<Fact> {
     let mut facts = Vec::new();
     if let Some(event) = evidence.history.first(EventKind::Risen) {
         facts.push(Fact::Risen {
@@ -77,7 +121,7 @@ pub(super) fn mean_theta(evidence: &Evidence) -> Option<Fact> {
 }
 
 /// The inclination at the end, unless the last nutation or the event that ends the run shows it.
-pub(super) fn end(evidence: &Evidence) -> Option<Fact> {
+fn end(evidence: &Evidence) -> Option<Fact> {
     let history = &evidence.history;
     let [_, last] = history.states?;
     // Their facts have the inclination already.
@@ -101,7 +145,7 @@ pub(super) fn end(evidence: &Evidence) -> Option<Fact> {
 }
 
 /// Loops of the axis.
-pub(super) fn loops(evidence: &Evidence) -> Option<Fact> {
+fn loops(evidence: &Evidence) -> Option<Fact> {
     let mut loops = evidence.history.events_of(EventKind::LoopingBegins);
     let first = loops.next()?.time;
     Some(Fact::Loops {
@@ -112,6 +156,27 @@ pub(super) fn loops(evidence: &Evidence) -> Option<Fact> {
 
 /// The causes of the motion of the axis.
 pub(super) fn cause(evidence: &Evidence) -> Vec<Fact> {
+    if evidence.scenario.model.support.is_free() {
+        jellett(evidence).into_iter().collect()
+    } else {
+        precession_terms(evidence)
+    }
+}
+
+/// Jellett's integral of a free peg, which no contact force changes.
+fn jellett(evidence: &Evidence) -> Option<Fact> {
+    let is_constant = !evidence.scenario.model.friction.has_losses();
+    let deviation = evidence.summary.peg.as_ref()?.jellett_deviation?;
+    known_deviations(is_constant)
+        .contains(&deviation)
+        .then_some(Fact::Jellett {
+            deviation,
+            is_constant,
+        })
+}
+
+/// The terms of the precession of a top with a fixed peg.
+fn precession_terms(evidence: &Evidence) -> Vec<Fact> {
     let friction = &evidence.scenario.model.friction;
     let mut facts = Vec::new();
     facts.extend(precession::regular(evidence));
@@ -136,23 +201,51 @@ pub(super) fn cause(evidence: &Evidence) -> Vec<Fact> {
 /// The losses of energy.
 pub(super) fn energy(evidence: &Evidence) -> Vec<Fact> {
     let mut facts = balance(evidence);
+    if let Some(peg) = &evidence.summary.peg {
+        facts.extend(peg_losses(evidence, peg));
+    }
     let path = evidence.summary.slip_path.filter(|path| *path > 0.0);
     facts.extend(path.map(|length| Fact::SlipPath { length }));
-    let friction = &evidence.scenario.model.friction;
-    let is_constant = !friction.turns_about_vertical() || evidence.scenario.is_frictionless();
-    if let Some(deviation) = evidence.summary.vertical_momentum_deviation
-        && known_deviations(is_constant).contains(&deviation)
+    if !evidence.scenario.model.support.is_free() {
+        facts.extend(vertical_momentum(evidence));
+    }
+    facts
+}
+
+/// Losses of a free peg by sliding and in impacts.
+fn peg_losses(evidence: &Evidence, peg: &PegSummary) -> Vec<Fact> {
+    let mut facts = Vec::new();
+    if let Some([sliding, losses, ..]) = peg.lost
+        && sliding > 0.0
     {
-        facts.push(Fact::VerticalMomentum {
-            deviation,
-            is_constant,
+        facts.push(Fact::Sliding { sliding, losses });
+    }
+    if let Some((count @ 1.., lost)) = peg.impacts.zip(peg.impact_loss) {
+        let history = evidence.history.peg.as_ref();
+        facts.push(Fact::Impacts {
+            count,
+            after_samples: history.map_or(0, PegHistory::impacts_after_samples),
+            lost,
         });
     }
     facts
 }
 
+/// The angular momentum about the vertical, which only some models of friction change.
+fn vertical_momentum(evidence: &Evidence) -> Option<Fact> {
+    let friction = &evidence.scenario.model.friction;
+    let is_constant = !friction.turns_about_vertical() || evidence.scenario.is_frictionless();
+    let deviation = evidence.summary.vertical_momentum_deviation?;
+    known_deviations(is_constant)
+        .contains(&deviation)
+        .then_some(Fact::VerticalMomentum {
+            deviation,
+            is_constant,
+        })
+}
+
 /// The change of energy and its agreement with the work of friction.
-pub(super) fn balance(evidence: &Evidence) -> Vec<Fact> {
+fn balance(evidence: &Evidence) -> Vec<Fact> {
     let Some(energies) = evidence.history.energies else {
         return Vec::new();
     };
