@@ -37,14 +37,12 @@ mod field;
 mod finding;
 mod findings;
 mod integration_error;
-mod json_number;
 mod observer;
 mod occurrence;
 mod others;
 mod pairing;
 mod report;
 mod setup;
-mod spelling;
 mod tolerance;
 mod topic;
 

@@ -1,16 +1,14 @@
 //! Topics compared as they stand in the files: time, sequence number, bytes.
 
-use super::spelling::{MAX_DEPTH, Spelling, compare_json};
 use crate::analysis::subject;
 use crate::archive::recording::{Recording, Selection};
 use crate::run::time::seconds;
 use crate::telemetry::Topics;
-use crate::telemetry::side::Side;
 use crate::words::counted;
 use schemars::JsonSchema;
 use serde::Serialize;
+use serde_json::{Number, Value};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
-use std::mem;
 
 /// A topic of two files whose messages are compared byte by byte.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
@@ -32,11 +30,7 @@ pub struct TopicBytes {
     /// Messages with the same values and another sequence number.
     pub other_sequences: u64,
     /// Messages with the same values and another place among those of their time.
-    #[serde(skip)]
     pub reordered: u64,
-    /// Messages with other bytes whose JSON is nested too deeply to compare its values. They count as different.
-    #[serde(skip)]
-    pub too_deep: u64,
     /// Whether encoding or schema differ.
     pub is_described_differently: bool,
 }
@@ -58,103 +52,101 @@ impl TopicBytes {
         self.equal + self.respelled + self.different
     }
 
-    /// Compares two messages of the same time.
-    fn add(&mut self, time_ns: u64, a: &Foreign, b: &Foreign) {
-        let values = a.compare_values(b);
-        match values {
-            Values::Identical => self.equal += 1,
-            Values::Json(Spelling::SameValues) => self.respelled += 1,
-            Values::Json(Spelling::Different | Spelling::TooDeep) | Values::Different => {
+    /// Compares A's and B's messages of one time.
+    fn add_simultaneous(&mut self, time_ns: u64, [a, b]: &[Vec<Foreign>; 2]) {
+        let [order_a, order_b] = pair(a, b);
+        for (place_a, place_b) in order_a.iter().zip(&order_b) {
+            let (a, b) = (&a[*place_a], &b[*place_b]);
+            if a.data == b.data {
+                self.equal += 1;
+            } else if a.is_json && b.is_json && is_same_json(&a.data, &b.data) {
+                self.respelled += 1;
+            } else {
                 self.different += 1;
-                self.too_deep += u64::from(values == Values::Json(Spelling::TooDeep));
                 self.first.get_or_insert(seconds(time_ns));
-                return;
+                continue;
+            }
+            self.other_publish_times += u64::from(a.publish_time != b.publish_time);
+            self.other_sequences += u64::from(a.sequence != b.sequence);
+            self.reordered += u64::from(place_a != place_b);
+        }
+        for (unmatched, own, other) in [(0, a, b), (1, b, a)] {
+            if own.len() > other.len() {
+                self.unmatched[unmatched] += (own.len() - other.len()) as u64;
+                self.first.get_or_insert(seconds(time_ns));
             }
         }
-        self.other_publish_times += u64::from(a.publish_time != b.publish_time);
-        self.other_sequences += u64::from(a.sequence != b.sequence);
-        self.reordered += u64::from(a.place != b.place);
-    }
-
-    /// Compares A's and B's messages of one time: equal ones with each other, in any order, then the others in the order
-    /// of the files.
-    fn add_simultaneous(&mut self, time_ns: u64, [a, b]: [VecDeque<Foreign>; 2]) {
-        let mut of_b: BTreeMap<&[u8], VecDeque<&Foreign>> = BTreeMap::new();
-        for message in &b {
-            of_b.entry(&message.data).or_default().push_back(message);
-        }
-        let mut others_of_a = Vec::new();
-        let mut equal_of_b: BTreeMap<&[u8], usize> = BTreeMap::new();
-        for message in &a {
-            match of_b.get_mut(&*message.data).and_then(VecDeque::pop_front) {
-                Some(equal) => {
-                    self.add(time_ns, message, equal);
-                    *equal_of_b.entry(&message.data).or_default() += 1;
-                }
-                None => others_of_a.push(message),
-            }
-        }
-        // The first messages with these bytes have been matched.
-        let mut others_of_b = Vec::new();
-        for message in &b {
-            match equal_of_b.get_mut(&*message.data) {
-                Some(left) if *left > 0 => *left -= 1,
-                _ => others_of_b.push(message),
-            }
-        }
-        for (of_a, of_b) in others_of_a.iter().zip(&others_of_b) {
-            self.add(time_ns, of_a, of_b);
-        }
-        for _ in others_of_b.len()..others_of_a.len() {
-            self.add_unmatched(time_ns, Side::A);
-        }
-        for _ in others_of_a.len()..others_of_b.len() {
-            self.add_unmatched(time_ns, Side::B);
-        }
-    }
-
-    fn add_unmatched(&mut self, time_ns: u64, side: Side) {
-        self.unmatched[side.index()] += 1;
-        self.first.get_or_insert(seconds(time_ns));
     }
 }
 
+/// The places of A's and B's messages in an order in which those to compare have the same index: equal messages wherever
+/// they are, then the others as they follow each other in the files.
+fn pair(a: &[Foreign], b: &[Foreign]) -> [Vec<usize>; 2] {
+    let mut places: BTreeMap<&[u8], VecDeque<usize>> = BTreeMap::new();
+    for (place, message) in b.iter().enumerate() {
+        places.entry(&message.data).or_default().push_back(place);
+    }
+    let [mut order_a, mut order_b] = [Vec::new(), Vec::new()];
+    let mut others_of_a = Vec::new();
+    for (place, message) in a.iter().enumerate() {
+        match places.get_mut(&*message.data).and_then(VecDeque::pop_front) {
+            Some(equal) => {
+                order_a.push(place);
+                order_b.push(equal);
+            }
+            None => others_of_a.push(place),
+        }
+    }
+    let mut others_of_b: Vec<_> = places.into_values().flatten().collect();
+    others_of_b.sort_unstable();
+    order_a.extend(others_of_a);
+    order_b.extend(others_of_b);
+    [order_a, order_b]
+}
+
+/// Whether two JSON texts have the same values. One that can't be read has no values.
+fn is_same_json(a: &[u8], b: &[u8]) -> bool {
+    match (serde_json::from_slice(a), serde_json::from_slice(b)) {
+        (Ok(a), Ok(b)) => is_same_value(&a, &b),
+        _ => false,
+    }
+}
+
+/// Whether two JSON values are equal. `==` would take 1 and 1.0 for different, and 0.0 and -0.0 for equal.
+fn is_same_value(a: &Value, b: &Value) -> bool {
+    match (a, b) {
+        (Value::Number(a), Value::Number(b)) => number_key(a) == number_key(b),
+        (Value::Array(a), Value::Array(b)) => {
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| is_same_value(a, b))
+        }
+        (Value::Object(a), Value::Object(b)) => {
+            a.len() == b.len()
+                && a.iter()
+                    .all(|(name, a)| b.get(name).is_some_and(|b| is_same_value(a, b)))
+        }
+        _ => a == b,
+    }
+}
+
+/// The bits of a number as a double, and the number as an integer. A double can't hold every 64-bit integer, and an integer
+/// has no fraction: the two together distinguish all that a [`Number`] can be.
+fn number_key(number: &Number) -> (Option<u64>, Option<i128>) {
+    let double = number.as_f64();
+    let truncated = double.map(|double| double as i128);
+    (double.map(f64::to_bits), number.as_i128().or(truncated))
+}
+
 /// A message as it stands in a file.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 struct Foreign {
     /// Log time, ns.
     time_ns: u64,
     /// Index of its topic among those compared.
     topic: usize,
-    /// Number of messages of the same topic and time before it.
-    place: usize,
     publish_time: u64,
     sequence: u32,
     is_json: bool,
     data: Box<[u8]>,
-}
-
-/// How two messages compare.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Values {
-    /// All bytes are equal.
-    Identical,
-    /// Other bytes, of JSON.
-    Json(Spelling),
-    /// Other bytes.
-    Different,
-}
-
-impl Foreign {
-    fn compare_values(&self, other: &Self) -> Values {
-        if self.data == other.data {
-            Values::Identical
-        } else if self.is_json && other.is_json {
-            Values::Json(compare_json(&self.data, &other.data))
-        } else {
-            Values::Different
-        }
-    }
 }
 
 /// Compares topics that both files have, which are sorted; also returns the losses of A and B.
@@ -173,39 +165,27 @@ pub(super) fn compare(
         });
     }
     let mut losses = [Vec::new(), Vec::new()];
-    let [of_a, of_b] = &mut losses;
-    let mut a = messages(a, topics, of_a).peekable();
-    let mut b = messages(b, topics, of_b).peekable();
-    // A's messages at one time, by topic, and B's that differ from them in that order.
-    let mut waiting: Vec<[VecDeque<Foreign>; 2]> = vec![Default::default(); topics.len()];
+    let [losses_a, losses_b] = &mut losses;
+    let mut files =
+        [messages(a, topics, losses_a), messages(b, topics, losses_b)].map(Iterator::peekable);
     loop {
-        let next = [a.peek(), b.peek()].into_iter().flatten();
+        let next = files.iter_mut().filter_map(|file| file.peek());
         let Some(time_ns) = next.map(|message| message.time_ns).min() else {
             break;
         };
-        let mut present = BTreeSet::new();
-        while let Some(of_a) = a.next_if(|message| message.time_ns == time_ns) {
-            progress(of_a.data.len() as u64);
-            present.insert(of_a.topic);
-            waiting[of_a.topic][0].push_back(of_a);
-        }
-        while let Some(of_b) = b.next_if(|message| message.time_ns == time_ns) {
-            progress(of_b.data.len() as u64);
-            present.insert(of_b.topic);
-            let [first, others] = &mut waiting[of_b.topic];
-            // Mostly both files have the same order, and nothing has to be searched.
-            match first.pop_front_if(|of_a| of_a.data == of_b.data) {
-                Some(of_a) => found[of_b.topic].add(time_ns, &of_a, &of_b),
-                None => others.push_back(of_b),
+        let mut simultaneous: BTreeMap<usize, [Vec<Foreign>; 2]> = BTreeMap::new();
+        for (side, file) in files.iter_mut().enumerate() {
+            while let Some(message) = file.next_if(|message| message.time_ns == time_ns) {
+                progress(message.data.len() as u64);
+                simultaneous.entry(message.topic).or_default()[side].push(message);
             }
         }
-        for topic in present {
-            let waiting = mem::take(&mut waiting[topic]);
-            found[topic].add_simultaneous(time_ns, waiting);
+        for (topic, messages) in &simultaneous {
+            found[*topic].add_simultaneous(time_ns, messages);
         }
     }
     // They add what can't be read to the losses.
-    drop((a, b));
+    drop(files);
     (found, losses)
 }
 
@@ -220,21 +200,11 @@ fn messages<'r>(
         ..Selection::default()
     };
     let mut reader = recording.reader(selection).in_order_of_time();
-    // For each topic, the time of the last message, and the number of messages at that time.
-    let mut latest = vec![(0, 0); topics.len()];
     std::iter::from_fn(move || {
         if let Some(raw) = reader.next_undecoded() {
-            let topic = topics.binary_search(&raw.channel.topic).ok()?;
-            let (time_ns, count) = &mut latest[topic];
-            if *time_ns != raw.log_time {
-                (*time_ns, *count) = (raw.log_time, 0);
-            }
-            let place = *count;
-            *count += 1;
             return Some(Foreign {
                 time_ns: raw.log_time,
-                topic,
-                place,
+                topic: topics.binary_search(&raw.channel.topic).ok()?,
                 publish_time: raw.publish_time,
                 sequence: raw.sequence,
                 is_json: raw.channel.encoding == "json",
@@ -268,9 +238,7 @@ type Count = fn(&TopicBytes) -> u64;
 
 /// Sentences about what differs besides the values, for all topics together.
 pub(super) fn notes(topics: &[TopicBytes]) -> Vec<String> {
-    let too_deep = format!("JSON with more than {MAX_DEPTH} levels is not compared by its values");
-    let kinds: [(&str, Count); 5] = [
-        (&too_deep, |topic| topic.too_deep),
+    let kinds: [(&str, Count); 4] = [
         ("Publish times differ", |topic| topic.other_publish_times),
         ("Sequence numbers differ", |topic| topic.other_sequences),
         ("JSON is spelled differently", |topic| topic.respelled),
@@ -301,4 +269,73 @@ pub(super) fn note<'t>(what: &str, counts: impl Iterator<Item = (&'t str, u64)>)
         more => format!(" and {more} more topics"),
     };
     Some(format!("{what} in {messages} of {first}{others}."))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn compares_json_by_value() {
+        for (a, b, expected) in [
+            (
+                r#"{"a":1,"b":[2.5]}"#,
+                r#"{ "b": [25e-1], "a": 1.0 }"#,
+                true,
+            ),
+            (r#""é""#, r#""\u00e9""#, true),
+            ("1e2", "100", true),
+            ("-0.0", "-0", true),
+            ("0.1", "0.10000000000000001", true),
+            ("0.1", "0.10000000000000002", false),
+            ("-0.0", "0.0", false),
+            ("1", "-1", false),
+            ("0.5", "0", false),
+            // Integers of 64 bits are exact, other numbers are doubles.
+            ("9007199254740993", "9007199254740992", false),
+            ("9007199254740993", "9007199254740992.0", false),
+            ("18446744073709551615", "18446744073709551614", false),
+            ("-9223372036854775808", "-9223372036854775807", false),
+            ("18446744073709551615", "18446744073709551616", false),
+            ("18446744073709551616", "18446744073709551617", true),
+            ("1.0000000000000000001", "1", true),
+            ("1e30", "1000000000000000000000000000000", true),
+            ("1e400", "10e399", false),
+            (r#"{"1": "2", "a": [3.0]}"#, r#"{"a": [3], "1": "2"}"#, true),
+            ("[1,2]", "[2,1]", false),
+            ("[1,2]", "[1]", false),
+            ("null", "0", false),
+            (r#"{"a":1}"#, r#"{"a":1,"b":null}"#, false),
+            (r#"{"a":1}"#, r#"{"b":1}"#, false),
+            // The last member of a name counts, as for most readers.
+            (r#"{"a":1,"a":2}"#, r#"{"a":2}"#, true),
+            (r#"{"a":1,"a":2}"#, r#"{"a":1}"#, false),
+            ("{", "{ ", false),
+            ("1", "1 2", false),
+        ] {
+            assert_eq!(
+                is_same_json(a.as_bytes(), b.as_bytes()),
+                expected,
+                "{a} {b}"
+            );
+            assert_eq!(
+                is_same_json(b.as_bytes(), a.as_bytes()),
+                expected,
+                "{b} {a}"
+            );
+        }
+    }
+
+    #[test]
+    fn json_nested_too_deeply_to_be_read_is_different() {
+        for (depth, expected) in [(127, true), (128, false), (100_000, false)] {
+            let [a, b] =
+                ["", " "].map(|space| format!("{}{space}{}", "[".repeat(depth), "]".repeat(depth)));
+            assert_eq!(
+                is_same_json(a.as_bytes(), b.as_bytes()),
+                expected,
+                "{depth}"
+            );
+        }
+    }
 }
