@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use toprise::analysis::diff::{self, Report, Verdict};
 use toprise::analysis::explain::explain;
-use toprise::archive::input;
+use toprise::archive::input::Input;
 use toprise::archive::recording::{Overview, Recording, Selection};
 use toprise::archive::verify::verify;
 use toprise::figures::{FIGURES, Figure, RunData};
@@ -41,8 +41,8 @@ pub fn recording(data: &[u8], scratch: &Path) {
         Ok(report) => consume(&format!("{report:?}")),
         Err(error) => consume(&error.to_string()),
     }
-    match input::read(&path) {
-        Ok(input) => consume(&format!("{:?}", input.form)),
+    match Input::open(&path) {
+        Ok(input) => consume(&format!("{:?} {:?}", input.values(), input.form())),
         Err(error) => consume(&error.to_string()),
     }
 }

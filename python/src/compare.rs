@@ -1,7 +1,7 @@
 //! `diff`, `explain`, `verify` and `presets`. They return JSON, as the program does; `toprise/_reports.py` converts it to
 //! dictionaries.
 
-use crate::errors::{DiffError, RecordingError};
+use crate::errors::{self, DiffError, RecordingError};
 use crate::guard::{Interrupt, compute};
 use crate::run::{Origin, Run, open};
 use crate::scenario::Base;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 use toprise::analysis::diff::{Observer, Options, Tolerance, Tolerances, compare_observed};
 use toprise::analysis::explain::{Fact, explain_while};
 use toprise::analysis::subject::Subject;
-use toprise::archive::input::is_recording;
+use toprise::archive::input::Input;
 use toprise::archive::recording::Recording;
 use toprise::archive::verify as checks;
 use toprise::run::scenario::{PRESETS, Scenario as Checked};
@@ -48,10 +48,20 @@ impl RunArgument<'_> {
                 Origin::Scenario(scenario, _) => OpenRun::Scenario(scenario.clone()),
                 Origin::Recording(recording) => OpenRun::Recording(recording.clone()),
             },
-            Self::Base(Base::Word(word)) if is_recording(&word) => {
-                OpenRun::Recording(open(py, word)?)
+            Self::Base(Base::Scenario(scenario)) => {
+                OpenRun::Scenario(Box::new(scenario.get().0.clone()))
             }
-            Self::Base(base) => OpenRun::Scenario(Box::new(base.scenario(None)?)),
+            Self::Base(Base::Word(word)) => {
+                let opened = compute(py, move |_| Input::open(&word))?;
+                match opened.map_err(errors::input)? {
+                    Input::Recording(recording) => OpenRun::Recording(Arc::from(recording)),
+                    input => {
+                        let values = input.values().map_err(errors::input)?;
+                        let scenario = Checked::new(values).map_err(errors::scenario)?;
+                        OpenRun::Scenario(Box::new(scenario))
+                    }
+                }
+            }
         })
     }
 }

@@ -63,6 +63,7 @@ pub fn input(error: InputError) -> PyErr {
         InputError::UnknownPreset(reason) | InputError::Scenario { reason, .. } => {
             scenario_with_text(&reason, text)
         }
+        InputError::Table { .. } => ScenarioError::new_err(text),
     }
 }
 

@@ -6,7 +6,7 @@ use pyo3::exceptions::{PyKeyError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyMapping, PyString};
 use std::path::PathBuf;
-use toprise::archive::input::values;
+use toprise::archive::input::Input;
 use toprise::run::scenario::{Scenario as Checked, ScenarioError, Value, Values};
 use toprise::sweep::{find_key, values_of_row};
 
@@ -68,7 +68,9 @@ impl Base<'_> {
                 let text = scenario.get().0.to_toml();
                 Values::from_toml(&text).map_err(errors::scenario)?
             }
-            Self::Word(word) => values(&word).map_err(errors::input)?,
+            Self::Word(word) => Input::open(&word)
+                .and_then(|input| input.values())
+                .map_err(errors::input)?,
         };
         with(values, overrides)
     }

@@ -1,15 +1,16 @@
-//! Command-line arguments that identify a run: presets, scenario files and recordings.
+//! Inputs: what a word of a command line names is opened once, and travels as an [`Input`].
 
 pub use crate::archive::container::source::open_file;
 use crate::archive::format::Form;
 use crate::archive::recording::{Recording, RecordingError};
-use crate::run::scenario::{PRESETS, Preset, ScenarioError, Values};
+use crate::run::scenario::{Preset, ScenarioError, Values};
 use crate::telemetry::Topics;
+use std::ffi::OsStr;
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Error of reading a scenario.
+/// Error of opening an input.
 #[derive(Debug, Error)]
 pub enum InputError {
     /// There is no preset of this name.
@@ -24,7 +25,7 @@ pub enum InputError {
         reason: io::Error,
     },
     /// The recording can't be read, or has no scenario.
-    #[error("cannot read the scenario {}: {reason}", path.display())]
+    #[error("{}: {reason}", path.display())]
     Recording {
         /// The file.
         path: PathBuf,
@@ -39,6 +40,12 @@ pub enum InputError {
         /// The reason.
         reason: ScenarioError,
     },
+    /// A table has many scenarios.
+    #[error("{} is a sweep table: run one of its rows, e.g. --row 42", path.display())]
+    Table {
+        /// The file.
+        path: PathBuf,
+    },
 }
 
 impl InputError {
@@ -46,87 +53,122 @@ impl InputError {
     pub fn scenario_error(&self) -> Option<&ScenarioError> {
         match self {
             Self::UnknownPreset(reason) | Self::Scenario { reason, .. } => Some(reason),
-            Self::Io { .. } | Self::Recording { .. } => None,
+            Self::Io { .. } | Self::Recording { .. } | Self::Table { .. } => None,
+        }
+    }
+
+    fn recording(path: &Path, reason: RecordingError) -> Self {
+        Self::Recording {
+            path: path.to_owned(),
+            reason,
         }
     }
 }
 
-/// Whether an argument means standard input. A file of this name is `./-`.
-fn is_standard_input(word: &Path) -> bool {
-    word.as_os_str() == "-"
+/// The input that a word names.
+#[derive(Debug)]
+pub enum Input {
+    /// A preset.
+    Preset(&'static Preset),
+    /// A scenario file, or standard input.
+    Scenario {
+        /// The file; `-` for standard input.
+        path: PathBuf,
+        /// The keys and values.
+        values: Values,
+    },
+    /// A recording, or any other MCAP file.
+    Recording(Box<Recording>),
+    /// A sweep table, whose rows are scenarios. It is not open.
+    Table(PathBuf),
 }
 
-/// Whether an argument is a recording rather than a scenario.
-pub fn is_recording(word: &Path) -> bool {
-    let is_scenario = is_preset(word) || has_extension(word, "toml") || is_standard_input(word);
-    !is_scenario && (word.exists() || looks_like_a_file(word))
-}
+impl Input {
+    /// Opens what a word names: a preset before a file of this name; `-` is standard input, and a file of this name is
+    /// `./-`.
+    ///
+    /// # Errors
+    /// [`InputError`] if there is none, or a key of it is wrong; whether a scenario is complete is not checked.
+    pub fn open(word: &Path) -> Result<Self, InputError> {
+        let unknown = match Preset::find(&word.to_string_lossy()) {
+            Ok(preset) => return Ok(Self::Preset(preset)),
+            Err(unknown) => unknown,
+        };
+        let text = match word.extension().and_then(OsStr::to_str) {
+            Some("parquet") => return Ok(Self::Table(word.to_owned())),
+            // By its name even if it is empty or cut: the error is then about a recording, not about TOML.
+            Some("mcap" | "partial") => return Self::open_recording(word),
+            _ if word.as_os_str() == "-" => scenario_from(io::stdin().lock()),
+            _ if is_mcap(word) => return Self::open_recording(word),
+            _ if word.exists() || looks_like_a_file(word) => read_file(word),
+            _ => return Err(InputError::UnknownPreset(unknown)),
+        };
+        let path = word.to_owned();
+        match text {
+            Ok(text) => Ok(Self::Scenario {
+                values: parse(word, &text)?,
+                path,
+            }),
+            Err(reason) => Err(InputError::Io { path, reason }),
+        }
+    }
 
-/// The scenario that a command-line argument names, and how a recording was made.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RunInput {
+    fn open_recording(path: &Path) -> Result<Self, InputError> {
+        match Recording::open(path) {
+            Ok(recording) => Ok(Self::Recording(Box::new(recording))),
+            Err(reason) => Err(InputError::recording(path, reason)),
+        }
+    }
+
     /// The keys and values of the scenario.
-    pub values: Values,
-    /// Form and topics of a recording; `None` for other arguments.
-    pub form: Option<(Form, Topics)>,
+    ///
+    /// # Errors
+    /// [`InputError`] if a recording has no scenario that can be read, or for a table.
+    pub fn values(&self) -> Result<Values, InputError> {
+        match self {
+            Self::Preset(preset) => preset.values().map_err(InputError::UnknownPreset),
+            Self::Scenario { values, .. } => Ok(values.clone()),
+            Self::Recording(recording) => match recording.scenario_text() {
+                Ok(text) => parse(recording.path(), &text),
+                Err(reason) => Err(InputError::recording(recording.path(), reason)),
+            },
+            Self::Table(path) => Err(InputError::Table { path: path.clone() }),
+        }
+    }
+
+    /// Form and topics of a recording; `None` for other inputs.
+    pub fn form(&self) -> Option<(Form, Topics)> {
+        let Self::Recording(recording) = self else {
+            return None;
+        };
+        recording.form()
+    }
+
+    /// The word that names the input.
+    pub fn word(&self) -> &Path {
+        match self {
+            Self::Preset(preset) => Path::new(&preset.name),
+            Self::Scenario { path, .. } | Self::Table(path) => path,
+            Self::Recording(recording) => recording.path(),
+        }
+    }
+
+    /// The name of the file without its extensions, or of the preset; `None` for standard input.
+    pub fn stem(&self) -> Option<&str> {
+        let mut stem = self.word().file_name()?.to_str()?;
+        for extension in [".partial", ".mcap", ".parquet", ".toml"] {
+            stem = stem.trim_end_matches(extension);
+        }
+        (!matches!(stem, "" | "-")).then_some(stem)
+    }
 }
 
-/// Reads a preset, a scenario file or a recording; `-` is a scenario file on standard input.
-///
-/// # Errors
-/// [`InputError`] if there is none, or a key of it is wrong; whether the scenario is complete is not checked.
-pub fn read(word: &Path) -> Result<RunInput, InputError> {
-    let is_file = has_extension(word, "toml")
-        || looks_like_a_file(word)
-        || is_standard_input(word)
-        || word.exists();
-    if is_preset(word) || !is_file {
-        let values = Preset::find(&word.to_string_lossy())
-            .and_then(Preset::values)
-            .map_err(InputError::UnknownPreset)?;
-        return Ok(RunInput { values, form: None });
-    }
-    // By its name even if it is empty or cut: the error is then about a recording, not about TOML.
-    let has_its_name = has_extension(word, "mcap") || has_extension(word, "partial");
-    let (text, form) = if !is_standard_input(word) && (has_its_name || is_mcap(word)) {
-        read_recording(word).map_err(|reason| InputError::Recording {
-            path: word.to_owned(),
-            reason,
-        })?
-    } else {
-        let text = read_text(word).map_err(|reason| InputError::Io {
-            path: word.to_owned(),
-            reason,
-        })?;
-        (text, None)
-    };
-    let values = Values::from_toml(&text).map_err(|reason| InputError::Scenario {
-        path: word.to_owned(),
+/// Reads the keys and values from the text of a file.
+fn parse(path: &Path, text: &str) -> Result<Values, InputError> {
+    Values::from_toml(text).map_err(|reason| InputError::Scenario {
+        path: path.to_owned(),
         reason,
-    })?;
-    Ok(RunInput { values, form })
-}
-
-/// The values of [`read()`].
-///
-/// # Errors
-/// As [`read()`].
-pub fn values(word: &Path) -> Result<Values, InputError> {
-    Ok(read(word)?.values)
-}
-
-/// The scenario of a recording, and its form and topics.
-fn read_recording(path: &Path) -> Result<(String, Option<(Form, Topics)>), RecordingError> {
-    let recording = Recording::open(path)?;
-    Ok((recording.scenario_text()?, recording.form()))
-}
-
-/// The text of a scenario file, or from standard input.
-fn read_text(word: &Path) -> io::Result<String> {
-    if is_standard_input(word) {
-        return scenario_from(io::stdin().lock());
-    }
-    read_file(word)
+    })
 }
 
 /// Whether a file starts with the MCAP magic bytes.
@@ -193,39 +235,56 @@ pub(crate) fn text_of(bytes: Vec<u8>) -> io::Result<String> {
     Err(io::Error::new(io::ErrorKind::InvalidData, reason))
 }
 
-/// Whether an argument is the name of a preset.
-pub fn is_preset(word: &Path) -> bool {
-    PRESETS
-        .iter()
-        .any(|preset| word.as_os_str() == &*preset.name)
-}
-
-/// The name of a scenario file, recording or sweep table without its extensions; `None` for presets and standard input.
-pub fn file_stem(word: &Path) -> Option<String> {
-    if is_preset(word) || is_standard_input(word) {
-        return None;
-    }
-    let mut stem = word.file_name()?.to_str()?;
-    for extension in [".partial", ".mcap", ".parquet", ".toml"] {
-        stem = stem.trim_end_matches(extension);
-    }
-    (!stem.is_empty()).then(|| stem.to_owned())
-}
-
-/// Whether a file name has an extension.
-pub(crate) fn has_extension(word: &Path, extension: &str) -> bool {
-    word.extension().is_some_and(|found| found == extension)
-}
-
-/// Whether an unknown argument looks like a file name rather than a preset.
+/// Whether a word is the name of a file, even if there is none, rather than that of a preset.
 fn looks_like_a_file(word: &Path) -> bool {
     let text = word.to_string_lossy();
-    text.contains(['/', '\\']) || text.contains(".mcap")
+    text.contains(['/', '\\']) || text.contains(".mcap") || text.ends_with(".toml")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The kind of input for which a word is taken.
+    fn kind(word: &Path) -> &'static str {
+        match Input::open(word) {
+            Ok(Input::Preset(_)) | Err(InputError::UnknownPreset(_)) => "preset",
+            Ok(Input::Scenario { .. })
+            | Err(InputError::Scenario { .. } | InputError::Io { .. }) => "scenario",
+            Ok(Input::Recording(_)) | Err(InputError::Recording { .. }) => "recording",
+            Ok(Input::Table(_)) | Err(InputError::Table { .. }) => "table",
+        }
+    }
+
+    #[test]
+    fn takes_words_for_one_kind_of_input() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, content, expected) in [
+            ("a.toml", &b"gravity = 9.81"[..], "scenario"),
+            ("paper", b"gravity = 9.81", "scenario"),
+            ("notes.txt", b"not a scenario", "scenario"),
+            ("magic.toml", mcap::MAGIC, "recording"),
+            ("magic", mcap::MAGIC, "recording"),
+            ("empty.mcap", b"", "recording"),
+            ("a.mcap.partial", b"text", "recording"),
+            ("map.parquet", b"PAR1", "table"),
+        ] {
+            let path = folder.path().join(name);
+            std::fs::write(&path, content).unwrap();
+            assert_eq!(kind(&path), expected, "{name}");
+        }
+        for (word, expected) in [
+            ("paper", "preset"),
+            ("missing", "preset"),
+            ("missing.txt", "preset"),
+            ("missing.toml", "scenario"),
+            ("./missing", "scenario"),
+            ("missing.mcap", "recording"),
+            ("missing.partial", "recording"),
+        ] {
+            assert_eq!(kind(Path::new(word)), expected, "{word}");
+        }
+    }
 
     fn message(bytes: &[u8]) -> String {
         scenario_from(bytes).unwrap_err().to_string()

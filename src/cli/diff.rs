@@ -3,7 +3,7 @@
 pub(super) mod content;
 
 use super::arguments::{Format, Override, parse_override};
-use super::input::{Input, open};
+use super::input::{OpenRun, open};
 use super::progress::Progress;
 use super::rerun::diff::{PairViewer, ShowArguments, ShowPlan};
 use super::status::Status;
@@ -101,7 +101,7 @@ impl ComparisonArguments {
 
 /// A comparison and what becomes of it.
 struct DiffPlan {
-    inputs: [Input; 2],
+    runs: [OpenRun; 2],
     options: Options,
     /// Whether everything is printed.
     all: bool,
@@ -118,7 +118,7 @@ impl DiffArguments {
             bail!("--set requires a preset or scenario file, but both runs are recordings");
         }
         Ok(DiffPlan {
-            inputs: [a, b],
+            runs: [a, b],
             options,
             all: self.all,
             show: self.show.plan(&self.runs)?,
@@ -128,24 +128,28 @@ impl DiffArguments {
 
 /// Compares two runs.
 pub(super) fn diff(arguments: &DiffArguments, drafts: &Drafts) -> Result<Status, Error> {
-    let plan = arguments.plan()?;
-    let [a, b] = &plan.inputs;
+    let DiffPlan {
+        runs: [a, b],
+        options,
+        all,
+        show,
+    } = arguments.plan()?;
     let subjects = [a.subject(), b.subject()];
     let names = [a.name(), b.name()];
     let progress = Progress::for_bytes("comparing", a.bytes() + b.bytes());
     let shown = names.each_ref().map(String::as_str);
     let mut observers = Observers {
         progress: &progress,
-        viewer: PairViewer::open(&plan.show, subjects, shown, drafts)?,
+        viewer: PairViewer::open(&show, subjects, shown, drafts)?,
     };
-    let compared = compare_observed(subjects[0], subjects[1], &plan.options, &mut observers);
+    let compared = compare_observed(subjects[0], subjects[1], &options, &mut observers);
     progress.finish();
     let mut report = compared?;
     // Runs are called as on the command line, which the comparison doesn't know.
     [report.a.name, report.b.name] = names;
     // A document has room for whole values.
-    let is_cut = !plan.all && output::format() == Format::Text;
-    report::print(&report, || content::page(&report, plan.all, is_cut))?;
+    let is_cut = !all && output::format() == Format::Text;
+    report::print(&report, || content::page(&report, all, is_cut))?;
     let is_viewer_lost = match observers.viewer {
         Some(viewer) => viewer.finish(&report)?,
         None => false,

@@ -4,7 +4,7 @@ mod files;
 
 use self::files::{FilePlan, Kind};
 use super::arguments::OUTPUT;
-use super::input::{Input, open};
+use super::input::{OpenRun, open};
 use super::output;
 use super::progress::Progress;
 use super::report;
@@ -192,7 +192,7 @@ impl RunsPlan {
     }
 
     /// The runs that are drawn, with their names in legends.
-    fn inputs(&self) -> Result<Vec<(String, Input)>, anyhow::Error> {
+    fn inputs(&self) -> Result<Vec<(String, OpenRun)>, anyhow::Error> {
         let counts = self.figures.iter().map(|figure| self.count(figure));
         // Of the paper's runs, two are simulated only for the figure that compares them.
         let words = &self.runs[..counts.max().unwrap_or(0)];

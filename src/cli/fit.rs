@@ -6,14 +6,13 @@ mod page;
 
 use super::arguments::{Override, parse_override, parse_positive};
 use super::file_kind::FileKind;
-use super::input::checked;
+use super::input::open_scenario;
 use super::interrupt;
 use super::progress::Progress;
 use super::report::{self, WrittenFile};
 use super::rerun::fit::{ShowArguments, ShowPlan};
 use super::status::Status;
 use super::terminal;
-use crate::archive::input::values;
 use crate::archive::publish::{
     Draft, Drafts, Existing, check_not_an_input, check_target, is_same_file,
 };
@@ -256,7 +255,7 @@ impl FitArguments {
         let inputs = self.inputs();
         let show = self.show.plan()?;
         self.check_outputs(&inputs, &show)?;
-        let scenario = checked(&self.scenario, values(&self.scenario)?, &self.overrides)?;
+        let scenario = open_scenario(&self.scenario, &self.overrides)?;
         let data = fit::read(&self.data, &self.signals, self.time.as_deref())
             .map_err(|error| FitError::from(error).advised(Interface::Terminal))?;
         Ok(FitPlan {

@@ -2,14 +2,14 @@
 
 use super::arguments::Override;
 use crate::analysis::subject::Subject;
-use crate::archive::input::{file_stem, is_recording, values};
+use crate::archive::input::Input;
 use crate::archive::recording::Recording;
 use crate::run::scenario::{Scenario, Values};
 use anyhow::{Context as _, Error, bail};
 use std::path::Path;
 
 /// A run on the command line.
-pub(super) enum Input {
+pub(super) enum OpenRun {
     /// A recording that is read.
     Recording(Box<Recording>),
     /// A scenario to simulate.
@@ -20,7 +20,7 @@ pub(super) enum Input {
     },
 }
 
-impl Input {
+impl OpenRun {
     pub(super) fn subject(&self) -> Subject<'_> {
         match self {
             Self::Recording(recording) => Subject::Recording(recording),
@@ -49,43 +49,50 @@ impl Input {
     }
 }
 
-/// Opens a run by name: a preset, a scenario file or a recording.
+/// Opens the run that a word names.
 ///
 /// `common` overrides are ignored for recordings; `own` overrides are an error for them.
-pub(super) fn open(word: &Path, common: &[Override], own: &[Override]) -> Result<Input, Error> {
-    if !is_recording(word) {
-        let overrides = [common, own].concat();
-        let scenario = checked(word, values(word)?, &overrides)?;
-        let name = run_name(word, &scenario, &overrides);
-        let scenario = Box::new(scenario);
-        return Ok(Input::Scenario { scenario, name });
+pub(super) fn open(word: &Path, common: &[Override], own: &[Override]) -> Result<OpenRun, Error> {
+    let input = Input::open(word)?;
+    if let Input::Recording(recording) = input {
+        if let Some((key, _)) = own.first() {
+            let name = recording.path().display();
+            bail!("{name} is a recording: {key} can only be set for a preset or scenario file");
+        }
+        return Ok(OpenRun::Recording(recording));
     }
-    let name = word.display();
-    if let Some((key, _)) = own.first() {
-        bail!("{name} is a recording: {key} can only be set for a preset or scenario file");
-    }
-    let recording = Recording::open(word).with_context(|| name.to_string())?;
-    Ok(Input::Recording(Box::new(recording)))
+    let overrides = [common, own].concat();
+    let scenario = checked(&input, input.values()?, &overrides)?;
+    Ok(OpenRun::Scenario {
+        name: run_name(&input, &scenario, &overrides),
+        scenario: Box::new(scenario),
+    })
+}
+
+/// Opens the scenario that a word names, with overrides.
+pub(super) fn open_scenario(word: &Path, overrides: &[Override]) -> Result<Scenario, Error> {
+    let input = Input::open(word)?;
+    checked(&input, input.values()?, overrides)
 }
 
 /// The name of a run in reports and of its files: the one that was set, or the stem of the scenario's file, or the name in
 /// the scenario.
-pub(super) fn run_name(word: &Path, scenario: &Scenario, overrides: &[Override]) -> String {
+pub(super) fn run_name(input: &Input, scenario: &Scenario, overrides: &[Override]) -> String {
     let is_set = overrides.iter().any(|(key, _)| key == "name");
-    match file_stem(word) {
-        Some(stem) if !is_set => stem,
+    match input.stem() {
+        Some(stem) if !is_set => stem.to_owned(),
         Some(_) | None => scenario.name().to_owned(),
     }
 }
 
-/// The validated scenario with these values and overrides; `word` is named in errors.
+/// The validated scenario with these values and overrides; `input` is named in errors.
 pub(super) fn checked(
-    word: &Path,
+    input: &Input,
     mut values: Values,
     overrides: &[Override],
 ) -> Result<Scenario, Error> {
     for (key, value) in overrides {
         values.set(key, value)?;
     }
-    Scenario::new(values).with_context(|| word.display().to_string())
+    Scenario::new(values).with_context(|| input.word().display().to_string())
 }

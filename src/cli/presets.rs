@@ -1,10 +1,9 @@
 //! `toprise presets`.
 
-use super::input::checked;
+use super::input::open_scenario;
 use super::report;
 use super::status::Status;
-use crate::archive::input::{is_preset, values};
-use crate::run::scenario::{PRESETS, Preset};
+use crate::run::scenario::{PRESETS, Scenario};
 use crate::words::{Part, Section, Table};
 use anyhow::Error;
 use clap::Args;
@@ -37,20 +36,11 @@ struct PresetReport {
 /// Lists the presets, or prints a scenario as TOML.
 pub(super) fn presets(arguments: &PresetsArguments) -> Result<Status, Error> {
     let mut scenarios = Vec::new();
-    // A file may be called like no preset, and a preset wins over a file of its name, as everywhere.
     match &arguments.name {
-        Some(name) if !is_preset(name) => {
-            let scenario = checked(name, values(name)?, &[])?;
-            scenarios.push(PresetReport {
-                name: scenario.name().to_owned(),
-                description: scenario.word("description").to_owned(),
-                scenario: scenario.to_commented_toml(),
-            });
-        }
-        Some(name) => scenarios.push(PresetReport::new(Preset::find(&name.to_string_lossy())?)?),
+        Some(name) => scenarios.push(PresetReport::new(&open_scenario(name, &[])?)),
         None => {
             for preset in PRESETS.iter() {
-                scenarios.push(PresetReport::new(preset)?);
+                scenarios.push(PresetReport::new(&preset.scenario()?));
             }
         }
     }
@@ -61,12 +51,12 @@ pub(super) fn presets(arguments: &PresetsArguments) -> Result<Status, Error> {
 }
 
 impl PresetReport {
-    fn new(preset: &Preset) -> Result<Self, Error> {
-        Ok(Self {
-            name: preset.name.clone(),
-            description: preset.description.clone(),
-            scenario: preset.scenario()?.to_commented_toml(),
-        })
+    fn new(scenario: &Scenario) -> Self {
+        Self {
+            name: scenario.name().to_owned(),
+            description: scenario.description().to_owned(),
+            scenario: scenario.to_commented_toml(),
+        }
     }
 }
 

@@ -17,7 +17,6 @@ use super::error::RerunError;
 use super::explained::ExplainedSink;
 use super::identity::{Identity, Playback, StoreNames};
 use super::output::Destinations;
-use crate::archive::input::has_extension;
 use crate::archive::sink::{RecordedRun, Sink, SinkError, record};
 use crate::run::outcome::Outcome;
 use crate::run::scenario::{FORMAT, Scenario, ScenarioError, Values};
@@ -150,7 +149,7 @@ pub fn import(
 
 fn read_scenario(path: &Path) -> Result<Scenario, ImportError> {
     // Rerun asks for every file that it can't read itself.
-    if !has_extension(path, "toml") {
+    if path.extension().is_none_or(|extension| extension != "toml") {
         return Err(not_a_scenario(path));
     }
     let bytes = fs::read(path).map_err(|source| ImportError::File {

@@ -2,7 +2,7 @@
 
 use super::axis::find_key;
 use super::error::SweepError;
-use crate::archive::input;
+use crate::archive::input::Input;
 use crate::run::scenario::{KEYS, Value, Values};
 use serde_json::{Value as Json, json};
 use std::path::{Path, PathBuf};
@@ -39,7 +39,7 @@ impl Base {
         let path = folder.join(word);
         // A spec names files relative to its own folder. Any other word is left to `input`, which knows the presets.
         let path: PathBuf = if path.is_file() { path } else { word.into() };
-        let mut values = input::values(&path)?;
+        let mut values = Input::open(&path)?.values()?;
         let mut keys = Vec::new();
         for (key, value) in set {
             let key = find_key(key)?;

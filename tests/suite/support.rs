@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Output;
 use std::time::Duration;
 use tempfile::TempDir;
-use toprise::archive::input;
+use toprise::archive::input::Input;
 use toprise::archive::memory::Owned;
 use toprise::archive::pipeline::{Archived, McapSink};
 use toprise::archive::publish::Existing;
@@ -282,9 +282,9 @@ pub fn recorded(scenario: &Scenario, topics: &[&str], form: Form) -> Vec<u8> {
 /// Repeats the run of a file in the file's form, as `toprise run FILE` does; gives the bytes of the new recording, none if
 /// the file has no scenario.
 pub fn run_again(file: &Path) -> Option<Vec<u8>> {
-    let input = input::read(file).ok()?;
-    let scenario = Scenario::new(input.values).unwrap();
-    let (form, topics) = input.form.unwrap_or_default();
+    let input = Input::open(file).ok()?;
+    let scenario = Scenario::new(input.values().ok()?).unwrap();
+    let (form, topics) = input.form().unwrap_or_default();
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("again.mcap");
     archive_topics(&path, &scenario, &topics, form).unwrap();

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use toprise::analysis::diff::{Options as DiffOptions, compare};
 use toprise::analysis::explain::explain;
-use toprise::archive::input;
+use toprise::archive::input::Input;
 use toprise::archive::recording::{Overview, Recording};
 use toprise::archive::verify::{Verdict, verify};
 use toprise::archive::writer::Form;
@@ -73,7 +73,7 @@ fn endures(file: &Path) -> Result<(), String> {
     };
     let _ = explain(&recording);
     let _ = compare(&recording, &recording, &DiffOptions::default());
-    let values = input::values(file).ok();
+    let values = Input::open(file).and_then(|input| input.values()).ok();
     let again = values.map(Scenario::new).transpose();
     again
         .map(|_| ())

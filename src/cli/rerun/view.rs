@@ -2,7 +2,7 @@
 
 use super::viewer::{self, ViewerArguments};
 use crate::archive::format::is_end_of;
-use crate::archive::input::{has_extension, open_file};
+use crate::archive::input::open_file;
 use crate::archive::publish::{Draft, Drafts, Existing, check_not_an_input};
 use crate::archive::recording::{Condition, Recording, Selection};
 use crate::archive::replay::{Replayed, replay};
@@ -246,7 +246,7 @@ fn show_rrd(arguments: &ViewArguments) -> Result<Option<Status>, Error> {
     let count = arguments
         .files
         .iter()
-        .filter(|file| has_extension(file, "rrd"))
+        .filter(|file| file.extension().is_some_and(|found| found == "rrd"))
         .count();
     if count == 0 {
         return Ok(None);

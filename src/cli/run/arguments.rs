@@ -2,7 +2,7 @@
 
 use super::file_plan::FilePlan;
 use super::plan::RunPlan;
-use crate::archive::input::{self, RunInput, has_extension};
+use crate::archive::input::Input;
 use crate::archive::publish::Existing;
 use crate::cli::arguments::{OUTPUT, Override, VIEWER, parse_override, parse_positive};
 use crate::cli::file_kind::FileKind;
@@ -10,6 +10,7 @@ use crate::cli::input::{checked, run_name};
 use crate::cli::rerun::run::ShowArguments;
 use crate::cli::sweep::RowArgument;
 use crate::physics::dynamics::Support;
+use crate::run::scenario::Values;
 use crate::telemetry::encoding::Encoding;
 use crate::telemetry::{Topic, Topics};
 use anyhow::{Error, bail};
@@ -67,9 +68,10 @@ impl RunArguments {
         if let Some(path) = &self.output {
             FileKind::Mcap.check("-o", path)?;
         }
-        let RunInput { values: base, form } = self.read()?;
-        let scenario = checked(&self.scenario, base.clone(), &self.overrides)?;
-        let (mut form, mut topics) = form.unwrap_or_default();
+        let input = Input::open(&self.scenario)?;
+        let base = self.base(&input)?;
+        let scenario = checked(&input, base.clone(), &self.overrides)?;
+        let (mut form, mut topics) = input.form().unwrap_or_default();
         form.encoding = self.encoding.unwrap_or(form.encoding);
         // A recording without views is repeated without them.
         form.views &= !self.no_views;
@@ -77,9 +79,7 @@ impl RunArguments {
             topics = Topics::named(&self.topics)?;
             check_topics(&topics, scenario.model.support)?;
         }
-        let name = self
-            .row
-            .name(run_name(&self.scenario, &scenario, &self.overrides));
+        let name = self.row.name(run_name(&input, &scenario, &self.overrides));
         Ok(RunPlan {
             files: FilePlan {
                 input: self.scenario.clone(),
@@ -99,19 +99,17 @@ impl RunArguments {
         })
     }
 
-    /// Reads the scenario, the recording, or the row of a sweep.
-    fn read(&self) -> Result<RunInput, Error> {
-        let name = self.scenario.display();
-        if has_extension(&self.scenario, "parquet") {
-            return match self.row.values(&self.scenario)? {
-                Some(values) => Ok(RunInput { values, form: None }),
-                None => bail!("{name} is a sweep table: choose a row, e.g. --row 42"),
-            };
-        }
-        if self.row != RowArgument::default() {
+    /// The values of the input, or of the row of a sweep.
+    fn base(&self, input: &Input) -> Result<Values, Error> {
+        if let Input::Table(table) = input {
+            if let Some(values) = self.row.values(table)? {
+                return Ok(values);
+            }
+        } else if self.row != RowArgument::default() {
+            let name = input.word().display();
             bail!("{name} is not a sweep table: --row needs a .parquet file");
         }
-        Ok(input::read(&self.scenario)?)
+        Ok(input.values()?)
     }
 }
 
