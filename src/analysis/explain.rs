@@ -35,7 +35,7 @@ mod tippe;
 
 pub use self::claim::{Carrier, Claim, Hold, Inversion, Stopped, SufficientSpin, Weakness};
 use self::evidence::Evidence;
-pub(crate) use self::fact::ENERGY_ZERO;
+pub use self::fact::ENERGY_ZERO;
 pub use self::fact::{Fact, PrecessionRoot};
 use self::observations::Observations;
 pub use self::precession::Stage;

@@ -2,7 +2,7 @@
 
 mod sentence;
 
-pub(crate) use self::sentence::ENERGY_ZERO;
+pub use self::sentence::ENERGY_ZERO;
 pub(super) use self::sentence::times;
 
 use schemars::JsonSchema;

@@ -8,7 +8,7 @@ use crate::words::number::{pair, significant};
 use crate::words::{Piece, Sentence, sentence};
 
 /// The zero of the potential energy in recordings, wherever an energy and not its change is shown.
-pub(crate) const ENERGY_ZERO: &str = "zero at the height of the peg's centre";
+pub const ENERGY_ZERO: &str = "zero at the height of the peg's centre";
 
 impl PrecessionRoot {
     fn name(self) -> &'static str {
