@@ -26,6 +26,7 @@ use crate::telemetry::{RunMessages, Topic, Topics, table};
 pub use difference::Difference;
 pub use error::VerifyError;
 use messages::Comparison;
+pub use releases::release_entry;
 use releases::{RELEASES, Release};
 use rerun::Rerun;
 use schemars::JsonSchema;
