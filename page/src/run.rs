@@ -68,7 +68,6 @@ pub struct Run {
     simulation: Simulation,
     steps: Rc<Cell<u64>>,
     columns: Vec<Vec<f64>>,
-    tally: Tally,
     events: Vec<Json>,
     /// The middle of each nutation, s, and its means of θ, φ̇, θ̇ and ψ̇.
     cycles: Vec<[f64; 5]>,
@@ -100,7 +99,6 @@ impl Run {
             scenario,
             steps,
             columns: vec![Vec::new(); COLUMNS.len()],
-            tally: Tally::default(),
             events: Vec::new(),
             cycles: Vec::new(),
             end: None,
@@ -136,7 +134,6 @@ impl Run {
                 }
             }
             Record::Event(event) => {
-                self.tally.record(event.kind, event.time);
                 if !event.kind.is_nutation_extreme() {
                     self.events.push(json!({
                         "time": event.time,
@@ -163,7 +160,7 @@ impl Run {
             End::Complete(Box::new(Outcome::new(
                 &self.scenario,
                 end,
-                self.tally.clone(),
+                self.simulation.tally().clone(),
             )))
         } else {
             End::TooLong

@@ -3,6 +3,7 @@
 use super::logging::{Telemetry, TelemetryError};
 use super::message::Message;
 use super::topic::Topics;
+use crate::run::outcome::Outcome;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::{Record, RunEnd, Simulation, SimulationError, StopReason};
 use thiserror::Error;
@@ -22,6 +23,7 @@ pub enum RunError {
 ///
 /// Everything that is recorded, shown, analysed or verified comes from here, so it is the same to the last bit.
 pub struct RunMessages {
+    scenario: Scenario,
     simulation: Simulation,
     telemetry: Telemetry,
     has_failed: bool,
@@ -33,17 +35,12 @@ impl RunMessages {
     /// # Errors
     /// As [`Simulation::new`].
     pub fn new(scenario: &Scenario, topics: &Topics) -> Result<Self, SimulationError> {
-        let telemetry = Telemetry::with_topics(topics);
-        Ok(Self::with_telemetry(Simulation::new(scenario)?, telemetry))
-    }
-
-    /// The messages of a simulation that may have been configured.
-    pub fn with_telemetry(simulation: Simulation, telemetry: Telemetry) -> Self {
-        Self {
-            simulation,
-            telemetry,
+        Ok(Self {
+            scenario: scenario.clone(),
+            simulation: Simulation::new(scenario)?,
+            telemetry: Telemetry::with_topics(topics),
             has_failed: false,
-        }
+        })
     }
 
     /// As [`Simulation::continue_while`].
@@ -95,6 +92,11 @@ impl RunMessages {
             return RunEnd { stop, ..end };
         }
         end
+    }
+
+    /// The outcome of the run up to its last record.
+    pub fn outcome(&self) -> Outcome {
+        Outcome::new(&self.scenario, self.end(), self.simulation.tally().clone())
     }
 }
 

@@ -54,7 +54,7 @@ fn filtered(path: &Path, scenario: &Scenario, is_kept: fn(&Message<'_>) -> bool,
     };
     let sinks: &mut [&mut dyn Sink] = &mut [&mut filter];
     let recorded = record(&mut run, sinks, carry_on).unwrap();
-    sink.finish(&recorded.end).unwrap();
+    sink.finish(&recorded.outcome.end).unwrap();
 }
 
 fn explain_filtered(preset: &str, is_kept: fn(&Message<'_>) -> bool) -> Explanation {
