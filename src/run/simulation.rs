@@ -22,6 +22,7 @@ pub use event::{Event, EventKind, EventState, StopReason, UPRIGHT};
 pub use failure_point::{ContactPhase, FailurePoint};
 pub use free::{FreeSample, ImpactRecord};
 pub use nutation::NutationCycle;
+pub use progress::Stall;
 pub use record::{Record, RunEnd};
 pub use regime::Regime;
 pub use sample::{Energies, Frames, Momenta, Pose, Precession, Sample, Slip, Torques};
