@@ -80,7 +80,7 @@ const PAPER: [&str; 3] = [
     "paper-spin-term-only",
 ];
 
-/// What is drawn, and where.
+/// The figures to draw, and their files.
 struct FigurePlan {
     files: FilePlan,
     /// Width of the figures, mm.

@@ -27,6 +27,7 @@ mod effort;
 mod explain;
 mod faults;
 mod figures;
+mod file_graph;
 #[cfg(feature = "fit")]
 mod fit;
 #[cfg(feature = "fit")]

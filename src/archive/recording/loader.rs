@@ -1,8 +1,9 @@
 //! Loads a recording's messages in batches: section by section, or in order of time.
 
+mod position;
 mod records;
 
-use self::records::Position;
+use self::position::Position;
 use super::batch::{Batch, Entry};
 use super::file::Recording;
 use super::order::Order;

@@ -11,7 +11,7 @@ use crate::words::{Section, Sentence, Table, Tone, counted};
 const CURVATURE_LIES: f64 = 0.2;
 
 /// The report of a fit and the files that were written, as sections.
-pub(super) fn page(fit: &Report, written: &[WrittenFile], all: bool) -> Vec<Section> {
+pub(in crate::cli) fn page(fit: &Report, written: &[WrittenFile], all: bool) -> Vec<Section> {
     let words = fit.words(Interface::Terminal, all);
     let mut sections = vec![
         headline(fit, &words),

@@ -68,7 +68,10 @@ fn shorter_copy_may_end_between_samples() {
     else {
         panic!("{found:?}");
     };
-    assert!(end.time < 1.0 && (1e3 * end.time).fract() != 0.0, "{found:?}");
+    assert!(
+        end.time < 1.0 && (1e3 * end.time).fract() != 0.0,
+        "{found:?}"
+    );
     assert_eq!(samples, (1e3 * end.time).ceil() as u64);
     assert!(
         found

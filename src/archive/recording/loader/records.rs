@@ -1,5 +1,6 @@
 //! The records of a section: its messages, and what is wrong with the others.
 
+use super::position::Position;
 use super::{Loader, MAX_GROWTH, MIN_CONTENT};
 use crate::archive::container::loss::Loss;
 use crate::archive::container::record::{is_specified, parse};
@@ -7,15 +8,6 @@ use crate::archive::container::section::{InnerRecord, MessageRecord, Section, re
 use mcap::records::op;
 use std::mem;
 use std::ops::Range;
-
-/// The place of a record in a file, which orders records as they are read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Position {
-    /// Offset of the section in the file.
-    section: u64,
-    /// Start of the record in the content of the section.
-    start: usize,
-}
 
 impl Loader<'_> {
     /// Calls `take` with time and place of each selected message among the records of a section, and reports the others.
