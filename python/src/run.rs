@@ -323,7 +323,7 @@ impl Run {
         }
     }
 
-    /// How a recorded run ended, by its end record.
+    /// The end of a recorded run, by its end record.
     fn recorded_end(&self) -> String {
         let Some(end) = &self.end else {
             return "interrupted".to_owned();

@@ -46,7 +46,7 @@ pub enum Verdict {
     Different,
 }
 
-/// How the content of a verified recording equals that of a new run.
+/// Equality of the content of a verified recording and that of a new run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Equality {
@@ -58,7 +58,7 @@ pub enum Equality {
     SameValues,
 }
 
-/// How the schemas of a recording of another version are checked.
+/// Check of the schemas of a recording of another version.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SchemaCheck {
@@ -74,7 +74,7 @@ pub enum SchemaCheck {
 pub struct Report {
     /// The result as a whole.
     pub verdict: Verdict,
-    /// How the content is equal; absent unless verified.
+    /// The kind of equality; absent unless verified.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub equality: Option<Equality>,
     /// The kind of file.
@@ -106,7 +106,7 @@ pub struct Report {
     /// The version of toprise that recorded it, if different from this one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recorded_by: Option<String>,
-    /// How its schemas are checked; absent if this version recorded it.
+    /// The check of its schemas; absent if this version recorded it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub schemas: Option<SchemaCheck>,
 }

@@ -35,9 +35,9 @@ pub(super) enum Series {
 }
 
 impl Series {
-    /// What a chart of the values shows.
+    /// The curves in a chart of the values.
     pub(super) const VALUES: [Self; 4] = [Self::Band, Self::Fitted, Self::Measured, Self::HeldOut];
-    /// What a chart of the residuals shows.
+    /// The curves in a chart of the residuals.
     pub(super) const RESIDUALS: [Self; 3] = [Self::Bounds, Self::Residual, Self::HeldOutResidual];
 
     /// The entity for a signal with this path.

@@ -1,4 +1,4 @@
-//! How long the arrows of a run are going to be, from a simulation with few samples.
+//! Lengths of the arrows of a run, from a simulation with few samples.
 
 use nalgebra::Vector3;
 

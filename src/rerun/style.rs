@@ -60,7 +60,7 @@ const NAMED_STYLES: [(NumberField, &str, u32, f32); 42] = [
     (energy::FRICTION_WORK, "work of friction", VERMILION, 1.5),
 ];
 
-/// How a number is drawn in a plot.
+/// Style of a number in a plot.
 struct Style {
     name: String,
     color: u32,

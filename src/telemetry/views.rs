@@ -178,7 +178,7 @@ pub struct Views {
     state: [f64; 2],
     /// The ranges in the last nutation.
     envelope: Envelope,
-    /// How many of value, minimum and maximum are written: the value alone if nutations are not recorded.
+    /// Number of values that are written, of value, minimum and maximum: the value alone if nutations are not recorded.
     parts: usize,
     cdr: Cdr,
 }

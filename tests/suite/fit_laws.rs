@@ -90,7 +90,7 @@ fn files_with_other_clocks_are_held_out() {
         .find(|signal| signal.file == 2)
         .unwrap();
     assert!(gyroscope.held_out_samples > 100, "{gyroscope:?}");
-    // Predicted to the noise; the mean of so many squares is 1 to 20 %, and the prediction adds to it.
+    // Predicted to the noise; the mean of these squares is 1 to 20 %, and the prediction adds to it.
     let rms = gyroscope.held_out_rms.unwrap();
     assert!((0.8..1.5).contains(&rms), "{rms}");
 }

@@ -80,7 +80,7 @@ fn merge_equal_times(found: Vec<Finding>) -> Vec<Finding> {
     merged
 }
 
-/// What ends a run; `None` if it is not recorded.
+/// The condition that ends a run; `None` if it is not recorded.
 fn end_condition(run: &RunHistory, scenario: Option<&Scenario>) -> Option<EndCondition> {
     let reason = run.stop_reason()?;
     let stop = scenario.map(|scenario| &scenario.stop);
@@ -99,7 +99,7 @@ fn end_condition(run: &RunHistory, scenario: Option<&Scenario>) -> Option<EndCon
     Some(EndCondition { reason, limit })
 }
 
-/// What ends each run.
+/// The conditions that end the runs.
 pub(super) fn end_conditions(evidence: &Evidence<'_>) -> [Option<EndCondition>; 2] {
     let histories = evidence.histories();
     Side::BOTH.map(|side| {
@@ -225,7 +225,7 @@ fn energy_lost(evidence: &Evidence<'_>) -> Option<Finding> {
         let own = errors.map_or(0.0, |errors| {
             combined([errors[side.index()], 0.0], [energies.first, energies.last])
         });
-        // A loss below the error is none that is known.
+        // A loss below the error may be an error.
         if lost.abs() <= own { 0.0 } else { lost }
     });
     if lost == [0.0; 2] {

@@ -21,7 +21,7 @@ pub(super) enum Occurrence {
     OnlyB(usize),
 }
 
-/// What two messages must have in common to be partners.
+/// Properties that two messages must share to be partners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Group {
     /// The kind of event; `None` for names of other versions.

@@ -80,7 +80,7 @@ impl Paired {
     }
 }
 
-/// What is compared of two runs.
+/// The compared part of two runs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits<'l> {
     /// The topics whose messages are compared.

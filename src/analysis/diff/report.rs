@@ -32,7 +32,7 @@ pub struct Report {
     pub verdict: Verdict,
     /// Whether both runs were read completely; otherwise the verdict covers the readable part.
     pub is_complete: bool,
-    /// How far the motions agree although the runs are different; not in JSON reports, where the topics and the ends show it.
+    /// Agreement of the motions of different runs; not in JSON reports, where the topics and the ends show it.
     #[serde(skip)]
     pub agreement: Option<Agreement>,
     /// The differences in the set-up.

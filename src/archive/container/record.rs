@@ -66,7 +66,7 @@ enum Part {
     Rest,
 }
 
-/// What is wrong with the fields of a record.
+/// Error in the fields of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FieldFault {
     /// The specification doesn't define the record, or a length is missing or leads beyond the body.

@@ -34,7 +34,7 @@ pub(crate) enum Found {
     Cut(Range<u64>),
 }
 
-/// What is wrong with bytes.
+/// Damage of bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Damage {
     /// They are no record.

@@ -165,7 +165,7 @@ impl Order {
     }
 
     /// Sort key of a message among those of its time: the topic's place in the telemetry table, then the sequence number.
-    /// What is derived from a sample must not depend on the order in which other software wrote its topics. Messages with
+    /// Values derived from a sample must not depend on the order in which other software wrote its topics. Messages with
     /// equal keys keep the file order: those of other software, and those whose writer set no sequence numbers.
     pub(super) fn rank(&self, channel: usize, head: &MessageRecord<'_>) -> Option<(usize, u32)> {
         Some((self.channels[self.places[channel]].place?, head.sequence))

@@ -14,7 +14,7 @@ use crate::words::plural;
 use sha2::{Digest as _, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What a fact is about. Ordered so that a difference of a whole item comes before those of its fields.
+/// Subject of a fact. Ordered so that a difference of a whole item comes before those of its fields.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Subject {
     /// The header, a metadata record, an attachment or a topic.

@@ -99,7 +99,7 @@ struct EarlyEnd<F, const N: usize> {
     action: Action<F, N>,
 }
 
-/// What follows where a step ends early.
+/// Consequence of the early end of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Action<F, const N: usize> {
     /// The run ends.
