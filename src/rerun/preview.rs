@@ -101,7 +101,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rare_peaks_are_not_usual() {
+    fn usual_maximum_ignores_rare_peaks() {
         let mut magnitudes = vec![1.0; 199];
         magnitudes.push(7.0);
         assert_eq!(usual(&magnitudes), 1.0);

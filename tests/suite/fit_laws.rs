@@ -56,7 +56,7 @@ fn laws_have_their_own_estimated_deviations() {
 }
 
 #[test]
-fn laws_that_end_early_are_refused_alone() {
+fn skips_only_laws_that_end_early() {
     let data = measure(&preset("frictionless"), 100.0, 5.0, &THETA_PHI, Some(1));
     // With k = 0.3 the top rises in 2.5 s.
     let start = preset("full-coulomb")

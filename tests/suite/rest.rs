@@ -581,7 +581,7 @@ fn motionless_upright_free_tops_rest() {
 }
 
 #[test]
-fn events_name_what_is_held() {
+fn rest_events_name_held_components() {
     let frictionless = [
         ("friction.law", "none"),
         ("friction.k", ""),

@@ -290,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn names_versions_that_are_no_release() {
+    fn reports_unreleased_versions_as_unknown() {
         for (key, value) in [(VERSION, "9.0.1"), (VERSION, "0.9.0"), (TELEMETRY, "1000")] {
             let report = report(&record(|header| {
                 claim_release(header);

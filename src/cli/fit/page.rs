@@ -272,7 +272,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn profiles_show_their_width_however_large_the_value_is() {
+    fn profile_axis_shows_width_of_large_values() {
         for (value, half_width, expected) in [
             (4_999.267_231_4, Some(3.9e-4), "4999.267231"),
             (0.035_022_1, Some(5.9e-5), "0.0350221"),

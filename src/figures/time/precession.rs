@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn far_roots_leave_the_axis_to_the_motion() {
+    fn axis_ignores_far_precession_roots() {
         assert_eq!(around((1.0, 2.0)), (-3.0, 6.0));
         assert_eq!(around((499.0, 500.0)), (-501.0, 1500.0));
     }

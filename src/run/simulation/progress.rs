@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn a_million_tiny_steps_are_a_stall() {
+    fn detects_a_million_tiny_steps() {
         let expected = Stall::TinySteps {
             steps: STALLED_STEPS,
             limit: STALLED_TIME,

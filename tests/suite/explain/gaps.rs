@@ -132,7 +132,7 @@ fn names_messages_that_were_filtered_out() {
 }
 
 #[test]
-fn whole_recordings_lack_nothing() {
+fn complete_recordings_have_no_losses() {
     // The last two: regular precession does not always exist, and impacts without loss.
     for (preset, key, value) in [
         ("paper", "stop.duration", "1"),
