@@ -25,7 +25,7 @@ use crate::run::scenario::Scenario;
 use crate::telemetry::{RunMessages, Topic, Topics, table};
 pub use difference::Difference;
 pub use error::VerifyError;
-use messages::Comparison;
+use messages::RerunComparison;
 pub use releases::release_entry;
 use releases::{RELEASES, Release};
 use rerun::Rerun;
@@ -198,7 +198,7 @@ fn compare(
         None => Scope::Bytes,
     };
     let header = rerun.header;
-    let (compared, end) = Comparison::new(recording, rerun, scope).run(progress);
+    let (compared, end) = RerunComparison::new(recording, rerun, scope).run(progress);
     report.losses = compared.losses.list().to_vec();
     report.more_losses = compared.losses.unlisted();
     // Damage inside of chunks is only found on reading.

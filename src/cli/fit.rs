@@ -60,7 +60,7 @@ pub(super) struct FitArguments {
 
     /// Bounds of a free parameter, e.g. friction.k=0..0.1
     #[arg(long = "bound", value_name = "KEY=LOW..HIGH", value_parser = parse_bound)]
-    bounds: Vec<Bound>,
+    bounds: Vec<ParameterBounds>,
 
     /// Time in the data at which the scenario starts, s [default: the first sample; 0 for recordings of toprise]
     #[arg(long, value_name = "TIME", allow_negative_numbers = true, value_parser = parse_finite)]
@@ -135,7 +135,7 @@ impl From<LossArgument> for Loss {
 }
 
 /// A parameter and its bounds.
-type Bound = (String, [f64; 2]);
+type ParameterBounds = (String, [f64; 2]);
 
 /// The arguments of the command, resolved.
 struct FitPlan {
@@ -393,7 +393,7 @@ fn parse_name(text: &str) -> Result<String, FitArgumentError> {
     }
 }
 
-fn parse_bound(text: &str) -> Result<Bound, FitArgumentError> {
+fn parse_bound(text: &str) -> Result<ParameterBounds, FitArgumentError> {
     let (key, range) = text.split_once('=').ok_or(FitArgumentError::Bound)?;
     let (low, high) = range.split_once("..").ok_or(FitArgumentError::Bound)?;
     match (low.trim().parse::<f64>(), high.trim().parse::<f64>()) {

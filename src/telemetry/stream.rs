@@ -74,13 +74,13 @@ impl RunMessages {
         };
         let taken = self
             .telemetry
-            .messages(&record, |message| take(message).map_err(Stop::Taker));
+            .messages(&record, |message| take(message).map_err(TakeError::Taker));
         // Either error ends the run: messages of this record are missing, and what follows would not show it.
         self.has_failed = taken.is_err();
         Some(match taken {
             Ok(()) => Ok(record),
-            Err(Stop::Telemetry(error)) => Err(RunError::Telemetry(error).into()),
-            Err(Stop::Taker(error)) => Err(error),
+            Err(TakeError::Telemetry(error)) => Err(RunError::Telemetry(error).into()),
+            Err(TakeError::Taker(error)) => Err(error),
         })
     }
 
@@ -101,12 +101,12 @@ impl RunMessages {
 }
 
 /// The reason why the messages of a record were not all taken.
-enum Stop<E> {
+enum TakeError<E> {
     Telemetry(TelemetryError),
     Taker(E),
 }
 
-impl<E> From<TelemetryError> for Stop<E> {
+impl<E> From<TelemetryError> for TakeError<E> {
     fn from(error: TelemetryError) -> Self {
         Self::Telemetry(error)
     }

@@ -10,7 +10,7 @@ use super::event_findings::events;
 use super::evidence::Evidence;
 use super::finding::{EndCondition, Finding, Quantity};
 use super::integration_error::{IntegrationError, combined};
-use super::pairing::RunData;
+use super::pairing::PairedRun;
 use crate::analysis::history::RunHistory;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::StopReason;
@@ -52,7 +52,7 @@ pub(super) fn findings(evidence: &Evidence<'_>) -> Vec<Finding> {
 }
 
 /// Whether nothing of a run is known to be missing.
-fn is_whole(run: &RunData) -> bool {
+fn is_whole(run: &PairedRun) -> bool {
     run.losses.is_empty() && !run.history.lacks(EVENTS)
 }
 

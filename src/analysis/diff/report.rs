@@ -10,7 +10,7 @@ use super::finding::Finding;
 use super::findings::findings;
 use super::integration_error::{IntegrationErrors, Integrations};
 use super::others::{self, TopicBytes};
-use super::pairing::{Paired, RunData};
+use super::pairing::{Paired, PairedRun};
 use super::setup::{KeyDifference, SetupDifferences};
 use super::topic::{ChannelDifference, TopicTally};
 use crate::analysis::history::RunSummary;
@@ -117,7 +117,7 @@ impl Report {
             .as_ref()
             .map(|integrations| &integrations.errors);
         let [a, b] = Side::BOTH.map(|side| {
-            let RunData {
+            let PairedRun {
                 history, losses, ..
             } = &paired.runs[side.index()];
             ComparedRun {
