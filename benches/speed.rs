@@ -121,7 +121,8 @@ fn archive(scenario: &Scenario, topics: &[String], encoding: Encoding, directory
     let mut sink = McapSink::create(&path, Existing::Replace, scenario, run.telemetry(), form)
         .expect("the directory is writable");
     let recorded = record_all(&mut run, &mut [&mut sink]).expect("the run succeeds");
-    sink.finish(&recorded.end).expect("the disk has room");
+    sink.finish(&recorded.outcome.end)
+        .expect("the disk has room");
 }
 
 fn runs(criterion: &mut Criterion) {

@@ -3,8 +3,8 @@
 //! Each command with a report is a file with its arguments, its report and its function. `input` opens the runs named
 //! on the command line; `report` prints a report as JSON or as a `page`; all output goes through `output`.
 //!
-//! `fit`, `rerun` and `sweep` need the features of these names. Without the feature a file `without_…` stands in place of
-//! the module, with the same names, so that the other files need no conditions.
+//! `fit`, `rerun` and `sweep` need the features of these names. Without the feature this file has none of its commands and
+//! reports, and a file `without_…` stands in place of the options that it adds to other commands.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
@@ -33,9 +33,6 @@ mod version;
 
 #[cfg(feature = "fit")]
 mod fit;
-#[cfg(not(feature = "fit"))]
-#[path = "cli/without_fit.rs"]
-mod fit;
 #[cfg(feature = "rerun")]
 mod rerun;
 #[cfg(not(feature = "rerun"))]
@@ -48,9 +45,13 @@ mod sweep;
 mod sweep;
 
 use crate::analysis;
+use crate::archive::input::InputError;
 use crate::archive::publish::Drafts;
+use crate::run::scenario::ScenarioError;
 use anyhow::Error;
 use arguments::{Format, OUTPUT};
+use clap::builder::StyledStr;
+use clap::error::{ContextKind, ContextValue};
 use clap::{ColorChoice, CommandFactory as _, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use interrupt::SignalGuard;
@@ -156,8 +157,14 @@ enum Command {
         after_help = "Exit codes: 0 recorded, 2 invalid scenario or failed output, 3 recorded in part (interrupted, or the integration failed)."
     )]
     Run(run::RunArguments),
-    #[command(flatten)]
-    Rerun(rerun::Commands),
+    /// Show recordings in the Rerun viewer, with the layout of `toprise run`.
+    ///
+    /// Starts a viewer unless --connect or --rrd is given.
+    #[cfg(feature = "rerun")]
+    #[command(
+        after_help = "Exit codes: 0 shown, 2 unreadable or no viewer, 3 shown in part (interrupted, or the file is partly unreadable)."
+    )]
+    View(rerun::view::ViewArguments),
     /// Explain why the top rises or falls in a run.
     ///
     /// The report lists the events, the causes of the motion of the axis, and the energy balance.
@@ -173,8 +180,14 @@ enum Command {
         after_help = "Exit codes: 0 equal within the tolerances, 1 different, 2 unreadable or nothing to compare, 3 the common part is equal (a run is damaged, interrupted or sampled more finely)."
     )]
     Diff(diff::DiffArguments),
-    #[command(flatten)]
-    Fit(fit::Commands),
+    /// Estimate friction and start from a measured motion, and compare friction laws.
+    ///
+    /// Reports first which parameters the data can determine. Estimates have standard deviations and 95 % intervals.
+    #[cfg(feature = "fit")]
+    #[command(
+        after_help = "Exit codes: 0 fitted (and, comparing laws, decided), 1 the model does not describe the data, or undecided, 2 unreadable, or the data can't determine the parameters, 3 no minimum was found, or the model ends before the data."
+    )]
+    Fit(Box<fit::FitArguments>),
     /// Draw the paper's figures and others, as SVG and PNG.
     ///
     /// figure-2, figure-3 and figure-4 are those of the paper. The others: acceleration (terms of the equations),
@@ -185,8 +198,16 @@ enum Command {
         after_help = "Exit codes: 0 drawn, 2 unreadable or nothing to draw, 3 drawn in part (a run lacks data)."
     )]
     Figures(figures::FiguresArguments),
-    #[command(flatten)]
-    Sweep(sweep::Commands),
+    /// Run a scenario for many values of its keys and tabulate the outcomes.
+    ///
+    /// Each row of the Parquet table contains the varied keys and the outcome of one run. To resume an interrupted
+    /// sweep, or to merge shards, run the same command again. The bytes of the table don't depend on threads, shards or
+    /// interruptions.
+    #[cfg(feature = "sweep")]
+    #[command(
+        after_help = "Exit codes: 0 all runs have an outcome, 2 bad usage or failed output, 3 some runs failed (see the column `error`), or the sweep was interrupted."
+    )]
+    Sweep(sweep::SweepArguments),
     /// List the content of a recording, or of any MCAP file.
     #[command(
         after_help = "Exit codes: 0 everything was read, 2 unreadable, 3 the recording was interrupted or damaged."
@@ -229,6 +250,7 @@ pub fn main() -> ExitCode {
         }
     };
     output::set_up(arguments.quiet, arguments.color, arguments.format);
+    #[cfg(feature = "sweep")]
     sweep::set_panic_hook();
     let signals = SignalGuard::install();
     match dispatch(arguments.command, signals.drafts()) {
@@ -236,8 +258,61 @@ pub fn main() -> ExitCode {
         Err(error) => {
             let text = output::with_causes(&error);
             output::error(&text);
-            report::print_error(&text, report::wrong_key(&error));
+            report::print_error(&text, wrong_key(&error));
             Status::Failed.into()
+        }
+    }
+}
+
+/// The key of the scenario that an error is about.
+fn wrong_key(error: &Error) -> Option<&str> {
+    error.chain().find_map(|cause| {
+        #[cfg(feature = "sweep")]
+        if let Some(error) = cause.downcast_ref::<crate::sweep::SweepError>() {
+            return error.key();
+        }
+        #[cfg(feature = "fit")]
+        if let Some(error) = cause.downcast_ref::<crate::fit::FitError>() {
+            return error.key();
+        }
+        // This is transparent: the error of the scenario is no cause of its own in the chain.
+        let scenario_error = match cause.downcast_ref::<InputError>() {
+            Some(error) => error.scenario_error(),
+            None => cause.downcast_ref::<ScenarioError>(),
+        };
+        scenario_error?.key.as_deref()
+    })
+}
+
+/// The features of the program, each with whether it has the feature, its commands, and its options of other commands.
+const FEATURES: [(&str, bool, &[&str]); 3] = [
+    ("fit", cfg!(feature = "fit"), &["fit"]),
+    (
+        "rerun",
+        cfg!(feature = "rerun"),
+        &["view", "--rrd", "--no-rrd", "--spawn", "--connect"],
+    ),
+    (
+        "sweep",
+        cfg!(feature = "sweep"),
+        &["sweep", "--row", "--sweep"],
+    ),
+];
+
+/// Adds to the error of an unknown command or option that it belongs to a feature that this program lacks.
+fn name_missing_feature(usage: &mut clap::Error) {
+    let unknown = usage
+        .get(ContextKind::InvalidSubcommand)
+        .or_else(|| usage.get(ContextKind::InvalidArg));
+    let Some(ContextValue::String(unknown)) = unknown else {
+        return;
+    };
+    for (feature, is_present, words) in FEATURES {
+        if !is_present && words.contains(&unknown.as_str()) {
+            let tip = format!("toprise was built without the feature `{feature}`");
+            let tips = ContextValue::StyledStrs(vec![StyledStr::from(tip)]);
+            usage.insert(ContextKind::Suggested, tips);
+            return;
         }
     }
 }
@@ -249,11 +324,13 @@ fn parse(words: &[OsString]) -> Result<Arguments, clap::Error> {
         let sanitized = words
             .iter()
             .map(|word| crate::words::sanitized(&word.to_string_lossy()).into_owned());
-        Arguments::command()
+        let mut error = Arguments::command()
             .color(option_or_default(words, "--color"))
             .try_get_matches_from(sanitized)
             .err()
-            .unwrap_or(error)
+            .unwrap_or(error);
+        name_missing_feature(&mut error);
+        error
     })
 }
 
@@ -293,12 +370,15 @@ fn print_usage(usage: &clap::Error) -> ExitCode {
 fn dispatch(command: Command, drafts: &Drafts) -> Result<Status, Error> {
     match command {
         Command::Run(arguments) => run::run(&arguments, drafts),
-        Command::Rerun(command) => command.run(drafts),
+        #[cfg(feature = "rerun")]
+        Command::View(arguments) => rerun::view::view(&arguments, drafts),
         Command::Explain(arguments) => explain::explain(&arguments),
         Command::Diff(arguments) => diff::diff(&arguments, drafts),
-        Command::Fit(command) => command.run(drafts),
+        #[cfg(feature = "fit")]
+        Command::Fit(arguments) => fit::fit(&arguments, drafts),
         Command::Figures(arguments) => figures::figures(&arguments, drafts),
-        Command::Sweep(command) => command.run(drafts),
+        #[cfg(feature = "sweep")]
+        Command::Sweep(arguments) => sweep::sweep(&arguments, drafts),
         Command::Info(arguments) => info::info(&arguments),
         Command::Verify(arguments) => verify::verify(&arguments),
         Command::Presets(arguments) => presets::presets(&arguments),
@@ -313,27 +393,23 @@ fn dispatch(command: Command, drafts: &Drafts) -> Result<Status, Error> {
 
 /// The JSON Schemas of all reports, as file names and contents for `schemas/`.
 pub fn schemas() -> Vec<(String, String)> {
-    [
-        vec![report::schema::<run::RunReport>("RunReport")],
-        rerun::schemas(),
-        vec![
-            report::schema::<analysis::explain::Explanation>("ExplainReport"),
-            report::schema::<analysis::diff::Report>("DiffReport"),
-        ],
-        fit::schemas(),
-        vec![report::schema::<crate::figures::FiguresReport>(
-            "FiguresReport",
-        )],
-        sweep::schemas(),
-        vec![
-            report::schema::<info::InfoReport>("InfoReport"),
-            report::schema::<verify::VerifyReport>("VerifyReport"),
-            report::schema::<presets::PresetsReport>("PresetsReport"),
-            report::schema::<laws::LawsReport>("LawsReport"),
-            report::schema::<schema::SchemaReport>("SchemaReport"),
-        ],
+    vec![
+        report::schema::<run::RunReport>("RunReport"),
+        #[cfg(feature = "rerun")]
+        report::schema::<rerun::view::ViewReport>("ViewReport"),
+        report::schema::<analysis::explain::Explanation>("ExplainReport"),
+        report::schema::<analysis::diff::Report>("DiffReport"),
+        #[cfg(feature = "fit")]
+        report::schema::<fit::FitReport>("FitReport"),
+        report::schema::<crate::figures::FiguresReport>("FiguresReport"),
+        #[cfg(feature = "sweep")]
+        report::schema::<sweep::report::SweepReport>("SweepReport"),
+        report::schema::<info::InfoReport>("InfoReport"),
+        report::schema::<verify::VerifyReport>("VerifyReport"),
+        report::schema::<presets::PresetsReport>("PresetsReport"),
+        report::schema::<laws::LawsReport>("LawsReport"),
+        report::schema::<schema::SchemaReport>("SchemaReport"),
     ]
-    .concat()
 }
 
 #[cfg(test)]
@@ -371,6 +447,23 @@ mod tests {
             assert!(arguments.quiet && arguments.color == ColorChoice::Never);
         }
         assert!(Arguments::try_parse_from(["toprise", "--color", "pink", "laws"]).is_err());
+    }
+
+    #[test]
+    fn unknown_commands_and_options_name_a_missing_feature() {
+        for (word, feature, is_present) in [
+            ("fit", "fit", cfg!(feature = "fit")),
+            ("view", "rerun", cfg!(feature = "rerun")),
+            ("run --spawn", "rerun", cfg!(feature = "rerun")),
+            ("sweep", "sweep", cfg!(feature = "sweep")),
+            ("run --row=2", "sweep", cfg!(feature = "sweep")),
+        ] {
+            let line = format!("toprise {word} --no-such-option");
+            let words: Vec<OsString> = line.split(' ').map(OsString::from).collect();
+            let message = parse(&words).unwrap_err().render().to_string();
+            let tip = format!("tip: toprise was built without the feature `{feature}`");
+            assert_eq!(message.contains(&tip), !is_present, "{line}: {message}");
+        }
     }
 
     #[test]

@@ -273,7 +273,7 @@ impl Figure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figures::plot::drawing::{Drawing, Group, Label};
+    use crate::figures::plot::drawing::{Drawing, Label, ShapeGroup};
     use crate::figures::plot::shape::{Bounds, Shape};
     use crate::figures::plot::style::FONT_SIZE;
     use crate::run::scenario::{Preset, Scenario};
@@ -331,7 +331,7 @@ mod tests {
     }
 
     /// The bounds of a plot.
-    fn frame(group: &Group) -> Option<Bounds> {
+    fn frame(group: &ShapeGroup) -> Option<Bounds> {
         match group.shapes.first() {
             Some(Shape::Line { points, .. }) if group.meaning == "frame" => {
                 Some(Bounds::between(points[0], points[2]))

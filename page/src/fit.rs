@@ -1,7 +1,7 @@
 //! Fits of measured motions that are dropped on the page.
 
 use crate::form;
-use crate::request::ScenarioRequest;
+use crate::scenario_request::ScenarioRequest;
 use serde::Deserialize;
 use serde_json::{Value as Json, json};
 use std::error::Error;
@@ -23,7 +23,7 @@ const CURVE_SAMPLES: u32 = 4000;
 /// Number of values of a signal in the window in which they can be told apart.
 const DETAIL: usize = 50;
 
-/// What to do with a scenario that has no friction to find.
+/// Advice for a scenario that has no friction to find.
 const NO_FRICTION: &str = "the top on the screen has no friction to find: switch friction on, or find only its start (write start)";
 
 #[link(wasm_import_module = "page")]
@@ -32,7 +32,7 @@ unsafe extern "C" {
     fn show_progress(text: *const u8, length: usize);
 }
 
-/// What to fit. The content of the file is in the buffer of files.
+/// The data, parameters and errors of a fit. The content of the file is in the buffer of files.
 #[derive(Deserialize)]
 pub struct FitRequest {
     scenario: ScenarioRequest,

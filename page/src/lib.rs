@@ -9,6 +9,7 @@ mod fit;
 mod form;
 mod request;
 mod run;
+mod scenario_request;
 mod tables;
 
 use request::Page;

@@ -3,14 +3,14 @@
 use crate::fit::{FitRequest, fit};
 use crate::form;
 use crate::run::{Run, recording};
+use crate::scenario_request::ScenarioRequest;
 use crate::tables::tables;
 use serde::Deserialize;
 use serde_json::{Value as Json, json};
-use std::collections::BTreeMap;
 use std::error::Error;
 use toprise::analysis::diff::{Finding, Options, compare};
 use toprise::analysis::explain::{Chapter, explain};
-use toprise::run::scenario::{Preset, Scenario, ScenarioError, Values};
+use toprise::run::scenario::{Preset, Scenario, ScenarioError};
 use toprise::telemetry::encoding::Encoding;
 use toprise::telemetry::proportions::Proportions;
 
@@ -46,13 +46,6 @@ pub enum Request {
     },
     /// Fits a scenario to the file in the buffer of files.
     Fit(FitRequest),
-}
-
-/// A scenario: a preset and the keys that are set in it, as on the command line.
-#[derive(Deserialize)]
-pub struct ScenarioRequest {
-    pub preset: String,
-    pub set: BTreeMap<String, String>,
 }
 
 /// State kept between requests.
@@ -139,26 +132,7 @@ fn error_response(error: &(dyn Error + 'static)) -> Json {
     })
 }
 
-impl ScenarioRequest {
-    /// The values of the preset.
-    pub fn preset(&self) -> Result<Values, ScenarioError> {
-        Preset::find(&self.preset).and_then(Preset::values)
-    }
-
-    pub fn values(&self) -> Result<Values, ScenarioError> {
-        let mut values = self.preset()?;
-        for (key, value) in &self.set {
-            values.set(key, value)?;
-        }
-        Ok(values)
-    }
-
-    pub fn scenario(&self) -> Result<Scenario, ScenarioError> {
-        Scenario::new(self.values()?)
-    }
-}
-
-/// What the page shows of a scenario before its run.
+/// Description of a scenario before its run.
 fn describe(scenario: &Scenario, request: &ScenarioRequest) -> Result<Json, ScenarioError> {
     let top = &scenario.model.top;
     let shape = Proportions::new(top);

@@ -68,14 +68,13 @@ pub struct Run {
     simulation: Simulation,
     steps: Rc<Cell<u64>>,
     columns: Vec<Vec<f64>>,
-    tally: Tally,
     events: Vec<Json>,
     /// The middle of each nutation, s, and its means of θ, φ̇, θ̇ and ψ̇.
     cycles: Vec<[f64; 5]>,
     end: Option<End>,
 }
 
-/// How a run of the page ended.
+/// End of a run of the page.
 enum End {
     Complete(Box<Outcome>),
     Failed(SimulationError),
@@ -100,14 +99,13 @@ impl Run {
             scenario,
             steps,
             columns: vec![Vec::new(); COLUMNS.len()],
-            tally: Tally::default(),
             events: Vec::new(),
             cycles: Vec::new(),
             end: None,
         })
     }
 
-    /// A column; empty if there is none with this index.
+    /// A column; empty if the index is out of range.
     pub fn column(&self, index: usize) -> &[f64] {
         self.columns.get(index).map_or(&[], Vec::as_slice)
     }
@@ -136,7 +134,6 @@ impl Run {
                 }
             }
             Record::Event(event) => {
-                self.tally.record(event.kind, event.time);
                 if !event.kind.is_nutation_extreme() {
                     self.events.push(json!({
                         "time": event.time,
@@ -163,7 +160,7 @@ impl Run {
             End::Complete(Box::new(Outcome::new(
                 &self.scenario,
                 end,
-                self.tally.clone(),
+                self.simulation.tally().clone(),
             )))
         } else {
             End::TooLong
@@ -194,7 +191,7 @@ impl Run {
     }
 }
 
-/// How a run ends, for a reader who sees it from the start: in the present tense, with few digits.
+/// A sentence about the end of a run, for a reader who sees it from the start: in the present tense, with few digits.
 fn headline(scenario: &Scenario, outcome: &Outcome) -> String {
     let time = rounded(outcome.end.time);
     let end = match outcome.end.stop {
@@ -225,7 +222,7 @@ fn swings(outcome: &Outcome) -> String {
     }
 }
 
-/// What a tippe top has done; empty for others.
+/// A clause about the inversion of a tippe top; empty for others.
 fn inversion(scenario: &Scenario, outcome: &Outcome) -> String {
     let is_tippe_top = outcome.is_free && scenario.model.top.center_distance < 0.0;
     let starts_upright = scenario.angles.theta < FRAC_PI_2;
@@ -243,7 +240,7 @@ fn inversion(scenario: &Scenario, outcome: &Outcome) -> String {
 /// Below this rate the page shows 0.0 rev/s.
 const LEAST_SPIN: f64 = 0.05 * TAU;
 
-/// What a top does when the time limit ends its run.
+/// A clause about the motion of a top when the time limit ends its run.
 fn state_at_time_limit(outcome: &Outcome) -> String {
     let motion = &outcome.end.motion;
     let (theta, rates) = (motion.angles.theta, motion.tilt.rates);

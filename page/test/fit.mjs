@@ -1,5 +1,5 @@
 // Fits with the page's WebAssembly in Node: the same numbers and errors as the program.
-// usage: node page/test/fit.mjs [FILE [TOPRISE]], by default docs/toprise.html and target/debug/toprise
+// usage: node page/test/fit.mjs [FILE [TOPRISE]], by default target/toprise.html and target/debug/toprise
 import assert from "node:assert/strict";
 import { execFileSync, spawnSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -14,7 +14,7 @@ import { measuredRange } from "../measured.mjs";
 import { load } from "../toprise.mjs";
 
 const root = resolve(import.meta.dirname, "../..");
-const [page = join(root, "docs/toprise.html"), program = join(root, "target/debug/toprise")] = process.argv.slice(2).map((path) => resolve(path));
+const [page = join(root, "target/toprise.html"), program = join(root, "target/debug/toprise")] = process.argv.slice(2).map((path) => resolve(path));
 const [, packed] = readFileSync(page, "utf8").match(/id="wasm">([^<]*)</);
 const shown = [];
 const toprise = await load(await WebAssembly.compile(gunzipSync(Buffer.from(packed, "base64"))), (text) => shown.push(text));

@@ -1,11 +1,11 @@
-// Checks that a page, by default docs/toprise.html, has today's program: the content digests of all presets, as its WebAssembly computes them, are those of
+// Checks that a page, by default target/toprise.html, has today's program: the content digests of all presets, as its WebAssembly computes them, are those of
 // tests/suite/golden.rs. usage: node page/test/golden.mjs [FILE]
 import { readFile } from "node:fs/promises";
 import { gunzipSync } from "node:zlib";
 import { load } from "../toprise.mjs";
 
 const read = (path) => readFile(new URL(path, import.meta.url), "utf8");
-const page = process.argv[2] ? await readFile(process.argv[2], "utf8") : await read("../../docs/toprise.html");
+const page = process.argv[2] ? await readFile(process.argv[2], "utf8") : await read("../../target/toprise.html");
 const [, packed] = page.match(/id="wasm">([^<]*)</);
 const toprise = await load(await WebAssembly.compile(gunzipSync(Buffer.from(packed, "base64"))));
 const golden = [...(await read("../../tests/suite/golden.rs")).matchAll(/\("([\w-]+)", \d+, \d+, "([0-9a-f]{64})"\)/g)];

@@ -1,5 +1,5 @@
 // Checks with the page's WebAssembly in Node: the lesson's answers, the arrows' scales, the axes, and the sliders' ranges.
-// usage: node page/test/runs.mjs [FILE], by default docs/toprise.html
+// usage: node page/test/runs.mjs [FILE], by default target/toprise.html
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { gunzipSync } from "node:zlib";
@@ -19,7 +19,7 @@ import { orientationOf, stripeContrast, turned, visibleFaces } from "../shape.mj
 import { load, simulated } from "../toprise.mjs";
 import { RISE_TIMES } from "../worksheet.mjs";
 
-const page = await readFile(process.argv[2] ?? new URL("../../docs/toprise.html", import.meta.url), "utf8");
+const page = await readFile(process.argv[2] ?? new URL("../../target/toprise.html", import.meta.url), "utf8");
 const [, packed] = page.match(/id="wasm">([^<]*)</);
 const toprise = await load(await WebAssembly.compile(gunzipSync(Buffer.from(packed, "base64"))));
 const tables = toprise.ask({ tables: {} });

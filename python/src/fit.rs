@@ -31,7 +31,7 @@ pub struct Measured {
     time_column: Option<String>,
 }
 
-/// What to fit, and how; see `toprise.fit`.
+/// Options of a fit; see `toprise.fit`.
 #[derive(FromPyObject)]
 pub struct Options {
     #[pyo3(item)]

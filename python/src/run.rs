@@ -10,7 +10,6 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
 use std::error::Error;
 use std::ffi::CString;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toprise::analysis::subject::Subject;
@@ -18,12 +17,12 @@ use toprise::archive::format::{CONTENT_DIGEST, STOP_REASON, STOP_TIME};
 use toprise::archive::pipeline::McapSink;
 use toprise::archive::publish::Existing;
 use toprise::archive::recording::Recording;
-use toprise::archive::sink::{Sink, SinkError, record, record_all};
+use toprise::archive::sink::{Sink, SinkError, record_all};
 use toprise::archive::writer::Form;
 use toprise::figures::{Figure, RunData};
 use toprise::run::outcome::Outcome;
 use toprise::run::scenario::Scenario as Checked;
-use toprise::run::simulation::{Record, StopReason, Tally};
+use toprise::run::simulation::StopReason;
 use toprise::telemetry::digest::ContentDigest;
 use toprise::telemetry::fields::{EVENTS, NUTATION};
 use toprise::telemetry::{Message, RunMessages, Topic, Topics};
@@ -191,16 +190,9 @@ fn simulate(
     let mut run =
         RunMessages::new(scenario, topics)?.continue_while(move || !interrupt.is_requested());
     let mut tables = Tables::default();
-    let mut tally = Tally::default();
-    let recorded = record(&mut run, &mut [&mut tables], |record, _| {
-        if let Record::Event(event) = record {
-            tally.record(event.kind, event.time);
-        }
-        Ok(ControlFlow::Continue(()))
-    })?;
+    let recorded = record_all(&mut run, &mut [&mut tables])?;
     let losses = recorded.error.iter().map(ToString::to_string).collect();
-    let outcome = Outcome::new(scenario, recorded.end, tally);
-    Ok((tables, outcome, losses))
+    Ok((tables, recorded.outcome, losses))
 }
 
 /// Simulates a run and records it in a new file.
@@ -218,7 +210,7 @@ fn save(
     if let Some(error) = recorded.error {
         return Err(error.into());
     }
-    sink.finish(&recorded.end)?;
+    sink.finish(&recorded.outcome.end)?;
     Ok(())
 }
 
@@ -331,7 +323,7 @@ impl Run {
         }
     }
 
-    /// How a recorded run ended, by its end record.
+    /// The end of a recorded run, by its end record.
     fn recorded_end(&self) -> String {
         let Some(end) = &self.end else {
             return "interrupted".to_owned();

@@ -21,6 +21,9 @@ def brief() -> toprise.Run:
 
 
 @pytest.fixture(scope="session")
-def reference() -> Path:
-    """Recordings of the paper's runs at 100 Hz."""
-    return ROOT / "recordings" / "reference"
+def reference(tmp_path_factory) -> Path:
+    """Recordings like those of `recordings/reference`, which are those of the last release, made by this version."""
+    folder = tmp_path_factory.mktemp("reference")
+    for preset in ("paper", "full-coulomb"):
+        toprise.run(preset, {"sampling.period": 0.01}).save(folder / f"{preset}.mcap")
+    return folder

@@ -31,8 +31,7 @@ def runs(program, folder):
 
 
 @pytest.mark.parametrize("name", ["docs/python.md", "python/README.md", "README.md"])
-def test_what_documents_show_runs(name, tmp_path):
-    reference = ROOT / "recordings" / "reference"
+def test_what_documents_show_runs(name, tmp_path, reference):
     shutil.copytree(reference, tmp_path / "recordings" / "reference")
     shutil.copy(reference / "paper.mcap", tmp_path / "recordings")
     program = shown(ROOT / name)

@@ -51,8 +51,8 @@ def test_damage_is_told(reference, tmp_path):
 def test_a_whole_recording_is_read_in_silence(reference):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        run = toprise.read(reference / "frictionless.mcap")
-    assert run.losses == [] and run.name == "frictionless"
+        run = toprise.read(reference / "full-coulomb.mcap")
+    assert run.losses == [] and run.name == "full-coulomb"
 
 
 def test_a_run_is_a_mapping_of_topics(brief):

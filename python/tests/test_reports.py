@@ -74,9 +74,9 @@ def test_a_run_is_explained(paper):
 
 
 def test_a_recording_is_verified(reference):
-    report = toprise.verify(reference / "frictionless.mcap")
+    report = toprise.verify(reference / "full-coulomb.mcap")
     assert report.verdict == "verified"
-    assert report.summary.endswith("frictionless.mcap: verified")
+    assert report.summary.endswith("full-coulomb.mcap: verified")
     assert is_of_schema([report], "VerifyReport")
     with pytest.raises(FileNotFoundError):
         toprise.verify("missing.mcap")

@@ -261,7 +261,7 @@ fn check_existing(path: &Path, existing: Existing) -> Result<(), SinkError> {
     Ok(())
 }
 
-/// What to do about a `NAME.partial` that is in the way.
+/// Advice on a `NAME.partial` that is in the way.
 fn advice_on_partial(partial: &Path) -> String {
     let stem = partial.file_stem().map(Path::new);
     if stem

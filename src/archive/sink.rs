@@ -1,6 +1,7 @@
 //! Message sinks.
 
-use crate::run::simulation::{Record, RunEnd};
+use crate::run::outcome::Outcome;
+use crate::run::simulation::Record;
 use crate::telemetry::{Message, RunError, RunMessages};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -75,11 +76,11 @@ pub enum SinkError {
     },
 }
 
-/// The end of a recorded run.
+/// A run after it was recorded.
 #[derive(Debug)]
 pub struct RecordedRun {
-    /// The state at the last record.
-    pub end: RunEnd,
+    /// The outcome up to the last record.
+    pub outcome: Outcome,
     /// The reason why the run could not be recorded to its end; what was recorded is valid.
     pub error: Option<RunError>,
 }
@@ -110,8 +111,8 @@ pub fn record(
             Some(Err(RecordError::Sink(error))) => return Err(error),
         }
     }
-    let end = run.end();
-    Ok(RecordedRun { end, error })
+    let outcome = run.outcome();
+    Ok(RecordedRun { outcome, error })
 }
 
 /// Like [`record`], to the end of the run.

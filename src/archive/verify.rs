@@ -25,7 +25,8 @@ use crate::run::scenario::Scenario;
 use crate::telemetry::{RunMessages, Topic, Topics, table};
 pub use difference::Difference;
 pub use error::VerifyError;
-use messages::Comparison;
+use messages::RerunComparison;
+pub use releases::release_entry;
 use releases::{RELEASES, Release};
 use rerun::Rerun;
 use schemars::JsonSchema;
@@ -45,7 +46,7 @@ pub enum Verdict {
     Different,
 }
 
-/// How the content of a verified recording equals that of a new run.
+/// Equality of the content of a verified recording and that of a new run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Equality {
@@ -57,7 +58,7 @@ pub enum Equality {
     SameValues,
 }
 
-/// How the schemas of a recording of another version are checked.
+/// Check of the schemas of a recording of another version.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SchemaCheck {
@@ -73,7 +74,7 @@ pub enum SchemaCheck {
 pub struct Report {
     /// The result as a whole.
     pub verdict: Verdict,
-    /// How the content is equal; absent unless verified.
+    /// The kind of equality; absent unless verified.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub equality: Option<Equality>,
     /// The kind of file.
@@ -105,7 +106,7 @@ pub struct Report {
     /// The version of toprise that recorded it, if different from this one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recorded_by: Option<String>,
-    /// How its schemas are checked; absent if this version recorded it.
+    /// The check of its schemas; absent if this version recorded it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub schemas: Option<SchemaCheck>,
 }
@@ -197,7 +198,7 @@ fn compare(
         None => Scope::Bytes,
     };
     let header = rerun.header;
-    let (compared, end) = Comparison::new(recording, rerun, scope).run(progress);
+    let (compared, end) = RerunComparison::new(recording, rerun, scope).run(progress);
     report.losses = compared.losses.list().to_vec();
     report.more_losses = compared.losses.unlisted();
     // Damage inside of chunks is only found on reading.

@@ -194,12 +194,12 @@ pub(crate) struct Batch {
     data: Vec<u8>,
     /// Their concatenated digest input.
     content: Vec<u8>,
-    messages: Vec<Entry>,
+    messages: Vec<EncodedMessage>,
 }
 
 /// A message in a batch.
 #[derive(Debug)]
-struct Entry {
+struct EncodedMessage {
     header: MessageHeader,
     /// Index of the channel in the table; `None` for views.
     channel: Option<usize>,
@@ -211,7 +211,7 @@ struct Entry {
 
 impl Batch {
     fn end_message(&mut self, channel_id: u16, channel: Option<usize>, message: &Message<'_>) {
-        self.messages.push(Entry {
+        self.messages.push(EncodedMessage {
             header: MessageHeader {
                 channel_id,
                 sequence: message.sequence,
@@ -241,7 +241,7 @@ impl Batch {
     }
 
     /// The messages with their encoded bytes and their content.
-    fn entries(&self) -> impl Iterator<Item = (&Entry, &[u8], &[u8])> {
+    fn entries(&self) -> impl Iterator<Item = (&EncodedMessage, &[u8], &[u8])> {
         let (mut data_start, mut content_start) = (0, 0);
         self.messages.iter().map(move |entry| {
             let data = &self.data[data_start..entry.data_end];

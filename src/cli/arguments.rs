@@ -36,7 +36,7 @@ impl ValueEnum for Encoding {
 /// A key of a scenario and the value that it is set to.
 pub(super) type Override = (String, String);
 
-/// What is wrong with the value of an option.
+/// Error in the value of an option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub(super) enum ArgumentError {
     /// `--set` without a key or a value.

@@ -2,7 +2,7 @@
 
 mod files;
 
-use self::files::{FilePlan, Kind};
+use self::files::{FigureFiles, ImageFormat};
 use super::arguments::OUTPUT;
 use super::input::{OpenRun, open};
 use super::output;
@@ -43,7 +43,7 @@ pub(super) struct FiguresArguments {
         value_delimiter = ',',
         value_name = "KINDS",
         default_value = "svg,png", help_heading = OUTPUT)]
-    kinds: Vec<Kind>,
+    kinds: Vec<ImageFormat>,
 
     #[command(flatten)]
     sweep: SweepFigure,
@@ -80,16 +80,16 @@ const PAPER: [&str; 3] = [
     "paper-spin-term-only",
 ];
 
-/// What is drawn, and where.
+/// The figures to draw, and their files.
 struct FigurePlan {
-    files: FilePlan,
+    files: FigureFiles,
     /// Width of the figures, mm.
     width: f64,
-    content: Content,
+    content: FigureSource,
 }
 
 /// The source of figures.
-enum Content {
+enum FigureSource {
     Runs(RunsPlan),
     Sweep(SweepPlan),
 }
@@ -107,10 +107,10 @@ struct RunsPlan {
 impl FiguresArguments {
     /// Resolves the arguments, and checks the output files before anything is computed.
     fn plan(&self) -> Result<FigurePlan, anyhow::Error> {
-        let files = FilePlan {
+        let files = FigureFiles {
             directory: self.output.clone(),
             // Each once, in one order.
-            kinds: Kind::value_variants()
+            kinds: ImageFormat::value_variants()
                 .iter()
                 .copied()
                 .filter(|kind| self.kinds.contains(kind))
@@ -120,12 +120,12 @@ impl FiguresArguments {
         let content = if let Some(sweep) = self.sweep.plan()? {
             // Drawing may take minutes: a name that is taken is found before.
             files.check(&[SWEEP.0], &[sweep.table().to_owned()])?;
-            Content::Sweep(sweep)
+            FigureSource::Sweep(sweep)
         } else {
             let runs = self.runs_plan()?;
             let names: Vec<_> = runs.figures.iter().map(|figure| figure.name).collect();
             files.check(&names, &self.runs)?;
-            Content::Runs(runs)
+            FigureSource::Runs(runs)
         };
         Ok(FigurePlan {
             files,
@@ -244,8 +244,8 @@ pub(super) fn figures(
 ) -> Result<Status, anyhow::Error> {
     let plan = arguments.plan()?;
     let report = match &plan.content {
-        Content::Runs(runs) => draw_runs(&plan, runs, drafts)?,
-        Content::Sweep(sweep) => draw_sweep(&plan, sweep, drafts)?,
+        FigureSource::Runs(runs) => draw_runs(&plan, runs, drafts)?,
+        FigureSource::Sweep(sweep) => draw_sweep(&plan, sweep, drafts)?,
     };
     report::print(&report, || page(&report))?;
     let is_whole = report.losses.is_empty() && report.lacking.is_empty();
@@ -360,14 +360,14 @@ mod tests {
     #[test]
     fn parses_figures_and_kinds() {
         let base = parse::<FiguresArguments>("").unwrap();
-        assert_eq!(base.kinds, [Kind::Svg, Kind::Png]);
+        assert_eq!(base.kinds, [ImageFormat::Svg, ImageFormat::Png]);
         assert_eq!(base.width, 85.0);
         assert_eq!(
             parse::<FiguresArguments>("a.mcap paper --only figure-2,figure-4 --kinds png").unwrap(),
             FiguresArguments {
                 runs: vec!["a.mcap".into(), "paper".into()],
                 only: vec!["figure-2".to_owned(), "figure-4".to_owned()],
-                kinds: vec![Kind::Png],
+                kinds: vec![ImageFormat::Png],
                 ..base
             }
         );

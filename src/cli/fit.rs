@@ -1,8 +1,6 @@
 //! `toprise fit`.
 
-#[cfg(feature = "rerun")]
-pub(super) mod attached;
-mod page;
+pub(super) mod page;
 
 use super::arguments::{Override, parse_override, parse_positive};
 use super::file_kind::FileKind;
@@ -23,43 +21,12 @@ use crate::fit::{
 use crate::run::scenario::Scenario;
 use crate::words::markdown;
 use anyhow::Context as _;
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, ValueEnum};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::io::{BufWriter, IntoInnerError, Write as _};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
-
-/// The command of the feature `fit`.
-#[derive(Debug, Subcommand)]
-pub(super) enum Commands {
-    /// Estimate friction and start from a measured motion, and compare friction laws.
-    ///
-    /// Reports first which parameters the data can determine. Estimates have standard deviations and 95 % intervals.
-    #[command(
-        after_help = "Exit codes: 0 fitted (and, comparing laws, decided), 1 the model does not describe the data, or undecided, 2 unreadable, or the data can't determine the parameters, 3 no minimum was found, or the model ends before the data."
-    )]
-    Fit(Box<FitArguments>),
-}
-
-impl Commands {
-    /// Runs the command.
-    pub(super) fn run(&self, drafts: &Drafts) -> Result<Status, anyhow::Error> {
-        match self {
-            Self::Fit(arguments) => fit(arguments, drafts),
-        }
-    }
-}
-
-/// The JSON Schema of the command's report, as a file name and its content.
-pub(super) fn schemas() -> Vec<(String, String)> {
-    vec![report::schema::<FitReport>("FitReport")]
-}
-
-/// The key of the scenario that is wrong, if `cause` is an error of a fit and names one.
-pub(super) fn wrong_key<'a>(cause: &'a (dyn std::error::Error + 'static)) -> Option<&'a str> {
-    cause.downcast_ref::<FitError>()?.key()
-}
 
 /// Arguments of `toprise fit`.
 #[derive(Args, Debug, Default, PartialEq)]
@@ -92,7 +59,7 @@ pub(super) struct FitArguments {
 
     /// Bounds of a free parameter, e.g. friction.k=0..0.1
     #[arg(long = "bound", value_name = "KEY=LOW..HIGH", value_parser = parse_bound)]
-    bounds: Vec<Bound>,
+    bounds: Vec<ParameterBounds>,
 
     /// Time in the data at which the scenario starts, s [default: the first sample; 0 for recordings of toprise]
     #[arg(long, value_name = "TIME", allow_negative_numbers = true, value_parser = parse_finite)]
@@ -149,7 +116,7 @@ pub(super) struct FitArguments {
 /// Width of figures, mm: two columns of plots.
 const FIGURE_WIDTH: f64 = 170.0;
 
-/// How residuals count, on the command line.
+/// The loss of residuals, on the command line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 enum LossArgument {
     #[default]
@@ -167,9 +134,9 @@ impl From<LossArgument> for Loss {
 }
 
 /// A parameter and its bounds.
-type Bound = (String, [f64; 2]);
+type ParameterBounds = (String, [f64; 2]);
 
-/// What the command does.
+/// The arguments of the command, resolved.
 struct FitPlan {
     request: Request,
     inputs: Vec<PathBuf>,
@@ -183,7 +150,7 @@ struct FitPlan {
 /// The report of the command.
 #[derive(Debug, Serialize, JsonSchema)]
 #[schemars(rename = "FitReport")]
-struct FitReport {
+pub(super) struct FitReport {
     /// The fit.
     #[serde(flatten)]
     fit: Report,
@@ -192,7 +159,7 @@ struct FitReport {
 }
 
 /// Fits a scenario to data.
-fn fit(arguments: &FitArguments, drafts: &Drafts) -> Result<Status, anyhow::Error> {
+pub(super) fn fit(arguments: &FitArguments, drafts: &Drafts) -> Result<Status, anyhow::Error> {
     let plan = arguments.plan()?;
     let progress = Progress::for_state();
     let result = fit::fit(&plan.request, &|state| show(&progress, state));
@@ -425,7 +392,7 @@ fn parse_name(text: &str) -> Result<String, FitArgumentError> {
     }
 }
 
-fn parse_bound(text: &str) -> Result<Bound, FitArgumentError> {
+fn parse_bound(text: &str) -> Result<ParameterBounds, FitArgumentError> {
     let (key, range) = text.split_once('=').ok_or(FitArgumentError::Bound)?;
     let (low, high) = range.split_once("..").ok_or(FitArgumentError::Bound)?;
     match (low.trim().parse::<f64>(), high.trim().parse::<f64>()) {
@@ -449,7 +416,7 @@ fn parse_part(text: &str) -> Result<f64, FitArgumentError> {
     }
 }
 
-/// What is wrong with the value of an option.
+/// Error in the value of an option.
 #[derive(Clone, Debug, PartialEq, Error)]
 enum FitArgumentError {
     #[error("must be KEY=LOW..HIGH, as in friction.k=0..0.1")]

@@ -54,7 +54,7 @@ pub(super) fn is_requested() -> bool {
     IS_REQUESTED.load(SeqCst)
 }
 
-/// Whether to go on.
+/// Continues unless an interrupt was requested.
 pub(super) fn flow() -> ControlFlow<()> {
     if is_requested() {
         ControlFlow::Break(())

@@ -20,7 +20,7 @@ const WARNING: Style = AnsiColor::Yellow.on_default().effects(Effects::BOLD);
 
 /// The options of all commands that concern output.
 #[derive(Clone, Copy, Debug)]
-struct Options {
+struct OutputOptions {
     /// Whether warnings and notes are left out.
     is_quiet: bool,
     /// The format of reports.
@@ -29,12 +29,12 @@ struct Options {
 
 /// The options, for the whole program: errors and warnings arise everywhere, also before all arguments are parsed, and
 /// must have the right format there.
-static OPTIONS: OnceLock<Options> = OnceLock::new();
+static OPTIONS: OnceLock<OutputOptions> = OnceLock::new();
 
 /// Sets the global output options.
 pub(super) fn set_up(is_quiet: bool, color: ColorChoice, format: Format) {
     // Only tests could set them twice.
-    let _ = OPTIONS.set(Options { is_quiet, format });
+    let _ = OPTIONS.set(OutputOptions { is_quiet, format });
     match color {
         ColorChoice::Auto => anstream::ColorChoice::Auto,
         ColorChoice::Always => anstream::ColorChoice::Always,

@@ -2,12 +2,9 @@
 
 use super::arguments::Format;
 use super::text::sanitized_json;
-use super::{fit, sweep};
 use super::{output, terminal};
-use crate::archive::input::InputError;
 use crate::archive::publish::Draft;
 use crate::archive::sink::SinkError;
-use crate::run::scenario::ScenarioError;
 use crate::words::number::bytes;
 use crate::words::{Section, markdown};
 use anyhow::Error;
@@ -40,24 +37,6 @@ pub(super) fn print_error(error: &str, key: Option<&str>) {
         }
         // The error is on standard error, too.
         let _ = print(&report, Vec::new);
-    }
-}
-
-/// The key of the scenario that an error is about.
-pub(super) fn wrong_key(error: &Error) -> Option<&str> {
-    error.chain().find_map(|cause| {
-        sweep::wrong_key(cause)
-            .or_else(|| fit::wrong_key(cause))
-            .or_else(|| scenario_error(cause)?.key.as_deref())
-    })
-}
-
-/// The error of a scenario that a cause is or contains.
-fn scenario_error<'a>(cause: &'a (dyn std::error::Error + 'static)) -> Option<&'a ScenarioError> {
-    // These are transparent: the error of the scenario is no cause of its own in the chain.
-    match cause.downcast_ref::<InputError>() {
-        Some(error) => error.scenario_error(),
-        None => cause.downcast_ref(),
     }
 }
 

@@ -26,7 +26,6 @@ use crate::archive::sink::{RecordedRun, Sink, record};
 use crate::archive::writer::Header;
 use crate::run::outcome::Outcome;
 use crate::run::scenario::Preset;
-use crate::run::simulation::{Record, RunEnd, Tally};
 use crate::telemetry::RunMessages;
 use anyhow::Error;
 use std::path::{Path, PathBuf};
@@ -57,9 +56,8 @@ pub(super) fn run(arguments: &RunArguments, drafts: &Drafts) -> Result<Status, E
     let mut viewer = RunViewer::open(&show, rrd, &scenario, run.telemetry(), archive.path())?;
     // Until here nothing is lost with the file.
     archive.keep();
-    let (end, tally) = simulate(&mut run, &mut archive, viewer.as_mut(), Pace::start(speed))?;
-    let (draft, content_digest) = archive.complete(&end)?;
-    let outcome = Outcome::new(&scenario, end, tally);
+    let outcome = simulate(&mut run, &mut archive, viewer.as_mut(), Pace::start(speed))?;
+    let (draft, content_digest) = archive.complete(&outcome.end)?;
     let mcap = finish_mcap(draft, &files, &earlier, &outcome)?;
     let rrd = finish_viewer(viewer, &files, &mcap, &outcome);
     // The MCAP file is complete without it.
@@ -96,26 +94,20 @@ fn simulate(
     archive: &mut McapSink,
     viewer: Option<&mut RunViewer>,
     mut pace: Pace,
-) -> Result<(RunEnd, Tally), Error> {
-    let mut tally = Tally::default();
+) -> Result<Outcome, Error> {
     let mut sinks: Vec<&mut dyn Sink> = vec![archive];
     if let Some(viewer) = viewer {
         sinks.push(viewer.sink());
     }
-    let recorded = record(run, &mut sinks, |record, sinks| {
-        if let Record::Event(event) = record {
-            tally.record(event.kind, event.time);
-        }
-        pace.after(record, sinks)
-    });
+    let recorded = record(run, &mut sinks, |record, sinks| pace.after(record, sinks));
     // Before any error or warning is printed.
     pace.finish();
-    let RecordedRun { end, error } = recorded?;
+    let RecordedRun { outcome, error } = recorded?;
     // The records so far are valid; the end record marks the run as incomplete.
     if let Some(error) = error {
         output::warn(&error.to_string());
     }
-    Ok((end, tally))
+    Ok(outcome)
 }
 
 /// The MCAP file of a run.

@@ -1,7 +1,7 @@
 //! `toprise sweep`.
 
 pub(super) mod figures;
-mod report;
+pub(super) mod report;
 
 use super::arguments::{Override, parse_override};
 use super::file_kind::FileKind;
@@ -20,7 +20,7 @@ use crate::sweep::{
 use crate::words::{counted, grouped};
 use anyhow::{Context as _, Error, bail};
 use clap::builder::PossibleValue;
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, ValueEnum};
 use report::{SweepReport, summary};
 use std::panic;
 use std::path::{Path, PathBuf};
@@ -29,39 +29,6 @@ use std::time::{Duration, Instant};
 
 /// Maximum number of threads.
 const MAX_JOBS: u64 = 1024;
-
-/// The command of the feature `sweep`.
-#[derive(Debug, Subcommand)]
-pub(super) enum Commands {
-    /// Run a scenario for many values of its keys and tabulate the outcomes.
-    ///
-    /// Each row of the Parquet table contains the varied keys and the outcome of one run. To resume an interrupted
-    /// sweep, or to merge shards, run the same command again. The bytes of the table don't depend on threads, shards or
-    /// interruptions.
-    #[command(
-        after_help = "Exit codes: 0 all runs have an outcome, 2 bad usage or failed output, 3 some runs failed (see the column `error`), or the sweep was interrupted."
-    )]
-    Sweep(SweepArguments),
-}
-
-impl Commands {
-    /// Runs the command.
-    pub(super) fn run(&self, drafts: &Drafts) -> Result<Status, Error> {
-        match self {
-            Self::Sweep(arguments) => sweep(arguments, drafts),
-        }
-    }
-}
-
-/// The JSON Schema of the command's report, as a file name and its content.
-pub(super) fn schemas() -> Vec<(String, String)> {
-    vec![reports::schema::<SweepReport>("SweepReport")]
-}
-
-/// The key of the scenario that is wrong, if `cause` is an error of a sweep and names one.
-pub(super) fn wrong_key<'a>(cause: &'a (dyn std::error::Error + 'static)) -> Option<&'a str> {
-    cause.downcast_ref::<SweepError>()?.key()
-}
 
 /// From now on panics that a sweep turns into errors are not printed. The hook belongs to the whole process, so the program
 /// sets it, not the library.
@@ -169,7 +136,7 @@ pub(super) struct SweepArguments {
     dry_run: bool,
 }
 
-/// What is wrong with the value of an option.
+/// Error in the value of an option.
 #[derive(Debug, thiserror::Error)]
 enum ValueError {
     #[error("must be a whole number from {least} to {most}")]
@@ -196,7 +163,7 @@ fn parse_shard(text: &str) -> Result<Shard, ValueError> {
 }
 
 /// Computes a sweep.
-fn sweep(arguments: &SweepArguments, drafts: &Drafts) -> Result<Status, Error> {
+pub(super) fn sweep(arguments: &SweepArguments, drafts: &Drafts) -> Result<Status, Error> {
     let began = Instant::now();
     FileKind::Parquet.check("-o", &arguments.output)?;
     let sweep = Sweep::new(arguments.spec()?);

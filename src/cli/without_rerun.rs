@@ -1,4 +1,4 @@
-//! In place of `rerun.rs` in a program without the feature `rerun`: no command, no arguments, nothing is shown.
+//! In place of `rerun.rs` in a program without the feature `rerun`: no arguments, nothing is shown.
 
 #![expect(
     clippy::unused_self,
@@ -6,24 +6,10 @@
     reason = "the signatures are those of the modules that show runs"
 )]
 
-use super::status::Status;
-use crate::archive::publish::Drafts;
-use anyhow::Error;
-use clap::Subcommand;
-
-/// No commands.
-#[derive(Debug, Subcommand)]
-pub(super) enum Commands {}
-
-impl Commands {
-    pub(super) fn run(&self, _drafts: &Drafts) -> Result<Status, Error> {
-        match *self {}
-    }
-}
-
-/// No reports.
-pub(super) fn schemas() -> Vec<(String, String)> {
-    Vec::new()
+/// The part of the report of `diff` that is about the viewer.
+pub(super) mod viewer {
+    /// No viewer to mention.
+    pub(in crate::cli) const SPAWN_HINT: &str = "";
 }
 
 /// The Rerun side of `toprise run`.
@@ -63,7 +49,7 @@ pub(super) mod run {
         }
     }
 
-    /// A viewer, which there is none of.
+    /// No viewer.
     pub(in crate::cli) enum RunViewer {}
 
     impl RunViewer {
@@ -108,9 +94,6 @@ pub(super) mod diff {
     use clap::Args;
     use std::path::PathBuf;
 
-    /// No viewer to mention.
-    pub(in crate::cli) const SPAWN_HINT: &str = "";
-
     /// No arguments.
     #[derive(Args, Clone, Debug, PartialEq)]
     pub(in crate::cli) struct ShowArguments {}
@@ -124,7 +107,7 @@ pub(super) mod diff {
     /// Nothing is shown.
     pub(in crate::cli) struct ShowPlan;
 
-    /// A viewer, which there is none of.
+    /// No viewer.
     pub(in crate::cli) enum PairViewer {}
 
     impl PairViewer {

@@ -1,4 +1,4 @@
-//! In place of `sweep.rs` in a program without the feature `sweep`: no command, no arguments, and no tables.
+//! In place of `sweep.rs` in a program without the feature `sweep`: no arguments, and no tables.
 
 #![expect(
     clippy::unused_self,
@@ -6,35 +6,10 @@
     reason = "the signatures are those of the modules that read tables"
 )]
 
-use super::status::Status;
-use crate::archive::publish::Drafts;
 use crate::run::scenario::Values;
 use anyhow::Error;
-use clap::{Args, Subcommand};
+use clap::Args;
 use std::path::Path;
-
-/// No commands.
-#[derive(Debug, Subcommand)]
-pub(super) enum Commands {}
-
-impl Commands {
-    pub(super) fn run(&self, _drafts: &Drafts) -> Result<Status, Error> {
-        match *self {}
-    }
-}
-
-/// No reports.
-pub(super) fn schemas() -> Vec<(String, String)> {
-    Vec::new()
-}
-
-/// No error is one of a sweep.
-pub(super) fn wrong_key<'a>(_cause: &'a (dyn std::error::Error + 'static)) -> Option<&'a str> {
-    None
-}
-
-/// Nothing turns panics into errors.
-pub(super) fn set_panic_hook() {}
 
 /// No argument.
 #[derive(Args, Clone, Debug, Default, PartialEq)]
@@ -61,7 +36,7 @@ pub(super) mod figures {
     #[derive(Args, Debug, PartialEq)]
     pub(in crate::cli) struct SweepFigure {}
 
-    /// A figure of a sweep, which there is none of.
+    /// No figure of a sweep.
     pub(in crate::cli) enum SweepPlan {}
 
     impl SweepFigure {

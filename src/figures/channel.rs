@@ -30,7 +30,7 @@ fn recorded_integral(field: NumberField) -> Option<NumberField> {
 /// Numbers of a channel over time, and means of some of them over each nutation, computed as samples and nutations
 /// arrive.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Channel {
+pub(super) struct ChannelData {
     pub(super) topic: Topic,
     fields: Vec<NumberField>,
     /// Columns to average. Their integrals since the start are in further columns.
@@ -59,7 +59,7 @@ struct IntegralSample {
     integral: f64,
 }
 
-impl Channel {
+impl ChannelData {
     pub(super) fn new(
         topic: Topic,
         mut fields: Vec<NumberField>,
@@ -229,8 +229,8 @@ mod tests {
     const FIELD: NumberField = terms::PHI_DDOT_CORIOLIS;
 
     /// A channel with one number, averaged over some nutations.
-    fn channel(nutations: impl IntoIterator<Item = (f64, f64)>) -> Channel {
-        let mut channel = Channel::new(FIELD.topic(), vec![FIELD], &[FIELD]);
+    fn channel(nutations: impl IntoIterator<Item = (f64, f64)>) -> ChannelData {
+        let mut channel = ChannelData::new(FIELD.topic(), vec![FIELD], &[FIELD]);
         channel.pending.extend(nutations);
         channel
     }

@@ -1,6 +1,6 @@
 //! Data of a run for figures.
 
-use super::channel::Channel;
+use super::channel::ChannelData;
 use super::sampling;
 use crate::analysis::subject::Subject;
 use crate::figures::plot::shape::Point;
@@ -20,7 +20,7 @@ pub struct RunData {
     pub losses: Vec<String>,
     /// Whether the peg is free.
     pub(super) has_free_peg: bool,
-    channels: Vec<Channel>,
+    channels: Vec<ChannelData>,
 }
 
 /// Data that a figure needs and a run lacks.
@@ -80,7 +80,7 @@ impl RunData {
                 .filter(|field| field.topic() == topic)
                 .collect();
             if !fields_of_topic.is_empty() {
-                channels.push(Channel::new(topic, fields_of_topic, averaged));
+                channels.push(ChannelData::new(topic, fields_of_topic, averaged));
             }
         }
         Self {
@@ -124,7 +124,7 @@ impl RunData {
         }
     }
 
-    fn channel(&self, topic: Topic) -> Option<&Channel> {
+    fn channel(&self, topic: Topic) -> Option<&ChannelData> {
         self.channels.iter().find(|channel| channel.topic == topic)
     }
 
@@ -207,7 +207,7 @@ mod tests {
         for (time, value) in times.iter().zip(values) {
             run.channels[0].rows.push(*time, [*value, *value]);
         }
-        run.channels.iter_mut().for_each(Channel::finish);
+        run.channels.iter_mut().for_each(ChannelData::finish);
         run
     }
 
@@ -228,7 +228,7 @@ mod tests {
                 .rows
                 .push(start + period, [*start, *period, 0.1]);
         }
-        run.channels.iter_mut().for_each(Channel::finish);
+        run.channels.iter_mut().for_each(ChannelData::finish);
         run.averages(nutation::THETA_MEAN)
     }
 

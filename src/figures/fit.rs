@@ -4,7 +4,7 @@ mod correlations;
 
 use crate::figures::plot::drawing::Drawing;
 use crate::figures::plot::frame::{Band, Quantity};
-use crate::figures::plot::legend::Entry;
+use crate::figures::plot::legend::LegendEntry;
 use crate::figures::plot::page::{Page, Panel};
 use crate::figures::plot::shape::Point;
 use crate::figures::plot::style::{BLACK, DASHED, HAIRLINE, MEDIUM, SKY, THIN, VERMILION, line};
@@ -89,13 +89,13 @@ fn data(fit: &Fit, width: f64) -> Result<Drawing, SimulationError> {
         panels.push(residuals(fit, &of_signal));
     }
     let mut legend = vec![
-        Entry::line(line(SKY, MEDIUM), "measured"),
-        Entry::line(line(BLACK, THIN), "best fit"),
+        LegendEntry::line(line(SKY, MEDIUM), "measured"),
+        LegendEntry::line(line(BLACK, THIN), "best fit"),
     ];
     if fit.residuals.iter().any(|value| value.is_held_out) {
-        legend.push(Entry::line(line(VERMILION, MEDIUM), "held out"));
+        legend.push(LegendEntry::line(line(VERMILION, MEDIUM), "held out"));
     }
-    legend.push(Entry::area(SHADE, "±2 *σ*"));
+    legend.push(LegendEntry::area(SHADE, "±2 *σ*"));
     let page = Page {
         x: Quantity::new("*t*", "s"),
         legend,
@@ -200,7 +200,7 @@ fn draw_profile(fit: &Fit, profile: &Profile, width: f64) -> Drawing {
         .parameters
         .iter()
         .find(|estimate| estimate.name == profile.parameter);
-    let mut legend = vec![Entry::line(line(BLACK, MEDIUM), "profile likelihood")];
+    let mut legend = vec![LegendEntry::line(line(BLACK, MEDIUM), "profile likelihood")];
     if let (Some(estimate), Some((first, last))) = (estimate, points.first().zip(points.last()))
         && let Some(sd) = estimate.sd
     {
@@ -215,7 +215,7 @@ fn draw_profile(fit: &Fit, profile: &Profile, width: f64) -> Drawing {
         let mut stroke = line(VERMILION, THIN);
         stroke.dash = DASHED;
         panel.curve("from the standard deviation", parabola, stroke);
-        legend.push(Entry::line(stroke, "from the standard deviation"));
+        legend.push(LegendEntry::line(stroke, "from the standard deviation"));
     }
     panel.curve("profile likelihood", points.clone(), line(BLACK, MEDIUM));
     // The line between the computed values is no result.

@@ -9,7 +9,7 @@ use super::data::RunData;
 use super::style::{Style, run_legend, sampling_note};
 use crate::figures::plot::drawing::Drawing;
 use crate::figures::plot::frame::{self, Frame, Quantity};
-use crate::figures::plot::legend::{self, Entry};
+use crate::figures::plot::legend::{self, LegendEntry};
 use crate::figures::plot::range::extremes;
 use crate::figures::plot::shape::{Bounds, Stroke};
 use crate::figures::plot::style::{LINE_HEIGHT, MARGIN, TWO_COLUMNS};
@@ -41,12 +41,12 @@ pub(super) fn locus(runs: &[&RunData], width: f64) -> Drawing {
     let drawn: Vec<&Trace> = longest_first.iter().map(|run| &traces[*run]).collect();
     let mut drawing = Drawing::new(width);
     let mut legend = run_legend(runs, Style::run_in_legend);
-    legend.extend(Entry::ends());
+    legend.extend(LegendEntry::ends());
     legend.extend(sampling_note(runs));
     let top = legend::draw_at_top(&mut drawing, &legend) + LINE_HEIGHT + 0.6;
     let sphere = Sphere::around(&drawn);
     let squares = squares(&drawn, &traces);
-    let grid = Grid::new(&squares, &sphere, top, width);
+    let grid = PanelGrid::new(&squares, &sphere, top, width);
     for (index, square) in squares.iter().enumerate() {
         let bounds = grid.square(index);
         let frame = Frame::square(bounds, square.ranges);
@@ -56,7 +56,7 @@ pub(super) fn locus(runs: &[&RunData], width: f64) -> Drawing {
         let letter = ('b'..='z').nth(index).unwrap_or('z');
         frame::draw_letter(&mut drawing, letter, (bounds.left, baseline));
         if let Some(stroke) = square.only {
-            let entry = Entry::from_text(stroke, Text::plain(""));
+            let entry = LegendEntry::from_text(stroke, Text::plain(""));
             let sides = (bounds.left + INDENT, bounds.right);
             legend::draw(&mut drawing, &[entry], sides, baseline);
         }
@@ -75,7 +75,7 @@ fn longest_first(traces: &[Trace]) -> Vec<usize> {
 }
 
 /// The places of the sphere and the squares in columns of equal width.
-struct Grid {
+struct PanelGrid {
     columns: usize,
     /// The width of a column, mm.
     column: f64,
@@ -91,7 +91,7 @@ struct Grid {
     side: f64,
 }
 
-impl Grid {
+impl PanelGrid {
     fn new(squares: &[Square<'_>], sphere: &Sphere, top: f64, width: f64) -> Self {
         let usable = width - 2.0 * MARGIN;
         let columns = if width < TWO_COLUMNS { 2 } else { 3 };
@@ -151,7 +151,7 @@ impl Grid {
 /// A view of some paths from above.
 struct Square<'a> {
     traces: Vec<&'a Trace>,
-    extent: Extent,
+    extent: PathExtent,
     /// The range of x and of y.
     ranges: [(f64, f64); 2],
     /// The stroke of the only run shown, if there are several runs.
@@ -160,12 +160,12 @@ struct Square<'a> {
 
 /// The part of a path that a square shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Extent {
+enum PathExtent {
     Whole,
     End,
 }
 
-impl Extent {
+impl PathExtent {
     /// Index of the first point of a path.
     fn first(self, trace: &Trace) -> usize {
         match self {
@@ -177,7 +177,7 @@ impl Extent {
 
 /// The whole paths from above in drawing order, and their magnified ends (together if possible, otherwise separately).
 fn squares<'a>(drawn: &[&'a Trace], traces: &'a [Trace]) -> Vec<Square<'a>> {
-    let mut whole = Square::new(drawn, Extent::Whole);
+    let mut whole = Square::new(drawn, PathExtent::Whole);
     // Centred on the vertical.
     let [x, y] = whole.ranges.map(|(low, high)| high.max(-low));
     let end = x.max(y);
@@ -188,12 +188,12 @@ fn squares<'a>(drawn: &[&'a Trace], traces: &'a [Trace]) -> Vec<Square<'a>> {
         .fold(f64::INFINITY, f64::min);
     let mut squares = vec![whole];
     if traces.len() == 1 || end_size(drawn) <= MAGNIFIED_TOGETHER * smallest {
-        squares.push(Square::new(drawn, Extent::End));
+        squares.push(Square::new(drawn, PathExtent::End));
     } else {
         for trace in traces {
             squares.push(Square {
                 only: Some(trace.stroke),
-                ..Square::new(&[trace], Extent::End)
+                ..Square::new(&[trace], PathExtent::End)
             });
         }
     }
@@ -201,7 +201,7 @@ fn squares<'a>(drawn: &[&'a Trace], traces: &'a [Trace]) -> Vec<Square<'a>> {
 }
 
 impl<'a> Square<'a> {
-    fn new(traces: &[&'a Trace], extent: Extent) -> Self {
+    fn new(traces: &[&'a Trace], extent: PathExtent) -> Self {
         Self {
             traces: traces.to_vec(),
             extent,
@@ -228,7 +228,7 @@ impl<'a> Square<'a> {
 }
 
 /// The ranges of x and of y of some paths.
-fn ranges(traces: &[&Trace], extent: Extent) -> [(f64, f64); 2] {
+fn ranges(traces: &[&Trace], extent: PathExtent) -> [(f64, f64); 2] {
     [0, 1].map(|component| {
         let axes = traces
             .iter()
@@ -239,6 +239,6 @@ fn ranges(traces: &[&Trace], extent: Extent) -> [(f64, f64); 2] {
 
 /// The larger range of the ends of some paths, along x or y.
 fn end_size(traces: &[&Trace]) -> f64 {
-    let [x, y] = ranges(traces, Extent::End).map(|(low, high)| high - low);
+    let [x, y] = ranges(traces, PathExtent::End).map(|(low, high)| high - low);
     x.max(y)
 }

@@ -1,7 +1,7 @@
 //! Line styles of runs and quantities, and the legends that explain them.
 
 use super::data::RunData;
-use crate::figures::plot::legend::Entry;
+use crate::figures::plot::legend::LegendEntry;
 use crate::figures::plot::shape::{Colour, Stroke};
 use crate::figures::plot::style::{
     BLACK, COLOURS, DASHED, DASHES, HAIRLINE, MEDIUM, POINT, SKY, THIN, VERMILION, line,
@@ -143,22 +143,22 @@ fn on_white(component: u8, opacity: f64) -> u8 {
 }
 
 /// Note of a figure whose samples are too few for the nutation of a run.
-pub(super) fn sampling_note(runs: &[&RunData]) -> Option<Entry> {
+pub(super) fn sampling_note(runs: &[&RunData]) -> Option<LegendEntry> {
     let fewest = runs
         .iter()
         .filter_map(|run| run.coarse_samples_per_nutation())
         .reduce(f64::min)?;
     let note = format!("only {fewest:.1} samples per nutation: nutation is not resolved");
-    Some(Entry::note(&note))
+    Some(LegendEntry::note(&note))
 }
 
 /// The legend of several runs; a single run needs none.
-pub(super) fn run_legend(runs: &[&RunData], stroke: impl Fn(usize) -> Stroke) -> Vec<Entry> {
+pub(super) fn run_legend(runs: &[&RunData], stroke: impl Fn(usize) -> Stroke) -> Vec<LegendEntry> {
     if runs.len() == 1 {
         return Vec::new();
     }
     runs.iter()
         .enumerate()
-        .map(|(index, run)| Entry::from_text(stroke(index), Text::name(&run.name)))
+        .map(|(index, run)| LegendEntry::from_text(stroke(index), Text::name(&run.name)))
         .collect()
 }

@@ -4,7 +4,7 @@ use super::data::RunData;
 use super::style::{Style, run_legend};
 use crate::figures::plot::drawing::Drawing;
 use crate::figures::plot::frame::{self, Frame, Quantity};
-use crate::figures::plot::legend::{self, Entry};
+use crate::figures::plot::legend::{self, LegendEntry};
 use crate::figures::plot::range::extremes;
 use crate::figures::plot::shape::{Bounds, Colour, Point};
 use crate::figures::plot::style::{self, BLUE, GREEN, LINE_HEIGHT, MARGIN, MEDIUM, VERMILION};
@@ -26,13 +26,13 @@ const Y: Quantity = Quantity::new("*y*", "m");
 
 /// The contact between peg and table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Contact {
+enum ContactKind {
     Sliding,
     Rolling,
     InTheAir,
 }
 
-impl Contact {
+impl ContactKind {
     const ALL: [Self; 3] = [Self::Sliding, Self::Rolling, Self::InTheAir];
 
     /// The contact with a recorded [`contact::REGIME`]; `None` if the recording lacks it.
@@ -63,21 +63,21 @@ impl Contact {
 
 /// The recorded position of a contact point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Position {
+struct ContactPosition {
     /// The horizontal position, m.
     point: Point,
-    contact: Contact,
+    contact: ContactKind,
 }
 
 /// A part of a track with one kind of contact.
-struct Part {
-    contact: Contact,
+struct TrackPart {
+    contact: ContactKind,
     points: Vec<Point>,
 }
 
 /// Draws the tracks of the contact points from above.
 pub(super) fn track(runs: &[&RunData], width: f64) -> Drawing {
-    let tracks: Vec<Vec<Position>> = runs.iter().map(|run| positions(run)).collect();
+    let tracks: Vec<Vec<ContactPosition>> = runs.iter().map(|run| positions(run)).collect();
     // The tracks of several runs are distinguished by their colours, so they are not divided.
     let parts = match &tracks[..] {
         [track] => parts(track),
@@ -85,13 +85,13 @@ pub(super) fn track(runs: &[&RunData], width: f64) -> Drawing {
     };
     let mut drawing = Drawing::new(width);
     let mut legend = run_legend(runs, Style::run_in_legend);
-    for contact in Contact::ALL {
+    for contact in ContactKind::ALL {
         if parts.iter().any(|part| part.contact == contact) {
             let stroke = style::line(contact.colour(), MEDIUM);
-            legend.push(Entry::line(stroke, contact.name()));
+            legend.push(LegendEntry::line(stroke, contact.name()));
         }
     }
-    legend.extend(Entry::ends());
+    legend.extend(LegendEntry::ends());
     let top = legend::draw_at_top(&mut drawing, &legend) + LINE_HEIGHT + 0.6;
     let frame = largest_frame(top, width, ranges(&tracks));
     for (index, (run, track)) in runs.iter().zip(&tracks).enumerate() {
@@ -102,7 +102,7 @@ pub(super) fn track(runs: &[&RunData], width: f64) -> Drawing {
             drawing.group(&meaning, frame.path(&points, stroke));
         }
         // One group for each kind of contact, because a track may change it a thousand times.
-        for contact in Contact::ALL {
+        for contact in ContactKind::ALL {
             let stroke = style::line(contact.colour(), MEDIUM);
             let shapes = parts
                 .iter()
@@ -146,13 +146,13 @@ fn max_side(usable: f64, room_left: f64) -> f64 {
 }
 
 /// Divides a track into parts with one kind of contact each.
-fn parts(track: &[Position]) -> Vec<Part> {
-    let mut parts: Vec<Part> = Vec::new();
+fn parts(track: &[ContactPosition]) -> Vec<TrackPart> {
+    let mut parts: Vec<TrackPart> = Vec::new();
     for positions in track.chunk_by(|a, b| a.contact == b.contact) {
         // A part begins where the one before it ended.
         let previous = parts.last().and_then(|part| part.points.last()).copied();
         let points = positions.iter().map(|position| position.point);
-        parts.push(Part {
+        parts.push(TrackPart {
             contact: positions[0].contact,
             points: previous.into_iter().chain(points).collect(),
         });
@@ -161,7 +161,7 @@ fn parts(track: &[Position]) -> Vec<Part> {
 }
 
 /// The recorded positions of a run's contact point.
-fn positions(run: &RunData) -> Vec<Position> {
+fn positions(run: &RunData) -> Vec<ContactPosition> {
     let x = run.series(contact::CONTACT_POINT.x());
     let y = run.series(contact::CONTACT_POINT.y());
     let regime = run.series(contact::REGIME);
@@ -169,17 +169,17 @@ fn positions(run: &RunData) -> Vec<Position> {
     for (((_, x), (_, y)), (_, regime)) in x.into_iter().zip(y).zip(regime) {
         if x.is_finite()
             && y.is_finite()
-            && let Some(contact) = Contact::from_regime(regime)
+            && let Some(contact) = ContactKind::from_regime(regime)
         {
             let point = (x, y);
-            positions.push(Position { point, contact });
+            positions.push(ContactPosition { point, contact });
         }
     }
     positions
 }
 
 /// The ranges of x and y, of equal size, with padding around the tracks.
-fn ranges(tracks: &[Vec<Position>]) -> [(f64, f64); 2] {
+fn ranges(tracks: &[Vec<ContactPosition>]) -> [(f64, f64); 2] {
     let points = tracks.iter().flatten().map(|position| position.point);
     let x = extremes(points.clone().map(|point| point.0));
     let y = extremes(points.map(|point| point.1));
@@ -203,25 +203,29 @@ mod tests {
     #[test]
     fn unknown_regimes_have_no_contact() {
         for regime in [f64::NAN, -1.0, 0.5, 3.0] {
-            assert_eq!(Contact::from_regime(regime), None);
+            assert_eq!(ContactKind::from_regime(regime), None);
         }
-        let known = [0.0, 1.0, 2.0].map(Contact::from_regime);
-        let expected = [Contact::Rolling, Contact::Sliding, Contact::InTheAir];
+        let known = [0.0, 1.0, 2.0].map(ContactKind::from_regime);
+        let expected = [
+            ContactKind::Rolling,
+            ContactKind::Sliding,
+            ContactKind::InTheAir,
+        ];
         assert_eq!(known, expected.map(Some));
     }
 
     #[test]
     fn parts_begin_where_the_previous_part_ends() {
         let track = [
-            ((0.0, 0.0), Contact::Sliding),
-            ((1.0, 0.0), Contact::Sliding),
-            ((2.0, 0.0), Contact::Rolling),
+            ((0.0, 0.0), ContactKind::Sliding),
+            ((1.0, 0.0), ContactKind::Sliding),
+            ((2.0, 0.0), ContactKind::Rolling),
         ]
-        .map(|(point, contact)| Position { point, contact });
+        .map(|(point, contact)| ContactPosition { point, contact });
         let parts = parts(&track);
         assert_eq!(parts.len(), 2);
         assert_eq!(parts[0].points, [(0.0, 0.0), (1.0, 0.0)]);
         assert_eq!(parts[1].points, [(1.0, 0.0), (2.0, 0.0)]);
-        assert_eq!(parts[1].contact, Contact::Rolling);
+        assert_eq!(parts[1].contact, ContactKind::Rolling);
     }
 }

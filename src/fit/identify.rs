@@ -391,8 +391,7 @@ fn degeneracy(parameters: &[Parameter], changes: &[f64]) -> Degeneracy {
 pub(super) fn aliasing(signals: &[Signal], motion: &Scenario) -> Option<String> {
     let tilt = Tilt::from_rates(motion.angles.theta, motion.rates);
     let top = &motion.model.top;
-    // A small nutation turns with the angular momentum about the axis, divided by I_x.
-    let nutation = (top.axial_moment * tilt.axial_rate() / top.transverse_moment).abs() / TAU;
+    let nutation = top.nutation_frequency(tilt.axial_rate()).abs() / TAU;
     let periods = signals.iter().filter_map(Signal::period);
     let rate = 1.0 / periods.fold(0.0, f64::max);
     (rate < 2.0 * nutation).then(|| {

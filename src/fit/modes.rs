@@ -207,9 +207,8 @@ fn find_spin_rates(
 /// Distance of trial spin rates, rad/s.
 fn step(problem: &Problem, points: &[Point]) -> f64 {
     let duration = points.iter().map(|point| point.time).fold(0.0, f64::max);
-    // A small nutation turns with the angular momentum about the axis, divided by I_x.
-    let top = &problem.scenario.model.top;
-    PHASE_STEP * top.transverse_moment / (top.axial_moment * duration)
+    let phase_per_rate = problem.scenario.model.top.nutation_frequency(1.0) * duration;
+    PHASE_STEP / phase_per_rate
 }
 
 /// Another minimum as reports have it.

@@ -72,10 +72,8 @@ pub(super) fn is_within(time: f64, room: f64, end: f64) -> bool {
 
 /// Distance between samples of a motion that ends at `end`, s.
 pub(super) fn step(problem: &Problem, end: f64) -> f64 {
-    // A small nutation turns with the angular momentum about the axis, divided by I_x.
-    let top = &problem.scenario.model.top;
     let spin = problem.scenario.rates.psi.abs().max(1.0);
-    let cycle = TAU * top.transverse_moment / (top.axial_moment * spin);
+    let cycle = TAU / problem.scenario.model.top.nutation_frequency(spin);
     (cycle / SAMPLES_PER_CYCLE).max(end / MAX_SAMPLES)
 }
 

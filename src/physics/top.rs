@@ -253,7 +253,7 @@ impl Top {
     pub fn nutation_period(&self, tilt: &Tilt, [least, greatest]: [f64; 2]) -> Option<f64> {
         let (lower, upper) = (cos(greatest), cos(least));
         let gravity = 2.0 * self.gravity_moment() / self.transverse_moment;
-        let axial = self.axial_moment * tilt.axial_rate() / self.transverse_moment;
+        let axial = self.nutation_frequency(tilt.axial_rate());
         let omega = tilt.omega_node();
         // β (u₁ + u₂ + u₃): 2 E/I_x without the axial part, and (L_n/I_x)².
         let sum = omega.x * omega.x + omega.y * omega.y + gravity * tilt.cos + axial * axial;
@@ -275,10 +275,17 @@ impl Top {
         Some(TAU / arithmetic).filter(|period| period.is_finite())
     }
 
+    /// Angular frequency of small nutations of a fast top, rad/s, for the rate of rotation about the axis, ψ̇ + φ̇ cos θ
+    /// (rad/s): `I_z (ψ̇ + φ̇ cos θ) / I_x`, the angular momentum about the axis over I_x (H. Goldstein, *Classical
+    /// Mechanics*, section 5.7). It has the sign of the rate.
+    pub fn nutation_frequency(&self, axial_rate: f64) -> f64 {
+        self.axial_moment * axial_rate / self.transverse_moment
+    }
+
     /// `|a| / sqrt(4 M g l / I_x)` with `a = I_z (ψ̇ + φ̇ cos θ) / I_x`: above 1 the top is strong; below 1 it is weak
     /// and not stable upright (Klein and Sommerfeld; the paper, section 3).
     pub fn strength_ratio(&self, tilt: &Tilt) -> f64 {
-        let a = self.axial_moment * tilt.axial_rate() / self.transverse_moment;
+        let a = self.nutation_frequency(tilt.axial_rate());
         // For a tippe top: inverted, so that its centre of mass is above the centre of the sphere.
         let moment = self.gravity_moment().abs();
         a.abs() / (4.0 * moment / self.transverse_moment).sqrt()

@@ -37,7 +37,7 @@ pub enum ViewerError {
     Address {
         /// The address.
         address: String,
-        /// What is wrong with it.
+        /// The error in it.
         reason: Box<re_uri::Error>,
     },
     /// Nothing listens at the address.

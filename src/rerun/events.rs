@@ -4,7 +4,7 @@ use crate::run::time::seconds;
 use rerun::{Color, TextLog};
 
 use super::entity;
-use super::output::{Columns, Output};
+use super::output::{ComponentColumns, Output};
 use super::role::Role;
 use super::track::Track;
 use crate::physics::top::Top;
@@ -112,7 +112,7 @@ fn log(entity: &str, role: &Role, output: &mut Output) -> Track<String> {
     Track::new(entity, columns, output)
 }
 
-fn columns(rows: &[String]) -> Columns {
+fn columns(rows: &[String]) -> ComponentColumns {
     let texts = rows.iter().map(String::as_str);
     let log = TextLog::update_fields().with_many_text(texts);
     Ok(log.columns_of_unit_batches()?.collect())

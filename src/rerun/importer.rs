@@ -7,7 +7,6 @@
 use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use rerun::EXTERNAL_IMPORTER_INCOMPATIBLE_EXIT_CODE;
@@ -17,10 +16,9 @@ use super::error::RerunError;
 use super::explained::ExplainedSink;
 use super::identity::{Identity, Playback, StoreNames};
 use super::output::Destinations;
-use crate::archive::sink::{RecordedRun, Sink, SinkError, record};
-use crate::run::outcome::Outcome;
+use crate::archive::sink::{RecordedRun, Sink, SinkError, record_all};
 use crate::run::scenario::{FORMAT, Scenario, ScenarioError, Values};
-use crate::run::simulation::{Record, SimulationError, Tally};
+use crate::run::simulation::SimulationError;
 use crate::telemetry::{RunError, RunMessages, Topic, Topics};
 
 /// Why a file was not imported, or only in part.
@@ -193,17 +191,11 @@ fn show(scenario: &Scenario, identity: &Identity, output: File) -> Result<(), Im
         live: None,
     };
     let mut sink = ExplainedSink::new(scenario, identity, destinations);
-    let mut tally = Tally::default();
     let mut sinks: [&mut dyn Sink; 1] = [&mut sink];
-    let RecordedRun { end, error } = record(&mut run, &mut sinks, |record, _| {
-        if let Record::Event(event) = record {
-            tally.record(event.kind, event.time);
-        }
-        Ok(ControlFlow::Continue(()))
-    })?;
+    let RecordedRun { outcome, error } = record_all(&mut run, &mut sinks)?;
     // The state in which an interruption or an error leaves a run is no outcome.
-    if end.stop.is_complete() {
-        sink.set_outcome(&Outcome::new(scenario, end, tally));
+    if outcome.end.stop.is_complete() {
+        sink.set_outcome(&outcome);
     }
     sink.finish()?;
     error.map_or(Ok(()), |error| Err(ImportError::Incomplete(error)))

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::entity::FIT_REPORT;
 use super::measurement::{MeasuredSignal, Measurement};
-use super::output::{Columns, Output};
+use super::output::{ComponentColumns, Output};
 use super::palette::{GREEN, GREY, ORANGE, PALE, SKY};
 use super::track::Track;
 use crate::telemetry::Message;
@@ -35,9 +35,9 @@ pub(super) enum Series {
 }
 
 impl Series {
-    /// What a chart of the values shows.
+    /// The curves in a chart of the values.
     pub(super) const VALUES: [Self; 4] = [Self::Band, Self::Fitted, Self::Measured, Self::HeldOut];
-    /// What a chart of the residuals shows.
+    /// The curves in a chart of the residuals.
     pub(super) const RESIDUALS: [Self; 3] = [Self::Bounds, Self::Residual, Self::HeldOutResidual];
 
     /// The entity for a signal with this path.
@@ -108,11 +108,11 @@ fn lines(entity: &str, series: &[(&str, u32, f32)], output: &mut Output) -> Trac
 /// The curves of the run, as far as it was measured.
 pub(super) struct Measured {
     measurement: Arc<Measurement>,
-    curves: Vec<Curve>,
+    curves: Vec<FittedCurve>,
 }
 
 /// The curve of the run for a signal.
-struct Curve {
+struct FittedCurve {
     fitted: Track<f64>,
     band: Track<f64>,
     /// Index of the last measured value that is not later than the run.
@@ -127,7 +127,7 @@ impl Measured {
         for (signal, path) in measurement.signals.iter().zip(measurement.paths()) {
             let count = signal.values.len();
             send_values(signal, &path, output);
-            curves.push(Curve {
+            curves.push(FittedCurve {
                 fitted: Series::Fitted.open(&path, count, output),
                 band: Series::Band.open(&path, count, output),
                 place: 0,
@@ -149,7 +149,7 @@ impl Measured {
     }
 }
 
-impl Curve {
+impl FittedCurve {
     fn write(&mut self, signal: &MeasuredSignal, message: &Message<'_>, output: &mut Output) {
         let time_ns = message.time_ns;
         let later = signal.values.get(self.place + 1..).unwrap_or_default();
@@ -197,7 +197,7 @@ fn send_values(signal: &MeasuredSignal, path: &str, output: &mut Output) {
     }
 }
 
-fn columns(numbers: &[f64], width: usize) -> Columns {
+fn columns(numbers: &[f64], width: usize) -> ComponentColumns {
     let lengths = std::iter::repeat_n(width, numbers.len() / width);
     let scalars = Scalars::new(numbers.iter().copied());
     Ok(scalars.columns(lengths)?.collect())

@@ -43,7 +43,7 @@ pub(super) trait Pending {
 }
 
 /// Components of rows.
-pub(super) type Columns = Result<Vec<SerializedComponentColumn>, RerunError>;
+pub(super) type ComponentColumns = Result<Vec<SerializedComponentColumn>, RerunError>;
 
 /// Numbers the chunks of one recording and passes them to its destinations.
 pub struct Output {
@@ -129,7 +129,7 @@ impl Output {
         to: Destination,
         entity: &EntityPath,
         times: &[i64],
-        columns: Columns,
+        columns: ComponentColumns,
     ) {
         let ids = match to {
             // The identifiers in a file must not depend on whether a viewer watches.

@@ -3,7 +3,7 @@
 use rerun::Scalars;
 
 use super::outline::Outline;
-use super::output::{Columns, Output};
+use super::output::{ComponentColumns, Output};
 use super::role::Role;
 use super::style;
 use super::track::Track;
@@ -129,7 +129,7 @@ impl PlotTrack {
     }
 }
 
-fn columns(numbers: &[f64], width: usize) -> Columns {
+fn columns(numbers: &[f64], width: usize) -> ComponentColumns {
     let lengths = std::iter::repeat_n(width, numbers.len() / width);
     let scalars = Scalars::new(numbers.iter().copied());
     Ok(scalars.columns(lengths)?.collect())

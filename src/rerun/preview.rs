@@ -1,4 +1,4 @@
-//! How long the arrows of a run are going to be, from a simulation with few samples.
+//! Lengths of the arrows of a run, from a simulation with few samples.
 
 use nalgebra::Vector3;
 
@@ -101,7 +101,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rare_peaks_are_not_usual() {
+    fn usual_maximum_ignores_rare_peaks() {
         let mut magnitudes = vec![1.0; 199];
         magnitudes.push(7.0);
         assert_eq!(usual(&magnitudes), 1.0);

@@ -17,7 +17,7 @@ use rerun::datatypes::Rgba32;
 use self::arrow::Arrow;
 use self::body::{BodyPose, body_columns};
 use self::focus::Focus;
-use self::legend::Row;
+use self::legend::LegendRow;
 use self::measured::MeasuredTop;
 use self::path::Path;
 use super::entity::{CONTACT_PATHS, STAGE, TRAIL_ABOVE, TRAIL_BELOW};
@@ -47,7 +47,7 @@ pub(super) struct Scene {
     contact_path: Option<Path>,
     arrows: Vec<Arrow>,
     /// The place for the end of the run in the legend, and the words before it.
-    end_row: Row,
+    end_row: LegendRow,
     role: Role,
     /// Target of the camera, if the peg is free.
     focus: Option<Focus>,
@@ -86,7 +86,7 @@ impl Scene {
         log_path_names(identity, role, arrows.len(), output);
         Self {
             // The arrows, whose first row it takes, are then gone.
-            end_row: Row::new(identity, role, 0, "end", role.color(GREY, 0)),
+            end_row: LegendRow::new(identity, role, 0, "end", role.color(GREY, 0)),
             role: role.clone(),
             measured: identity
                 .measurement
@@ -182,7 +182,7 @@ fn log_path_names(identity: &Identity, role: &Role, arrows: usize, output: &mut 
         (false, true) => (arrows + 1, "paths of the axis and the contact", GREY),
         (false, false) => (arrows + 1, "path of the symmetry axis", PURPLE),
     };
-    let row = Row::new(identity, role, row, "path", role.color(color, 0));
+    let row = LegendRow::new(identity, role, row, "path", role.color(color, 0));
     row.send(&role.short_name(text), output);
 }
 

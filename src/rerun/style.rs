@@ -60,8 +60,8 @@ const NAMED_STYLES: [(NumberField, &str, u32, f32); 42] = [
     (energy::FRICTION_WORK, "work of friction", VERMILION, 1.5),
 ];
 
-/// How a number is drawn in a plot.
-struct Style {
+/// Style of a number in a plot.
+struct PlotStyle {
     name: String,
     color: u32,
     width: f32,
@@ -72,7 +72,7 @@ struct Style {
 /// Nutation means are dots, because dots are drawn above lines. Lines show the envelope where many values share a
 /// pixel.
 pub(super) fn series(numbers: &[NumberField], role: &Role) -> Box<dyn AsComponents> {
-    let styles: Vec<Style> = numbers
+    let styles: Vec<PlotStyle> = numbers
         .iter()
         .enumerate()
         .map(|(place, number)| style_of(*number, place, role))
@@ -97,7 +97,7 @@ pub(super) fn series(numbers: &[NumberField], role: &Role) -> Box<dyn AsComponen
 }
 
 /// The style of a number, given its position in the plot.
-fn style_of(number: NumberField, place: usize, role: &Role) -> Style {
+fn style_of(number: NumberField, place: usize, role: &Role) -> PlotStyle {
     let known = NAMED_STYLES.iter().find(|(known, ..)| *known == number);
     let (name, color, width) = if let Some(&(_, name, color, width)) = known {
         (name.to_owned(), color, width)
@@ -108,7 +108,7 @@ fn style_of(number: NumberField, place: usize, role: &Role) -> Style {
     };
     // The means of two runs and of their difference are lighter than the curve behind them.
     let shade = if number.topic() == NUTATION { 1 } else { place };
-    Style {
+    PlotStyle {
         name: role.name(&name),
         color: role.color(color, shade),
         width: role.width(width),

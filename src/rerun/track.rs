@@ -5,19 +5,19 @@ use std::rc::Rc;
 
 use rerun::external::re_log_types::EntityPath;
 
-use super::output::{Columns, Destination, Output, Pending};
+use super::output::{ComponentColumns, Destination, Output, Pending};
 
 /// Rows per chunk: as fast as larger chunks, and five times as fast as chunks of 100 rows.
 const CHUNK_ROWS: usize = 4096;
 
 /// The rows of one entity, which the output flushes.
-pub(super) struct Track<R>(Rc<RefCell<Rows<R>>>);
+pub(super) struct Track<R>(Rc<RefCell<PendingRows<R>>>);
 
 /// Converts the values of some rows to components.
-type Serialize<R> = dyn Fn(&[R]) -> Columns;
+type Serialize<R> = dyn Fn(&[R]) -> ComponentColumns;
 
 /// The rows of an entity that are not yet in the file.
-struct Rows<R> {
+struct PendingRows<R> {
     entity: EntityPath,
     times: Vec<i64>,
     /// Values, as many for each row.
@@ -31,10 +31,10 @@ impl<R: 'static> Track<R> {
     /// An empty track; `columns` creates its components.
     pub(super) fn new(
         entity: impl Into<EntityPath>,
-        columns: impl Fn(&[R]) -> Columns + 'static,
+        columns: impl Fn(&[R]) -> ComponentColumns + 'static,
         output: &mut Output,
     ) -> Self {
-        let rows = Rc::new(RefCell::new(Rows {
+        let rows = Rc::new(RefCell::new(PendingRows {
             entity: entity.into(),
             times: Vec::with_capacity(CHUNK_ROWS),
             values: Vec::with_capacity(CHUNK_ROWS),
@@ -57,7 +57,7 @@ impl<R: 'static> Track<R> {
     }
 }
 
-impl<R> Rows<R> {
+impl<R> PendingRows<R> {
     fn send(&self, to: Destination, start: usize, output: &mut Output) {
         let width = self.values.len() / self.times.len();
         let columns = (self.columns)(&self.values[start * width..]);
@@ -65,7 +65,7 @@ impl<R> Rows<R> {
     }
 }
 
-impl<R> Pending for Rows<R> {
+impl<R> Pending for PendingRows<R> {
     fn show(&mut self, output: &mut Output) {
         if output.is_live() && self.shown < self.times.len() {
             self.send(Destination::Viewer, self.shown, output);

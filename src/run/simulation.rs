@@ -22,6 +22,7 @@ pub use event::{Event, EventKind, EventState, StopReason, UPRIGHT};
 pub use failure_point::{ContactPhase, FailurePoint};
 pub use free::{FreeSample, ImpactRecord};
 pub use nutation::NutationCycle;
+pub use progress::Stall;
 pub use record::{Record, RunEnd};
 pub use regime::Regime;
 pub use sample::{Energies, Frames, Momenta, Pose, Precession, Sample, Slip, Torques};
@@ -60,6 +61,7 @@ type ShortBody = Runner<
 pub struct Simulation {
     run: Box<dyn RecordStream>,
     carry_on: Box<dyn FnMut() -> bool>,
+    tally: Tally,
 }
 
 impl Simulation {
@@ -81,6 +83,7 @@ impl Simulation {
                 FormulationKind::Body => Box::new(Body::new(scenario, Detail::All)?),
             },
             carry_on: Box::new(|| true),
+            tally: Tally::default(),
         })
     }
 
@@ -97,13 +100,22 @@ impl Simulation {
     pub fn end(&self) -> RunEnd {
         self.run.end()
     }
+
+    /// Counts of the events so far.
+    pub fn tally(&self) -> &Tally {
+        &self.tally
+    }
 }
 
 impl Iterator for Simulation {
     type Item = Result<Record, SimulationError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        self.run.next_record(&mut *self.carry_on).transpose()
+        let record = self.run.next_record(&mut *self.carry_on).transpose();
+        if let Some(Ok(Record::Event(event))) = &record {
+            self.tally.record(event.kind, event.time);
+        }
+        record
     }
 }
 

@@ -14,11 +14,11 @@ pub struct Axis {
     pub key: &'static Key,
     /// The values as given; part of a sweep's identity.
     pub text: String,
-    points: Points,
+    points: AxisPoints,
 }
 
 #[derive(Clone, Debug)]
-enum Points {
+enum AxisPoints {
     /// These values.
     List(Vec<Value>),
     /// From one number to another.
@@ -58,7 +58,7 @@ impl Axis {
     /// [`SweepError::Scenario`] for an unknown key, [`SweepError::Axis`] for invalid values.
     pub fn parse(name: &str, text: &str) -> Result<Self, SweepError> {
         let key = find_key(name)?;
-        match Points::parse(key, text) {
+        match AxisPoints::parse(key, text) {
             Ok(points) => Ok(Self {
                 key,
                 text: text.to_owned(),
@@ -84,16 +84,16 @@ impl Axis {
     /// Number of values that a grid has along this axis; `None` if only a sample can choose them.
     pub fn count(&self) -> Option<u64> {
         match &self.points {
-            Points::List(values) => Some(values.len() as u64),
-            Points::Range(range) => range.count.map(u64::from),
+            AxisPoints::List(values) => Some(values.len() as u64),
+            AxisPoints::Range(range) => range.count.map(u64::from),
         }
     }
 
     /// The value at a grid index, clamped to the last value.
     pub fn at(&self, index: u64) -> Value {
         match &self.points {
-            Points::List(values) => values[index.min(values.len() as u64 - 1) as usize].clone(),
-            Points::Range(range) => {
+            AxisPoints::List(values) => values[index.min(values.len() as u64 - 1) as usize].clone(),
+            AxisPoints::Range(range) => {
                 let last = range.count.map_or(1, |count| u64::from(count) - 1);
                 Value::Number(range.on_grid(index.min(last) as f64 / last as f64))
             }
@@ -103,18 +103,18 @@ impl Axis {
     /// The value at a fraction, from 0 to below 1, of the axis.
     pub fn sampled(&self, fraction: f64) -> Value {
         match &self.points {
-            Points::List(values) => self.at((fraction * values.len() as f64) as u64),
-            Points::Range(range) => Value::Number(range.at(fraction)),
+            AxisPoints::List(values) => self.at((fraction * values.len() as f64) as u64),
+            AxisPoints::Range(range) => Value::Number(range.at(fraction)),
         }
     }
 
     /// Whether this is a range with a number of values, which a sample doesn't need.
     pub fn is_counted_range(&self) -> bool {
-        matches!(&self.points, Points::Range(range) if range.count.is_some())
+        matches!(&self.points, AxisPoints::Range(range) if range.count.is_some())
     }
 }
 
-impl Points {
+impl AxisPoints {
     fn parse(key: &Key, text: &str) -> Result<Self, AxisProblem> {
         // A text, such as a description, may contain two dots.
         if !key.kind.is_text() && text.contains("..") {

@@ -4,7 +4,7 @@ use super::axis::column_name;
 use super::checksum;
 use super::counts::Counts;
 use super::effort::{BLOCK_ROWS, estimate_steps, part_rows};
-use super::row::{Row, Run, Watch, row};
+use super::row::{RowResult, Run, Watch, row};
 use super::spec::Spec;
 use crate::run::outcome::{COLUMNS, Column, Outcome, Read, outcome};
 use crate::run::scenario::{Key, Scenario, ScenarioError, Value};
@@ -101,9 +101,9 @@ impl Sweep {
             .into_par_iter()
             .with_max_len(1)
             .map(|index| self.row(rows.start + index as u64, watch))
-            .collect::<Option<Vec<Row>>>()?;
+            .collect::<Option<Vec<RowResult>>>()?;
         let mut counts = Counts::default();
-        for (run, Row { result, .. }) in rows.clone().zip(&computed) {
+        for (run, RowResult { result, .. }) in rows.clone().zip(&computed) {
             match result {
                 Ok(outcome) => counts.count_stop(outcome.end.stop),
                 Err(failure) => counts.count_error(run, failure),
@@ -147,7 +147,7 @@ impl Sweep {
         scenario(&self.spec, row)
     }
 
-    fn row(&self, index: u64, watch: &Watch<'_>) -> Option<Row> {
+    fn row(&self, index: u64, watch: &Watch<'_>) -> Option<RowResult> {
         let scenario = self.scenario(index);
         let row = row(scenario, self.spec.max_steps, self.run, watch)?;
         (watch.row_done)(row.result.as_ref().ok().map(|outcome| outcome.end.stop));

@@ -71,7 +71,7 @@ impl Columns {
             .map_or("", String::as_str)
     }
 
-    /// The numbers of a column; NaN where there is none.
+    /// The numbers of a column; NaN where a cell is empty.
     ///
     /// # Errors
     /// [`SweepError::Table`] if they are not numbers.

@@ -38,7 +38,7 @@ pub(super) enum RowFailure {
 }
 
 /// Result of a row.
-pub(super) struct Row {
+pub(super) struct RowResult {
     /// Digest of the scenario; `None` if it is invalid.
     pub(super) digest: Option<String>,
     /// The outcome, if there is one.
@@ -51,11 +51,11 @@ pub(super) fn row(
     max_steps: Option<u64>,
     run: Run,
     watch: &Watch<'_>,
-) -> Option<Row> {
+) -> Option<RowResult> {
     let scenario = match scenario {
         Ok(scenario) => scenario,
         Err(error) => {
-            return Some(Row {
+            return Some(RowResult {
                 digest: None,
                 result: Err(error.into()),
             });
@@ -80,7 +80,7 @@ pub(super) fn row(
         }
         Ok(Ok(outcome)) => Ok(outcome),
     };
-    Some(Row {
+    Some(RowResult {
         digest: Some(scenario.digest()),
         result,
     })

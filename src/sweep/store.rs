@@ -50,7 +50,7 @@ pub(super) struct Store<'a> {
 }
 
 /// An existing, undamaged part.
-struct Part {
+struct ExistingPart {
     file: File,
     metadata: ParquetMetaData,
     counts: Counts,
@@ -287,7 +287,7 @@ impl<'a> Store<'a> {
     }
 
     /// A part; `None` if it is missing or damaged.
-    fn found(&self, part: u64) -> Result<Option<Part>, SweepError> {
+    fn found(&self, part: u64) -> Result<Option<ExistingPart>, SweepError> {
         let Ok(file) = open_file(&self.path(part)) else {
             return Ok(None);
         };
@@ -298,7 +298,7 @@ impl<'a> Store<'a> {
         if entry(&metadata, PART_ENTRY) != Some(&self.name(part)) {
             return Err(self.unusable_part(part, FileProblem::OtherPart));
         }
-        Ok(counts(&metadata).map(|counts| Part {
+        Ok(counts(&metadata).map(|counts| ExistingPart {
             file,
             metadata,
             counts,
@@ -306,7 +306,7 @@ impl<'a> Store<'a> {
     }
 
     /// A part; an error if it is missing.
-    fn whole(&self, part: u64) -> Result<Part, SweepError> {
+    fn whole(&self, part: u64) -> Result<ExistingPart, SweepError> {
         self.found(part)?
             .ok_or_else(|| self.unusable_part(part, FileProblem::MissingPart))
     }

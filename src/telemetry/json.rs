@@ -113,7 +113,7 @@ impl JsonDecoder {
     }
 
     pub(super) fn decode(&self, data: &[u8], row: &mut Row) -> Result<(), DecodeError> {
-        let Tally { found, unknown } = self
+        let FieldCounts { found, unknown } = self
             .fill(data, row)
             .map_err(|error| DecodeError::Json(error.to_string()))?;
         // A file of another version lacks some fields of the table and has others, but each of its messages must have
@@ -130,8 +130,8 @@ impl JsonDecoder {
     }
 
     /// Fills a row from a message.
-    fn fill(&self, data: &[u8], row: &mut Row) -> Result<Tally, serde_json::Error> {
-        let mut tally = Tally::default();
+    fn fill(&self, data: &[u8], row: &mut Row) -> Result<FieldCounts, serde_json::Error> {
+        let mut tally = FieldCounts::default();
         let mut deserializer = serde_json::Deserializer::from_slice(data);
         RowBuilder {
             object: &self.message,
@@ -192,7 +192,7 @@ fn unknown_member<'a>(message: &Object<String>, path: &'a str) -> Option<&'a str
 
 /// Progress of decoding.
 #[derive(Default)]
-struct Tally {
+struct FieldCounts {
     found: usize,
     unknown: usize,
 }
@@ -201,7 +201,7 @@ struct Tally {
 struct RowBuilder<'a> {
     object: &'a Object<String>,
     row: &'a mut Row,
-    tally: &'a mut Tally,
+    tally: &'a mut FieldCounts,
 }
 
 impl<'de> DeserializeSeed<'de> for RowBuilder<'_> {

@@ -3,6 +3,7 @@
 use super::logging::{Telemetry, TelemetryError};
 use super::message::Message;
 use super::topic::Topics;
+use crate::run::outcome::Outcome;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::{Record, RunEnd, Simulation, SimulationError, StopReason};
 use thiserror::Error;
@@ -22,6 +23,7 @@ pub enum RunError {
 ///
 /// Everything that is recorded, shown, analysed or verified comes from here, so it is the same to the last bit.
 pub struct RunMessages {
+    scenario: Scenario,
     simulation: Simulation,
     telemetry: Telemetry,
     has_failed: bool,
@@ -33,17 +35,12 @@ impl RunMessages {
     /// # Errors
     /// As [`Simulation::new`].
     pub fn new(scenario: &Scenario, topics: &Topics) -> Result<Self, SimulationError> {
-        let telemetry = Telemetry::with_topics(topics);
-        Ok(Self::with_telemetry(Simulation::new(scenario)?, telemetry))
-    }
-
-    /// The messages of a simulation that may have been configured.
-    pub fn with_telemetry(simulation: Simulation, telemetry: Telemetry) -> Self {
-        Self {
-            simulation,
-            telemetry,
+        Ok(Self {
+            scenario: scenario.clone(),
+            simulation: Simulation::new(scenario)?,
+            telemetry: Telemetry::with_topics(topics),
             has_failed: false,
-        }
+        })
     }
 
     /// As [`Simulation::continue_while`].
@@ -77,13 +74,13 @@ impl RunMessages {
         };
         let taken = self
             .telemetry
-            .messages(&record, |message| take(message).map_err(Stop::Taker));
+            .messages(&record, |message| take(message).map_err(TakeError::Taker));
         // Either error ends the run: messages of this record are missing, and what follows would not show it.
         self.has_failed = taken.is_err();
         Some(match taken {
             Ok(()) => Ok(record),
-            Err(Stop::Telemetry(error)) => Err(RunError::Telemetry(error).into()),
-            Err(Stop::Taker(error)) => Err(error),
+            Err(TakeError::Telemetry(error)) => Err(RunError::Telemetry(error).into()),
+            Err(TakeError::Taker(error)) => Err(error),
         })
     }
 
@@ -96,15 +93,20 @@ impl RunMessages {
         }
         end
     }
+
+    /// The outcome of the run up to its last record.
+    pub fn outcome(&self) -> Outcome {
+        Outcome::new(&self.scenario, self.end(), self.simulation.tally().clone())
+    }
 }
 
 /// The reason why the messages of a record were not all taken.
-enum Stop<E> {
+enum TakeError<E> {
     Telemetry(TelemetryError),
     Taker(E),
 }
 
-impl<E> From<TelemetryError> for Stop<E> {
+impl<E> From<TelemetryError> for TakeError<E> {
     fn from(error: TelemetryError) -> Self {
         Self::Telemetry(error)
     }

@@ -55,11 +55,11 @@ pub struct ViewChannel {
     pub is_free_peg_only: bool,
     /// Source topics; a view message is emitted with each message of the last one.
     sources: &'static [Topic],
-    kind: Kind,
+    kind: ViewKind,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum ViewKind {
     Description,
     Transforms,
     Inclination,
@@ -72,7 +72,7 @@ enum Kind {
     Log,
 }
 
-impl Kind {
+impl ViewKind {
     /// Whether there is a scale for the arrow of the view, if it is one.
     fn has_scale(self, scales: &Scales) -> bool {
         match self {
@@ -112,7 +112,7 @@ const FIELD: (&str, &str) = (
 const LOG: (&str, &str) = ("rcl_interfaces/msg/Log", include_str!("views/Log.msg"));
 
 const fn view(
-    kind: Kind,
+    kind: ViewKind,
     topic: &'static str,
     (schema, definition): (&'static str, &'static str),
     sources: &'static [Topic],
@@ -142,25 +142,25 @@ impl ViewChannel {
 /// All channels for viewers.
 #[rustfmt::skip]
 pub const VIEW_CHANNELS: &[ViewChannel] = &[
-    view(Kind::Description, "/robot_description", STRING, &[POSE],
+    view(ViewKind::Description, "/robot_description", STRING, &[POSE],
         "shape of the top as URDF, and a legend of these channels; sent once"),
-    view(Kind::Transforms, "/tf", TRANSFORMS, &[POSE],
+    view(ViewKind::Transforms, "/tf", TRANSFORMS, &[POSE],
         "frames `top` (body axes) and `contact` in `world`, m"),
-    view(Kind::Inclination, "/view/inclination", JOINT, &[STATE, TORQUE],
+    view(ViewKind::Inclination, "/view/inclination", JOINT, &[STATE, TORQUE],
         "θ in rad, θ̇ in rad/s, and as effort the total torque about the line of nodes in N m, \
          each with its minimum and maximum in the last nutation (of the torque's samples)"),
-    view(Kind::PrecessionRate, "/view/precession_rate", NUMBERS, &[STATE],
+    view(ViewKind::PrecessionRate, "/view/precession_rate", NUMBERS, &[STATE],
         "φ̇, and its minimum and maximum in the last nutation, rad/s"),
-    view(Kind::SpinRate, "/view/spin_rate", NUMBERS, &[STATE],
+    view(ViewKind::SpinRate, "/view/spin_rate", NUMBERS, &[STATE],
         "ψ̇, and its minimum and maximum in the last nutation, rad/s"),
-    view(Kind::SlipSpeed, "/view/slip_speed", NUMBERS, &[CONTACT], "slip speed, m/s"),
-    view(Kind::SlipVelocity, "/view/slip_velocity", FIELD, &[CONTACT],
+    view(ViewKind::SlipSpeed, "/view/slip_speed", NUMBERS, &[CONTACT], "slip speed, m/s"),
+    view(ViewKind::SlipVelocity, "/view/slip_velocity", FIELD, &[CONTACT],
         "arrow of the slip velocity in frame `contact`; its scale is in the legend"),
-    view(Kind::FrictionTorque, "/view/friction_torque", FIELD, &[TORQUE],
+    view(ViewKind::FrictionTorque, "/view/friction_torque", FIELD, &[TORQUE],
         "arrow of the friction torque in frame `top`; its scale is in the legend"),
-    view(Kind::NormalForce, "/view/normal_force", NUMBERS, &[CONTACT],
+    view(ViewKind::NormalForce, "/view/normal_force", NUMBERS, &[CONTACT],
         "normal force of a free peg, N; 0 in the air").free_peg_only(),
-    view(Kind::Log, "/log", LOG, &[EVENTS], "events (without nutation extremes) as log lines"),
+    view(ViewKind::Log, "/log", LOG, &[EVENTS], "events (without nutation extremes) as log lines"),
 ];
 
 /// Generates the view messages from table messages.
@@ -178,7 +178,7 @@ pub struct Views {
     state: [f64; 2],
     /// The ranges in the last nutation.
     envelope: Envelope,
-    /// How many of value, minimum and maximum are written: the value alone if nutations are not recorded.
+    /// Number of values that are written, of value, minimum and maximum: the value alone if nutations are not recorded.
     parts: usize,
     cdr: Cdr,
 }
@@ -236,18 +236,18 @@ impl Views {
     }
 
     /// Encodes the view of a message into `cdr`. Returns false if the message has no view.
-    fn write(&mut self, kind: Kind, message: &Message<'_>) -> bool {
+    fn write(&mut self, kind: ViewKind, message: &Message<'_>) -> bool {
         let (cdr, envelope, parts) = (&mut self.cdr, &self.envelope, self.parts);
         let time = message.time_ns;
         cdr.begin();
         match kind {
-            Kind::Description => {
+            ViewKind::Description => {
                 let Some(text) = self.description.take() else {
                     return false;
                 };
                 cdr.string(&text);
             }
-            Kind::Transforms => {
+            ViewKind::Transforms => {
                 let [x, y, z] = pose::PEG_POSITION.of(message).into();
                 let turn = pose::ORIENTATION.of(message).coords;
                 // Two transforms, each with its parent and child frame.
@@ -259,7 +259,7 @@ impl Views {
                 // Not rotated: the slip velocity has world axes.
                 cdr.f64s(&contact).f64s(&[0.0, 0.0, 0.0, 1.0]);
             }
-            Kind::Inclination => {
+            ViewKind::Inclination => {
                 let [theta, theta_dot] = self.state;
                 let theta = envelope.around(state::THETA, theta);
                 let theta_dot = envelope.around(state::THETA_DOT, theta_dot);
@@ -274,25 +274,25 @@ impl Views {
                     cdr.sequence(&values[..parts]);
                 }
             }
-            Kind::PrecessionRate => {
+            ViewKind::PrecessionRate => {
                 let rate = state::PHI_DOT.of(message);
                 plot(cdr, &envelope.around(state::PHI_DOT, rate)[..parts]);
             }
-            Kind::SpinRate => {
+            ViewKind::SpinRate => {
                 let rate = state::PSI_DOT.of(message);
                 plot(cdr, &envelope.around(state::PSI_DOT, rate)[..parts]);
             }
-            Kind::SlipSpeed => plot(cdr, &[contact::SLIP_SPEED.of(message)]),
-            Kind::NormalForce => plot(cdr, &[contact::NORMAL_FORCE.of(message)]),
-            Kind::SlipVelocity => {
+            ViewKind::SlipSpeed => plot(cdr, &[contact::SLIP_SPEED.of(message)]),
+            ViewKind::NormalForce => plot(cdr, &[contact::NORMAL_FORCE.of(message)]),
+            ViewKind::SlipVelocity => {
                 let slip = contact::SLIP_WORLD.of(message);
                 arrow(cdr.header(time, "contact"), slip, self.scales.slip);
             }
-            Kind::FrictionTorque => {
+            ViewKind::FrictionTorque => {
                 let torque = torque::FRICTION_BODY.of(message);
                 arrow(cdr.header(time, "top"), torque, self.scales.torque);
             }
-            Kind::Log => {
+            ViewKind::Log => {
                 let name = events::NAME.of(message);
                 if EventKind::find(name).is_some_and(EventKind::is_nutation_extreme) {
                     return false;

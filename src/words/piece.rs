@@ -278,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn values_that_differ_look_different() {
+    fn different_values_are_printed_differently() {
         for (values, expected) in [
             ([0.5, 0.02], ["0.5000", "0.0200 m"]),
             (

@@ -271,7 +271,7 @@ fn verifies_without_empty_channels() {
 }
 
 #[test]
-fn wrong_checksum_of_the_data_loses_nothing() {
+fn wrong_data_checksum_keeps_all_messages() {
     let mut bytes = raw::file(&[
         &raw::header("other"),
         &raw::record(mcap::records::op::CHANNEL, &raw::channel(1, "/a")),
@@ -365,7 +365,7 @@ fn notices_channels_that_only_a_later_chunk_defines() {
 }
 
 #[test]
-fn recording_without_compression_cut_in_a_chunk_is_interrupted() {
+fn uncompressed_recording_cut_in_a_chunk_is_interrupted() {
     let whole = recorded(
         &scenario("paper", &[("stop.duration", "0.3")]),
         &[],

@@ -1,6 +1,7 @@
 //! The architecture that ARCHITECTURE.md describes, checked by a search of the text: `rustfmt` gives every path the same
 //! form.
 
+use crate::file_graph::FileGraph;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -65,6 +66,25 @@ fn rooms_use_only_those_below() {
     }
 }
 
+/// Circles of files that are left.
+const CIRCLES: [&[&str]; 4] = [
+    &["fit/data_error.rs", "fit/unit.rs"],
+    &["fit/delimiter.rs", "fit/header.rs"],
+    &["fit/error.rs", "fit/parameter.rs"],
+    &["fit/words.rs", "fit/words/minima.rs"],
+];
+
+#[test]
+fn files_form_no_circles() {
+    let mut code = code();
+    // It takes the place of a module.
+    code.retain(|file, _| !file.starts_with("cli/without_"));
+    for circle in FileGraph::new(&code).circles() {
+        let known = CIRCLES.iter().any(|files| circle == *files);
+        assert!(known, "these files depend on each other: {circle:?}");
+    }
+}
+
 #[test]
 fn only_cli_uses_clap() {
     for (file, text) in code() {
@@ -72,12 +92,13 @@ fn only_cli_uses_clap() {
     }
 }
 
-/// What depends on a feature is in its module or the stub. `cfg!` is left to `--version`, `cfg_attr` to lints.
+/// What depends on a feature is in its module or the stub; `cli.rs` has the commands of features. `cfg!` is left to
+/// `--version`, `cfg_attr` to lints.
 #[test]
 fn cli_chooses_only_modules_by_feature() {
     let mut modules = 0;
     for (file, text) in code() {
-        if !file.starts_with("cli") {
+        if !file.starts_with("cli/") {
             continue;
         }
         for rest in text.split("#[cfg(").skip(1) {
@@ -91,8 +112,7 @@ fn cli_chooses_only_modules_by_feature() {
             }
         }
     }
-    // A module and its stub for each feature.
-    assert!(modules >= 6, "{modules}");
+    assert!(modules >= 3, "{modules}");
 }
 
 #[test]

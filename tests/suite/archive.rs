@@ -26,7 +26,7 @@ fn archive(path: &Path, scenario: &Scenario, existing: Existing) -> Result<Archi
     let mut run = RunMessages::new(scenario, &Topics::All).unwrap();
     let mut sink = McapSink::create(path, existing, scenario, run.telemetry(), Form::default())?;
     let recorded = record_all(&mut run, &mut [&mut sink]).unwrap();
-    sink.finish(&recorded.end)
+    sink.finish(&recorded.outcome.end)
 }
 
 #[test]
@@ -165,7 +165,7 @@ fn keeps_files_created_during_the_run() {
     let mut sink = McapSink::create(&path, Existing::Keep, &short(), telemetry, form).unwrap();
     let recorded = record_all(&mut run, &mut [&mut sink]).unwrap();
     fs::write(&path, "came in between").unwrap();
-    let error = sink.finish(&recorded.end).unwrap_err();
+    let error = sink.finish(&recorded.outcome.end).unwrap_err();
     assert!(matches!(error, SinkError::Exists { .. }), "{error}");
     assert_eq!(fs::read(&path).unwrap(), b"came in between");
     assert!(Overview::read(&partial_name(&path)).unwrap().is_whole());

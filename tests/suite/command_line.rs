@@ -491,7 +491,7 @@ fn help_fits_80_columns() {
 }
 
 #[test]
-fn names_that_are_set_win_over_file_names() {
+fn set_names_take_precedence_over_file_names() {
     let folder = Folder::new();
     fs::write(
         folder.at("mine.toml"),

@@ -248,7 +248,7 @@ fn val_the_terms_add_up_to_the_change_of_the_rate() {
         let work: f64 = sample.integrals.work_node.iter().sum();
         assert!((work - sample.integrals.friction_work).abs() < 1e-12);
     }
-    // In closed form: its integral of friction's term in ψ̈ is none.
+    // In closed form the integral of friction's term in ψ̈ is zero.
     let last = run.samples.last().unwrap().integrals;
     assert_eq!(last.terms.psi_frictional, 0.0);
     let run = Run::with("frictionless", &[("stop.duration", "1")]);

@@ -1,13 +1,12 @@
 //! The documents stay true: links lead somewhere, commands are understood, and what they are said to print is what
 //! they print.
 
+use crate::generated;
 use assert_cmd::Command;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
-use toprise::run::scenario::{KEYS, Kind, Presence, Preset};
-use toprise::telemetry::{Leaf, Quantity, channels};
-
+use toprise::run::scenario::{KEYS, Kind};
 use toprise::telemetry::views::{VIEW_CHANNELS, foxglove_layout};
 
 /// What stands for any text within a line of output, and alone on a line for any lines.
@@ -183,96 +182,21 @@ fn is_line(shown: &str, printed: &str) -> bool {
     }
 }
 
-/// The page of all keys, which is made from their table.
+/// `cargo run --no-default-features --example generate` writes them.
 #[test]
-fn keys_page_matches_the_table() {
-    let paper = Preset::find("paper").unwrap().values().unwrap();
-    let mut page = KEYS_HEAD.to_owned();
-    for key in KEYS {
-        let unit = key.in_unit();
-        let value = paper.get(key.path).map(ToString::to_string);
-        let presence = match key.presence {
-            Presence::Required => "always".to_owned(),
-            Presence::Optional => "optional".to_owned(),
-            Presence::RequiredWith(other, words) if words.len() < 4 => {
-                format!("with `{other}` = {}", words.join(", "))
-            }
-            Presence::RequiredWith(other, _) => format!("with any `{other}` but none"),
-            Presence::RequiredWithKey(other) => format!("with `{other}`"),
-            Presence::OptionalWith(other, words) => {
-                format!("optional with `{other}` = {}", words.join(", "))
-            }
-        };
-        let (path, meaning, kind) = (key.path, key.meaning, key.kind);
-        let value = value.filter(|_| path != "description").unwrap_or_default();
-        page += &format!("| `{path}` | {meaning}{unit} | {kind} | {value} | {presence} |\n");
-    }
-    check_page("keys.md", &page);
-}
-
-/// Compares a page of `docs` with what the tables give. Where they differ, the new page is left in the target directory.
-#[track_caller]
-fn check_page(name: &str, page: &str) {
-    let path = root().join("docs").join(name);
-    if fs::read_to_string(&path).unwrap_or_default() != page {
-        let made = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-        fs::write(&made, page).unwrap();
-        panic!(
-            "{} is stale; the new one is {}",
-            path.display(),
-            made.display()
-        );
+fn generated_pages_are_current() {
+    for (path, page) in generated::pages() {
+        let written = fs::read_to_string(root().join(path)).unwrap();
+        assert!(written == page, "{path} is stale; the new one is\n{page}");
     }
 }
 
-/// The end of the format's page lists the fields of all channels; its program is the one that the tests run.
+/// The program of the format's page is the one that the tests run.
 #[test]
-fn format_page_lists_the_fields_of_the_table() {
-    let path = root().join("docs/format.md");
-    let page = fs::read_to_string(&path).unwrap();
-    let (head, _) = page.split_once(CHANNELS_HEADING).unwrap();
+fn format_page_shows_the_tested_program() {
+    let page = fs::read_to_string(root().join("docs/format.md")).unwrap();
     let program = fs::read_to_string(root().join("tests/readers/digest.py")).unwrap();
-    assert!(head.contains(&format!("```python\n{program}```\n")));
-    let mut page = format!("{head}{CHANNELS_HEADING}");
-    for channel in channels() {
-        page += &format!("\n### `{}`\n\n", channel.topic);
-        page += &format!("`{}`: {}.\n\n", channel.schema, channel.meaning);
-        page += "| field | unit | meaning |\n|---|---|---|\n";
-        for leaf in channel.leaves() {
-            let Some(field) = field(leaf) else { continue };
-            page += &format!("| {field} | {} | {} |\n", leaf.unit, meaning(leaf));
-        }
-    }
-    check_page("format.md", &page);
-}
-
-/// The name of a field; a vector or quaternion is listed once, at its first component.
-fn field(leaf: &Leaf) -> Option<String> {
-    if !leaf.is_component {
-        return Some(format!("`{}`", leaf.path));
-    }
-    let name = leaf.path.strip_suffix(".x")?;
-    let components = match leaf.quantity {
-        Quantity::Orientation => "x, y, z, w",
-        _ => "x, y, z",
-    };
-    Some(format!("`{name}` ({components})"))
-}
-
-/// The meaning of a field, with the frame of a vector's components.
-fn meaning(leaf: &Leaf) -> String {
-    let meaning = leaf.meaning.replace('|', "\\|");
-    match leaf.frame.split(':').next() {
-        None | Some("") => meaning,
-        Some(frame) => format!("{meaning}, {frame} frame"),
-    }
-}
-
-const CHANNELS_HEADING: &str = "## Channels and fields\n";
-
-#[test]
-fn foxglove_layout_is_current() {
-    check_page("foxglove-layout.json", &foxglove_layout());
+    assert!(page.contains(&format!("```python\n{program}```\n")));
 }
 
 #[test]
@@ -309,18 +233,6 @@ fn shown_panels(node: &Value, shown: &mut Vec<String>) {
         shown_panels(&node[part], shown);
     }
 }
-
-const KEYS_HEAD: &str = "\
-# Keys of a scenario
-
-A scenario is a TOML file: `toprise presets paper > mine.toml`. Keys are grouped in sections: `friction.k` is `k` in
-`[friction]`. On the command line it is `--set friction.k=0.02`, and an empty value removes a key. Editors that use
-[`schemas/scenario.json`](../schemas/scenario.json) complete and check the keys: begin the file with
-`#:schema PATH/schemas/scenario.json`.
-
-| key | meaning | values | `paper` | when |
-|---|---|---|---|---|
-";
 
 #[test]
 fn scenario_schema_has_every_key() {

@@ -208,7 +208,7 @@ fn names_schemas_that_are_not_defined() {
 
 /// A summary that defines a topic once more, in another encoding, for a channel without messages.
 #[test]
-fn unused_definitions_of_the_summary_do_not_count() {
+fn ignores_unused_definitions_in_summary() {
     let mut forgery = Forgery::of(&original());
     forgery.header.library = "somebody".to_owned();
     forgery.summary = Rc::new(|records| {

@@ -368,7 +368,7 @@ fn legend_skips_absent_averages() {
 }
 
 #[test]
-fn precession_shares_a_panel_with_the_root_it_follows() {
+fn precession_shares_a_panel_with_the_followed_root() {
     for (preset, changes, root, is_above) in [
         ("paper", &[][..], "slow_root", false),
         (

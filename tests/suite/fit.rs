@@ -288,7 +288,7 @@ fn val_clock_offsets_are_found() {
 }
 
 #[test]
-fn val_stribeck_is_told_from_other_laws() {
+fn val_distinguishes_stribeck_from_other_laws() {
     let (set, scenario) = data_set("stribeck");
     let data = data(
         &["stribeck.csv"],
@@ -383,7 +383,7 @@ fn a_constant_error_does_not_describe_the_data() {
 }
 
 #[test]
-fn means_of_a_wrong_model_are_no_constant_error() {
+fn wrong_model_is_not_reported_as_constant_error() {
     let truth = preset("full-coulomb");
     let data = measure(&truth, 100.0, 2.0, &THETA_PHI, Some(3));
     let faster = truth.with([("initial.psi_dot", 171.0.into())]).unwrap();
@@ -401,7 +401,7 @@ fn means_of_a_wrong_model_are_no_constant_error() {
 }
 
 #[test]
-fn estimated_deviations_without_meaning_describe_nothing() {
+fn meaningless_deviations_do_not_describe_the_data() {
     use toprise::fit::report::Oddity;
     let truth = preset("full-coulomb");
     let data = measure(&truth, 100.0, 2.0, &THETA_PHI, Some(3));
@@ -501,7 +501,7 @@ fn table(header: &str, rows: &Data, scales: [f64; 4]) -> String {
 }
 
 #[test]
-fn units_that_are_stated_are_not_doubted() {
+fn accepts_stated_units() {
     let folder = Folder::new();
     folder.toprise("run full-coulomb --set stop.duration=2 -o run.mcap", 0);
     let fields = [
@@ -547,7 +547,7 @@ fn units_that_are_stated_are_not_doubted() {
 }
 
 #[test]
-fn noise_around_a_hanging_top_is_no_wrong_unit() {
+fn noise_of_hanging_top_is_not_a_wrong_unit() {
     let scenario = preset("tippe-top").with([
         ("initial.theta", 3.1405.into()),
         ("initial.psi_dot", (-120.0).into()),
@@ -749,7 +749,7 @@ fn frictionless_motion_gives_a_limit_and_no_estimate() {
 }
 
 #[test]
-fn refuses_parameters_that_the_data_cannot_tell_apart() {
+fn refuses_degenerate_parameters() {
     let scenario = preset("full-coulomb");
     let data = measure(&scenario, 100.0, 5.0, &THETA_PHI, Some(1));
     let top = "top.mass,gravity,top.center_distance,top.transverse_moment,top.axial_moment,top.peg_radius,friction.k";
@@ -784,7 +784,7 @@ fn refuses_parameters_that_the_data_cannot_tell_apart() {
 }
 
 #[test]
-fn leaves_out_what_a_gyroscope_does_not_show() {
+fn omits_parameters_that_a_gyroscope_cannot_determine() {
     let scenario = preset("full-coulomb");
     let gyroscope = [(pose::OMEGA_BODY.z(), 0.05)];
     let data = measure(&scenario, 100.0, 10.0, &gyroscope, Some(5));
@@ -926,7 +926,7 @@ fn fits_a_recording_and_records_the_best_fit() {
 }
 
 #[test]
-fn a_cut_recording_gives_a_partial_result() {
+fn cut_recording_gives_partial_result() {
     let folder = Folder::new();
     folder.toprise(
         "run full-coulomb --set stop.duration=3 --set sampling.period=0.01 -o a.mcap",
@@ -939,7 +939,7 @@ fn a_cut_recording_gives_a_partial_result() {
 }
 
 #[test]
-fn intervals_over_minima_that_noise_favours_hold_the_truth() {
+fn intervals_across_minima_cover_the_truth() {
     // A pupil's video: the nutation is hardly above the noise, and any spin has its own cycle of noise.
     let truth = preset("full-coulomb")
         .with([("friction.k", 0.05.into())])
@@ -1006,7 +1006,7 @@ fn a_fit_to_a_minority_does_not_describe_the_data() {
 }
 
 #[test]
-fn gives_up_on_data_that_no_motion_follows() {
+fn rejects_data_that_no_motion_fits() {
     let times: Vec<f64> = (0..500).map(|i| f64::from(i) / 100.0).collect();
     let swings: Vec<f64> = times
         .iter()
@@ -1054,7 +1054,7 @@ fn gives_up_on_data_that_no_motion_follows() {
 }
 
 #[test]
-fn minima_do_not_depend_on_the_start() {
+fn minima_are_independent_of_the_start() {
     let truth = preset("full-coulomb");
     let data = measure(&truth, 30.0, 2.0, &[(state::THETA, 5e-3)], Some(7));
     let mut reports = Vec::new();
@@ -1139,7 +1139,7 @@ fn laws_are_compared_with_that_of_the_scenario() {
 }
 
 #[test]
-fn remarks_on_a_sigma_that_is_far_too_large() {
+fn notes_overestimated_sigma() {
     let truth = preset("full-coulomb");
     for (name, noise, expected) in [("no noise", None, true), ("noise of σ", Some(3), false)] {
         let data = measure(&truth, 100.0, 1.0, &THETA_PHI, noise);
@@ -1186,7 +1186,7 @@ fn usual_parameters_are_those_of_the_law_and_the_start() {
 }
 
 #[test]
-fn exit_codes_tell_bad_fits_from_bad_input() {
+fn exit_codes_distinguish_bad_fits_from_bad_input() {
     let folder = Folder::new();
     folder.write(
         "a.csv",
@@ -1385,7 +1385,7 @@ fn val_robust_losses_estimate_the_noise_without_outliers() {
 }
 
 #[test]
-fn refuses_signals_that_no_file_has() {
+fn refuses_unknown_signals() {
     let folder = Folder::new();
     folder.toprise("run paper --set stop.duration=0.1 -o run.mcap", 0);
     folder.write("camera.csv", "t,theta,x\n0,0.5,1\n0.1,0.5,1\n");
@@ -1434,7 +1434,7 @@ fn refuses_signals_that_no_file_has() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_failed_output_leaves_the_others_as_they_were() {
+fn failed_output_keeps_other_files() {
     let folder = Folder::new();
     let data = measure(&preset("paper"), 50.0, 1.0, &THETA_PHI, None);
     let mut text = "t,theta,phi\n".to_owned();
@@ -1468,7 +1468,7 @@ fn refuses_scenario_files_with_other_extensions() {
 
 /// The nutation of the start values may have another frequency than that of the data.
 #[test]
-fn remark_on_sampling_is_about_the_fitted_motion() {
+fn sampling_note_uses_the_fitted_motion() {
     let spinning = |spin| scenario("full-coulomb", &[("initial.psi_dot", spin)]);
     let data = measure(&spinning("185"), 30.0, 3.0, &THETA_PHI, Some(3));
     let mut remarks = Vec::new();
@@ -1511,7 +1511,7 @@ fn precession_shows_a_spin_from_which_the_fit_succeeds() {
 
 /// The nutation has other phases in which a motion comes near the data, but not to them.
 #[test]
-fn a_minimum_far_from_the_data_is_not_the_answer() {
+fn restarts_from_minimum_far_from_the_data() {
     let truth = scenario(
         "paper",
         &[("initial.theta", "1.3"), ("stop.theta_risen", "")],

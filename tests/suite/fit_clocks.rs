@@ -211,7 +211,7 @@ fn refuses_offsets_that_leave_a_file_outside_the_motion() {
 }
 
 #[test]
-fn refuses_offsets_of_files_that_there_are_not() {
+fn refuses_offsets_of_missing_files() {
     let truth = preset("full-coulomb");
     let mut both = measure(&truth, 100.0, 0.5, &THETA_PHI, None);
     add_file(

@@ -56,7 +56,7 @@ fn laws_have_their_own_estimated_deviations() {
 }
 
 #[test]
-fn laws_that_end_early_are_refused_alone() {
+fn skips_only_laws_that_end_early() {
     let data = measure(&preset("frictionless"), 100.0, 5.0, &THETA_PHI, Some(1));
     // With k = 0.3 the top rises in 2.5 s.
     let start = preset("full-coulomb")
@@ -90,7 +90,7 @@ fn files_with_other_clocks_are_held_out() {
         .find(|signal| signal.file == 2)
         .unwrap();
     assert!(gyroscope.held_out_samples > 100, "{gyroscope:?}");
-    // Predicted to the noise; the mean of so many squares is 1 to 20 %, and the prediction adds to it.
+    // Predicted to the noise; the mean of these squares is 1 to 20 %, and the prediction adds to it.
     let rms = gyroscope.held_out_rms.unwrap();
     assert!((0.8..1.5).contains(&rms), "{rms}");
 }

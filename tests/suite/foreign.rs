@@ -54,7 +54,7 @@ fn cut_before(bytes: &[u8], opcode: u8) -> Vec<u8> {
 }
 
 #[test]
-fn skips_what_the_format_may_add() {
+fn skips_future_records() {
     let padded = |compression| [&chunk_body(compression)[..], &PADDING].concat();
     let hidden = record(op::CHUNK, &chunk_body(""));
     let in_chunk = |opcode| {
@@ -564,7 +564,7 @@ fn reports_contradictions_as_damage() {
 
 /// What writers may leave out or add without damage, with the number of channels that a reader sees.
 #[test]
-fn accepts_what_writers_leave_out_or_add() {
+fn accepts_omissions_and_additions_of_writers() {
     let data = eleven();
     let counts = [(1, 11)];
     let stated =
@@ -811,7 +811,7 @@ fn reports_counts_that_contradict_the_end_record() {
 }
 
 #[test]
-fn words_of_another_version_are_no_difference_of_values() {
+fn ignores_descriptions_of_another_version() {
     let folder = Folder::new();
     folder.toprise("run paper --set stop.duration=0.05 -o a.mcap", 0);
     let reworded = |library: &str| {

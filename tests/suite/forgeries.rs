@@ -474,7 +474,7 @@ fn rejects_forged_channels_and_schemas() {
             ("undeclared views", "views", "no"),
             ("undeclared topics", "topics", "/events"),
             ("another declared encoding", "encoding", "protobuf"),
-            ("an encoding that is none", "encoding", "by hand"),
+            ("an unknown encoding", "encoding", "by hand"),
         ] {
             a.caught(name, |f| f.set(RUN, key, value));
         }

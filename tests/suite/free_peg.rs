@@ -399,7 +399,7 @@ fn val_paper_top_hops_fifty_times() {
 }
 
 #[test]
-fn val_much_friction_soon_rolls() {
+fn val_large_friction_leads_to_rolling_early() {
     validate("coulomb mu=0.05 e=0");
     validate("coulomb mu=0.1 e=0");
     validate("coulomb mu=0.3 e=0.5");
@@ -731,7 +731,7 @@ fn barely_held_peg_rolls() {
 /// The dense output of a long step errs by more than the height of a peg that has just lifted off. Tolerances above 1e-9
 /// count as that.
 #[test]
-fn a_peg_lifts_off_at_loose_tolerances_too() {
+fn peg_lifts_off_at_loose_tolerances() {
     for tolerance in ["1e-10", "1e-9", "1e-7"] {
         let keys = [
             ("integrator.relative_tolerance", tolerance),

@@ -283,7 +283,7 @@ fn components_are_those_of_the_whole_state() {
 }
 
 #[test]
-fn before_the_first_step_dense_output_is_the_start() {
+fn dense_output_before_first_step_is_the_start() {
     let mut integrator = start(oscillator(), 3.0, [1.0, 0.5], 1e-9);
     let step = integrator.dense();
     assert_eq!((step.t0, step.h), (3.0, 0.0));
@@ -785,7 +785,7 @@ fn rejects_non_finite_values() {
 
 /// Steps grow sixfold until t overflows.
 #[test]
-fn a_system_at_rest_ends_with_an_error_after_the_end_of_time() {
+fn system_at_rest_fails_at_maximum_time() {
     let mut integrator = start(equation(|_, _: &[f64; 1]| [0.0]), 0.0, [1.0], 1e-9);
     let error = (0..1000).find_map(|_| integrator.step().err());
     let t = f64::INFINITY;
@@ -969,7 +969,7 @@ fn a_zero_between_steps_is_found_once() {
 
 /// The value at the end of a step and that at the start of the next may differ by rounding.
 #[test]
-fn a_sign_that_changes_in_the_rounding_between_steps_is_found() {
+fn finds_sign_change_within_rounding_between_steps() {
     let mut tracker = SignTracker::default();
     assert_eq!(scan(&mut tracker, |s| 1e-17 + 1.0 - s).0.len(), 0);
     let (found, _) = scan(&mut tracker, |s| -1e-17 - s);

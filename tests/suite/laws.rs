@@ -499,7 +499,7 @@ fn inverse_gudermann(theta: f64) -> f64 {
 }
 
 #[test]
-fn loss_of_spin_raises_top_without_faster_precession() {
+fn loss_of_spin_raises_top_at_constant_precession() {
     let run = Run::with("rise-by-loss-of-spin", &[]);
     assert_eq!(run.end.stop, StopReason::Risen);
     for pair in run.cycles.windows(2) {
@@ -642,7 +642,7 @@ fn every_law_name_selects_its_law() {
 }
 
 #[test]
-fn losses_alone_move_a_top_without_sliding_friction() {
+fn losses_act_without_sliding_friction() {
     // Rolling resistance has the form of the paper's friction with arm k R.
     let coulomb = Run::with("full-coulomb", &[("stop.duration", "5")]);
     let arm = format!("{:?}", 0.03 * 0.007);

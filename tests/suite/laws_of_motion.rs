@@ -825,8 +825,8 @@ fn jellett(scenario: &Scenario) -> PhysicalLaw {
     })
 }
 
-/// Routh's integral stays what it was as long as the peg rolls. It is at most so many times the angular momentum as the
-/// root of its moments is larger than the axial one.
+/// Routh's integral is constant as long as the peg rolls. It is at most the angular momentum times the ratio of the root of
+/// its moments to the axial one.
 fn routh(scenario: &Scenario) -> PhysicalLaw {
     let top = scenario.model.top;
     let lever = top.peg_radius + top.center_distance.abs();

@@ -13,6 +13,7 @@ mod agreement;
 mod answers;
 mod architecture;
 mod archive;
+mod built_files;
 mod command_line;
 mod compatible;
 mod conformance;
@@ -26,6 +27,7 @@ mod effort;
 mod explain;
 mod faults;
 mod figures;
+mod file_graph;
 #[cfg(feature = "fit")]
 mod fit;
 #[cfg(feature = "fit")]
@@ -37,6 +39,7 @@ mod forgeries;
 mod free_peg;
 mod frozen;
 mod fuzz_corpus;
+mod generated;
 mod golden;
 mod integrate;
 mod laws;

@@ -213,7 +213,7 @@ fn documents_list_every_column() {
 
 /// A failed run names a duration with which it ends before, also where the last step goes beyond it.
 #[test]
-fn run_ends_before_what_cannot_be_computed() {
+fn suggested_duration_ends_before_the_failure() {
     let steep_impact: &[(&str, &str)] = &[
         ("friction.law", "coulomb-rational"),
         ("friction.k", "0.774"),

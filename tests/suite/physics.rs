@@ -2,7 +2,7 @@
 
 use crate::support::{Run, assert_near, scenario};
 use nalgebra::Vector3;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 use toprise::physics::kinematics::{Euler, Tilt};
 use toprise::run::scenario::Scenario;
 use toprise::run::simulation::{EventKind, Sample, StopReason};
@@ -376,6 +376,38 @@ fn the_strength_ratio_is_one_at_the_sleeping_threshold() {
         },
     );
     assert_near("ratio", top.strength_ratio(&tilt), 1.0, 1e-14);
+}
+
+/// By a regular precession, small nutations have ω² = a² + φ̇² sin² θ − 4 (M g l/I_x) cos θ, with a = I_z Ω/I_x: gravity
+/// changes ω by less than 1/(2 r²), where r is the strength ratio |a|/√(4 M g l/I_x).
+#[test]
+fn val_small_nutations_of_a_fast_top() {
+    let top = scenario("paper", &[]).model.top;
+    let theta = 0.5;
+    for psi in [200.0, 2e3, 2e4] {
+        let spin = Tilt::from_rates(
+            theta,
+            Euler {
+                phi: 0.0,
+                theta: 0.0,
+                psi,
+            },
+        );
+        let phi = top.precession_roots(&spin).unwrap().slow;
+        let tilt = Tilt::from_rates(
+            theta,
+            Euler {
+                phi,
+                theta: 0.0,
+                psi,
+            },
+        );
+        let exact = TAU / top.nutation_period(&tilt, [theta, theta]).unwrap();
+        let ratio = top.nutation_frequency(tilt.axial_rate()) / exact;
+        let strength = top.strength_ratio(&tilt);
+        let gravity = 0.5 / (strength * strength);
+        assert!((ratio - 1.0).abs() < gravity, "{psi} rad/s: {ratio}");
+    }
 }
 
 #[test]

@@ -261,7 +261,7 @@ fn broken_laws(scenario: &Scenario) -> Vec<String> {
     let mut sink = MemorySink::default();
     let sinks: &mut [&mut dyn Sink] = &mut [&mut sink];
     let recorded = record_all(&mut run, sinks).unwrap();
-    let mut laws = LawsOfMotion::new(scenario, recorded.end.statistics.accepted);
+    let mut laws = LawsOfMotion::new(scenario, recorded.outcome.end.statistics.accepted);
     for message in &sink.messages {
         laws.take(&message.as_message());
     }

@@ -18,7 +18,7 @@ use toprise::run::simulation::{EventKind, StopReason};
 /// More steps than this in a second of motion are too many.
 const MAX_STEPS: f64 = 1e5;
 
-/// At most one top in so many may need more steps. Friction is stiff where a top hardly turns under Coulomb–Contensou
+/// At most one top in this number may need more steps. Friction is stiff where a top hardly turns under Coulomb–Contensou
 /// friction, or begins to move so slowly that the direction of its motion follows that of the torque.
 const RARE: usize = 100;
 
@@ -581,7 +581,7 @@ fn motionless_upright_free_tops_rest() {
 }
 
 #[test]
-fn events_name_what_is_held() {
+fn rest_events_name_held_components() {
     let frictionless = [
         ("friction.law", "none"),
         ("friction.k", ""),

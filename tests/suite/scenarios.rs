@@ -508,7 +508,7 @@ fn offered_ranges_end_where_values_are_refused() {
 }
 
 #[test]
-fn keys_that_are_not_offered_are_refused() {
+fn refuses_keys_that_are_not_offered() {
     for preset in PRESETS.iter() {
         let values = preset.values().unwrap();
         let offered = values.applicable_keys();
@@ -548,7 +548,7 @@ fn changing_to_an_offered_word_leaves_a_valid_scenario() {
 }
 
 #[test]
-fn changes_make_other_keys_agree() {
+fn changes_adjust_dependent_keys() {
     for (case, preset, path, value, keys) in [
         (
             "a free peg",

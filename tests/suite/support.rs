@@ -243,7 +243,7 @@ pub fn in_memory(scenario: &Scenario) -> (MemorySink, RunEnd) {
     let mut run = RunMessages::new(scenario, &Topics::All).unwrap();
     let recorded = record_all(&mut run, &mut [&mut sink]).unwrap();
     assert!(recorded.error.is_none(), "{:?}", recorded.error);
-    (sink, recorded.end)
+    (sink, recorded.outcome.end)
 }
 
 /// Records a run with these topics, all if there are none.
@@ -269,7 +269,7 @@ fn archive_topics(
     let mut run = RunMessages::new(scenario, topics).unwrap();
     let mut sink = McapSink::create(path, Existing::Keep, scenario, run.telemetry(), form)?;
     let recorded = record_all(&mut run, &mut [&mut sink])?;
-    sink.finish(&recorded.end)
+    sink.finish(&recorded.outcome.end)
 }
 
 /// The bytes of a recording.

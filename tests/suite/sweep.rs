@@ -505,7 +505,7 @@ fn samples_and_tables_define_rows() {
     write(&file, &columns);
     assert_eq!(of(&file).to_json(), spec.to_json());
 
-    // A quoted empty cell is a row, as pandas writes it; a blank line is none.
+    // A quoted empty cell is a row, as pandas writes it; a blank line is not.
     for (text, cells) in [
         ("friction_k\n\n0.02\n\n", &[Some(0.02)][..]),
         ("\u{feff}friction_k\r\n\r\n0.02\r\n\r\n", &[Some(0.02)]),

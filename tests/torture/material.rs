@@ -37,7 +37,7 @@ pub fn archive(path: &Path, scenario: &Scenario, topics: &[&str], form: Form) {
     let mut sink = McapSink::create(path, Existing::Keep, scenario, run.telemetry(), form).unwrap();
     let recorded = record_all(&mut run, &mut [&mut sink]).unwrap();
     assert!(recorded.error.is_none());
-    sink.finish(&recorded.end).unwrap();
+    sink.finish(&recorded.outcome.end).unwrap();
 }
 
 /// The difference between a recording and its scenario, run again, if there is one.

@@ -28,7 +28,7 @@ pub fn scenarios() -> Result<Trial, String> {
             .map_err(|error| error.to_string())?;
         // A motion that can't be computed to its end is recorded as failed.
         let recorded = record_all(&mut run, &mut [&mut sink]).map_err(|error| error.to_string())?;
-        sink.finish(&recorded.end)
+        sink.finish(&recorded.outcome.end)
             .map_err(|error| error.to_string())?;
         let recording = Recording::open(&path).map_err(|error| error.to_string())?;
         let report = verify(&recording, &|_| {}).map_err(|error| error.to_string())?;

@@ -13,14 +13,14 @@ use crate::telemetry::side::Side;
 use crate::words::{Piece, Sentence, sentence};
 use std::ops::{Bound, RangeBounds as _};
 
-/// How far the motions of two runs agree.
+/// Extent to which the motions of two runs agree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Agreement {
     /// They agree as long as both run.
     WhileBothRun {
         /// Number of samples that both runs have.
         samples: u64,
-        /// How exactly they agree.
+        /// Precision of the agreement.
         precision: Precision,
         /// The ends of A and of B, if they differ.
         ends: Option<[RunEnd; 2]>,
@@ -45,7 +45,7 @@ pub enum Change {
     EventOf(Side, EventKind),
 }
 
-/// How exactly two motions agree.
+/// Precision to which two motions agree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Precision {
     /// All values are bit-identical.
@@ -66,7 +66,7 @@ pub struct RunEnd {
     pub condition: Option<EndCondition>,
 }
 
-/// How far the motions agree; `None` if they differ from the start, or nothing shows why they part.
+/// Extent to which the motions agree; `None` if they differ from the start, or nothing shows why they part.
 pub(super) fn agreement(
     evidence: &Evidence<'_>,
     findings: &[Finding],

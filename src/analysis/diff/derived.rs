@@ -11,7 +11,7 @@ use nalgebra::{Quaternion, Vector3};
 type Angle = fn(&Message<'_>, &Message<'_>) -> f64;
 
 /// A kind of derived difference.
-struct Kind {
+struct DerivedKind {
     topic: Topic,
     name: &'static str,
     /// The fields that it is derived from.
@@ -20,26 +20,26 @@ struct Kind {
 }
 
 /// The angles of topics.
-static ANGLES: [Kind; 4] = [
-    Kind {
+static ANGLES: [DerivedKind; 4] = [
+    DerivedKind {
         topic: STATE,
         name: "φ modulo 2π",
         sources: || vec![state::PHI],
         angle: |a, b| turn(state::PHI, a, b),
     },
-    Kind {
+    DerivedKind {
         topic: STATE,
         name: "ψ as a direction",
         sources: || vec![state::PSI],
         angle: |a, b| turn(state::PSI, a, b),
     },
-    Kind {
+    DerivedKind {
         topic: POSE,
         name: "angle between orientations",
         sources: || pose::ORIENTATION.components().to_vec(),
         angle: |a, b| between_orientations(pose::ORIENTATION.of(a), pose::ORIENTATION.of(b)),
     },
-    Kind {
+    DerivedKind {
         topic: POSE,
         name: "angle between axes",
         sources: || pose::AXIS.components().to_vec(),

@@ -68,7 +68,7 @@ pub(super) struct Residuals {
     sums: [Sums; QUANTITIES.len()],
 }
 
-/// What is known of one quantity so far.
+/// Sums of one quantity so far.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     /// The largest magnitude of the difference.

@@ -5,7 +5,7 @@ use crate::telemetry::fields::state::THETA;
 use crate::telemetry::side::Side;
 use thiserror::Error;
 
-/// What is wrong with a tolerance.
+/// Error in a tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum ToleranceProblem {
     /// There is no `=`, or no pattern before it.
@@ -27,7 +27,7 @@ pub enum DiffError {
     Tolerance {
         /// The tolerance.
         text: String,
-        /// What is wrong with it.
+        /// The error in it.
         problem: ToleranceProblem,
     },
     /// A pattern of a tolerance or of an ignored field matches nothing.
@@ -43,7 +43,7 @@ pub enum DiffError {
     NoReadableMessages {
         /// The run.
         side: Side,
-        /// What can't be read.
+        /// The unreadable parts.
         losses: Vec<String>,
     },
     /// The files have no topic in common.

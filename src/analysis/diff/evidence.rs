@@ -1,4 +1,4 @@
-//! What findings are computed from, and comparisons of numbers that each run has for itself.
+//! The basis of findings, and comparisons of numbers that each run has for itself.
 
 use super::averages::Averaged;
 use super::discrepancy::Discrepancy;

@@ -14,7 +14,7 @@ use std::borrow::Cow;
 pub enum Quantity {
     /// Time of the end, s.
     End {
-        /// What ends A and B; absent if it is not recorded.
+        /// The conditions that end A and B; absent if it is not recorded.
         ends: [Option<EndCondition>; 2],
     },
     /// Time at which the mean of θ crosses a level, s.
@@ -88,7 +88,7 @@ pub enum Quantity {
     },
 }
 
-/// What ends a run.
+/// Condition that ends a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct EndCondition {
     /// The reason.
@@ -115,7 +115,7 @@ fn angle(level: f64) -> Piece {
 }
 
 impl Quantity {
-    /// What is compared, without the unit.
+    /// The compared quantity, without the unit.
     pub fn label(self) -> Sentence {
         match self {
             Self::End { ends: [a, b] } => match (a, b) {

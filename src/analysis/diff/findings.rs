@@ -10,7 +10,7 @@ use super::event_findings::events;
 use super::evidence::Evidence;
 use super::finding::{EndCondition, Finding, Quantity};
 use super::integration_error::{IntegrationError, combined};
-use super::pairing::RunData;
+use super::pairing::PairedRun;
 use crate::analysis::history::RunHistory;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::StopReason;
@@ -52,7 +52,7 @@ pub(super) fn findings(evidence: &Evidence<'_>) -> Vec<Finding> {
 }
 
 /// Whether nothing of a run is known to be missing.
-fn is_whole(run: &RunData) -> bool {
+fn is_whole(run: &PairedRun) -> bool {
     run.losses.is_empty() && !run.history.lacks(EVENTS)
 }
 
@@ -80,7 +80,7 @@ fn merge_equal_times(found: Vec<Finding>) -> Vec<Finding> {
     merged
 }
 
-/// What ends a run; `None` if it is not recorded.
+/// The condition that ends a run; `None` if it is not recorded.
 fn end_condition(run: &RunHistory, scenario: Option<&Scenario>) -> Option<EndCondition> {
     let reason = run.stop_reason()?;
     let stop = scenario.map(|scenario| &scenario.stop);
@@ -99,7 +99,7 @@ fn end_condition(run: &RunHistory, scenario: Option<&Scenario>) -> Option<EndCon
     Some(EndCondition { reason, limit })
 }
 
-/// What ends each run.
+/// The conditions that end the runs.
 pub(super) fn end_conditions(evidence: &Evidence<'_>) -> [Option<EndCondition>; 2] {
     let histories = evidence.histories();
     Side::BOTH.map(|side| {
@@ -225,7 +225,7 @@ fn energy_lost(evidence: &Evidence<'_>) -> Option<Finding> {
         let own = errors.map_or(0.0, |errors| {
             combined([errors[side.index()], 0.0], [energies.first, energies.last])
         });
-        // A loss below the error is none that is known.
+        // A loss below the error may be an error.
         if lost.abs() <= own { 0.0 } else { lost }
     });
     if lost == [0.0; 2] {

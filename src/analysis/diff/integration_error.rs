@@ -94,12 +94,12 @@ pub(super) enum IntegrationError {
 #[derive(Debug)]
 pub(super) struct Integrations {
     pub(super) errors: IntegrationErrors,
-    sides: [Repeated; 2],
+    sides: [RepeatedRun; 2],
 }
 
 /// A scenario that is integrated several times.
 #[derive(Clone, Debug)]
-struct Repeated {
+struct RepeatedRun {
     error: IntegratorError,
     /// With its own tolerances.
     own: RunHistory,
@@ -122,7 +122,7 @@ impl Integrations {
         side: Side,
         number: impl Fn(&RunHistory) -> Option<f64>,
     ) -> Option<f64> {
-        let Repeated { own, others, .. } = &self.sides[side.index()];
+        let RepeatedRun { own, others, .. } = &self.sides[side.index()];
         let own = number(own);
         let mut error = 0.0_f64;
         for other in others {
@@ -171,7 +171,7 @@ pub(super) fn compute(
 }
 
 impl Integrations {
-    fn new(sides: [Repeated; 2]) -> Self {
+    fn new(sides: [RepeatedRun; 2]) -> Self {
         let [a, b] = sides.each_ref().map(|side| side.error.clone());
         Self {
             errors: IntegrationErrors { a, b },
@@ -199,7 +199,7 @@ fn repeat(
     scenario: &Scenario,
     limits: &Limits<'_>,
     carry_on: &(dyn Fn() -> bool + Sync),
-) -> Option<Repeated> {
+) -> Option<RepeatedRun> {
     let own = &scenario.tolerances;
     let relative = other_tolerance(own.relative);
     let absolute = (own.absolute * (relative / own.relative)).max(TIGHTEST_ABSOLUTE);
@@ -210,7 +210,7 @@ fn repeat(
         (own.relative * relative).sqrt(),
         (own.absolute * absolute).sqrt(),
     )?;
-    let mut repeated = Repeated {
+    let mut repeated = RepeatedRun {
         error: IntegratorError {
             relative_tolerance: own.relative,
             compared_with: relative,
@@ -252,7 +252,7 @@ fn scenario_fields(scenario: &Scenario) -> impl Iterator<Item = NumberField> {
     Topic::all_with(scenario.model.support).flat_map(Topic::numbers)
 }
 
-impl Repeated {
+impl RepeatedRun {
     /// Integrates a scenario and a variant of it. `fields` has the largest difference of each field.
     fn add(
         &mut self,

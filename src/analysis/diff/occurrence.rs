@@ -21,9 +21,9 @@ pub(super) enum Occurrence {
     OnlyB(usize),
 }
 
-/// What two messages must have in common to be partners.
+/// Properties that two messages must share to be partners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Group {
+enum PartnerKey {
     /// The kind of event; `None` for names of other versions.
     Event(Option<&'static str>),
     /// The number of the nutation cycle, as bits.
@@ -49,7 +49,7 @@ pub(super) fn match_occurrences(
     };
     // With cycles by number and others by topic, partners would be in different groups.
     let has_cycles = topic == NUTATION && a.iter().chain(b).all(has_cycle_number);
-    let mut groups: BTreeMap<Group, [Vec<usize>; 2]> = BTreeMap::new();
+    let mut groups: BTreeMap<PartnerKey, [Vec<usize>; 2]> = BTreeMap::new();
     for (side, messages) in [a, b].into_iter().enumerate() {
         for (position, message) in messages.iter().enumerate() {
             let group = group(topic, has_cycles, message);
@@ -68,14 +68,14 @@ fn has_cycle_number(message: &Owned) -> bool {
     !nutation::CYCLE.of(&message.as_message()).is_nan()
 }
 
-fn group(topic: Topic, has_cycles: bool, message: &Owned) -> Group {
+fn group(topic: Topic, has_cycles: bool, message: &Owned) -> PartnerKey {
     if topic == EVENTS {
         let kind = EventKind::find(events::NAME.of(&message.as_message()));
-        Group::Event(kind.map(EventKind::name))
+        PartnerKey::Event(kind.map(EventKind::name))
     } else if has_cycles {
-        Group::Cycle(nutation::CYCLE.of(&message.as_message()).to_bits())
+        PartnerKey::Cycle(nutation::CYCLE.of(&message.as_message()).to_bits())
     } else {
-        Group::Topic
+        PartnerKey::Topic
     }
 }
 

@@ -38,7 +38,7 @@ const WAITING: usize = 4;
 #[derive(Debug)]
 pub(super) struct Paired {
     /// A and B.
-    pub(super) runs: [RunData; 2],
+    pub(super) runs: [PairedRun; 2],
     /// For each topic of the table the comparison of its messages; `None` for topics that are not compared.
     pub(super) topics: Vec<Option<TopicTally>>,
     /// The energies of A and of B at equal times.
@@ -49,7 +49,7 @@ pub(super) struct Paired {
 
 /// Data of one run.
 #[derive(Debug, Default)]
-pub(super) struct RunData {
+pub(super) struct PairedRun {
     pub(super) history: RunHistory,
     /// Parts that could not be read.
     pub(super) losses: Vec<String>,
@@ -80,7 +80,7 @@ impl Paired {
     }
 }
 
-/// What is compared of two runs.
+/// The compared part of two runs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits<'l> {
     /// The topics whose messages are compared.
@@ -192,9 +192,9 @@ impl<'o> Pairing<'o> {
         }
         let paired = Paired {
             topics: tallies,
-            runs: scenarios.each_ref().map(|scenario| RunData {
+            runs: scenarios.each_ref().map(|scenario| PairedRun {
                 history: RunHistory::new(scenario.as_ref(), limits.level),
-                ..RunData::default()
+                ..PairedRun::default()
             }),
             common: Default::default(),
             residuals: match models {

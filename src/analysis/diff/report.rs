@@ -10,7 +10,7 @@ use super::finding::Finding;
 use super::findings::findings;
 use super::integration_error::{IntegrationErrors, Integrations};
 use super::others::{self, TopicBytes};
-use super::pairing::{Paired, RunData};
+use super::pairing::{Paired, PairedRun};
 use super::setup::{KeyDifference, SetupDifferences};
 use super::topic::{ChannelDifference, TopicTally};
 use crate::analysis::history::RunSummary;
@@ -32,7 +32,7 @@ pub struct Report {
     pub verdict: Verdict,
     /// Whether both runs were read completely; otherwise the verdict covers the readable part.
     pub is_complete: bool,
-    /// How far the motions agree although the runs are different; not in JSON reports, where the topics and the ends show it.
+    /// Agreement of the motions of different runs; not in JSON reports, where the topics and the ends show it.
     #[serde(skip)]
     pub agreement: Option<Agreement>,
     /// The differences in the set-up.
@@ -117,7 +117,7 @@ impl Report {
             .as_ref()
             .map(|integrations| &integrations.errors);
         let [a, b] = Side::BOTH.map(|side| {
-            let RunData {
+            let PairedRun {
                 history, losses, ..
             } = &paired.runs[side.index()];
             ComparedRun {

@@ -6,7 +6,7 @@ use super::checksum::Checksum;
 use super::loss::{Loss, Losses};
 use super::record::{HEAD, RecordSpan, is_specified, parse};
 use super::scan::{Found, Scanner};
-use super::section::{Buffers, Section, record_at};
+use super::section::{Buffers, FileSection, record_at};
 use super::source::Source;
 use crate::archive::error::RecordingError;
 use crate::archive::format::LIBRARY_PREFIX;
@@ -30,7 +30,7 @@ pub(crate) struct Layout {
     pub(crate) library: String,
     /// The profile in its header.
     pub(crate) profile: String,
-    pub(crate) sections: Vec<Section>,
+    pub(crate) sections: Vec<FileSection>,
     /// Metadata records with their places.
     pub(crate) metadata: Vec<(RecordSpan, Metadata)>,
     pub(crate) attachments: Vec<Attachment>,
@@ -109,7 +109,7 @@ impl Layout {
         }
         match place.opcode {
             op::CHUNK => {
-                let section = Section::read_chunk(place, source)?;
+                let section = FileSection::read_chunk(place, source)?;
                 self.sections.push(section);
             }
             // The summary repeats schemas and channels.
@@ -166,7 +166,7 @@ impl Layout {
             {
                 last.length += place.length;
             }
-            _ => self.sections.push(Section {
+            _ => self.sections.push(FileSection {
                 offset: place.offset,
                 length: place.length,
                 is_chunk: false,

@@ -13,7 +13,7 @@ const DATA: u32 = 0x184d_2204;
 const SKIPPED: u32 = 0x184d_2a50;
 
 /// An end mark follows the data; it is read only if the last frame has none.
-type Decoder<'a> = FrameDecoder<Chain<&'a [u8], &'static [u8]>>;
+type FrameReader<'a> = FrameDecoder<Chain<&'a [u8], &'static [u8]>>;
 
 /// Reads the content of LZ4 frames that follow each other.
 ///
@@ -21,7 +21,7 @@ type Decoder<'a> = FrameDecoder<Chain<&'a [u8], &'static [u8]>>;
 /// magic number are ignored, as after Zstandard frames.
 pub(crate) struct Lz4Frames<'a> {
     rest: &'a [u8],
-    decoder: Option<Decoder<'a>>,
+    decoder: Option<FrameReader<'a>>,
     is_padding_possible: bool,
 }
 
@@ -35,7 +35,7 @@ impl<'a> Lz4Frames<'a> {
     }
 
     /// The decoder of the next frame with data; `None` at the end.
-    fn next_frame(&mut self) -> io::Result<Option<Decoder<'a>>> {
+    fn next_frame(&mut self) -> io::Result<Option<FrameReader<'a>>> {
         loop {
             let number = self.rest.first_chunk().copied().map(u32::from_le_bytes);
             match number {
@@ -61,7 +61,7 @@ impl<'a> Lz4Frames<'a> {
     }
 
     /// Ends a frame that has been read.
-    fn end_frame(&mut self, decoder: &Decoder<'a>) -> io::Result<()> {
+    fn end_frame(&mut self, decoder: &FrameReader<'a>) -> io::Result<()> {
         let (rest, end_mark) = decoder.get_ref().get_ref();
         if end_mark.len() < END_MARK.len() {
             // Strict readers reject such a chunk.
@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn reads_frames_with_what_may_follow_them() {
+    fn reads_frames_with_trailing_data() {
         let [a, b] = [frame(b"abc"), frame(b"de")];
         let skipped = [&[0x5a, 0x2a, 0x4d, 0x18, 2, 0, 0, 0][..], b"xy"].concat();
         for (name, data, expected) in [

@@ -51,7 +51,7 @@ pub(crate) fn parse(opcode: u8, body: &[u8]) -> McapResult<Record<'_>> {
 }
 
 /// A field of a record, or several.
-enum Part {
+enum RecordField {
     /// Numbers with this total size in bytes.
     Bytes(u64),
     /// Text or bytes, preceded by their length.
@@ -66,7 +66,7 @@ enum Part {
     Rest,
 }
 
-/// What is wrong with the fields of a record.
+/// Error in the fields of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FieldFault {
     /// The specification doesn't define the record, or a length is missing or leads beyond the body.
@@ -78,8 +78,8 @@ pub(crate) enum FieldFault {
 /// The total length of the fields of a record's body; `start` must include all length fields. A longer body contains
 /// unread data.
 pub(crate) fn fields_length(opcode: u8, start: &[u8]) -> Result<u64, FieldFault> {
-    use Part::{Bytes, Data, Numbers, Rest, Text, Texts};
-    let parts: &[Part] = match opcode {
+    use RecordField::{Bytes, Data, Numbers, Rest, Text, Texts};
+    let parts: &[RecordField] = match opcode {
         op::HEADER => &[Text, Text],
         op::FOOTER => &[Bytes(20)],
         op::SCHEMA => &[Bytes(2), Text, Text, Text],

@@ -34,7 +34,7 @@ pub(crate) enum Found {
     Cut(Range<u64>),
 }
 
-/// What is wrong with bytes.
+/// Damage of bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Damage {
     /// They are no record.
@@ -300,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn accepts_a_record_up_to_the_end_of_the_file_and_none_beyond() {
+    fn rejects_records_beyond_the_end_of_the_file() {
         let record = RecordSpan {
             opcode: op::MESSAGE,
             offset: 8,

@@ -20,7 +20,7 @@ const MAX_FIELDS: u64 = 1 << 12;
 
 /// A part of a file that holds messages.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Section {
+pub(crate) struct FileSection {
     /// Start in the file.
     pub(crate) offset: u64,
     /// Length, bytes.
@@ -76,7 +76,7 @@ pub(crate) struct Buffers {
     pub(crate) records: Vec<u8>,
 }
 
-impl Section {
+impl FileSection {
     /// The section of a chunk. Only the two times at the start of the chunk are read.
     pub(crate) fn read_chunk(place: &RecordSpan, source: &Source) -> io::Result<Self> {
         let mut times = Vec::new();

@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn reads_frames_with_what_may_follow_them() {
+    fn reads_frames_with_trailing_data() {
         let [a, b] = [frame(b"abc"), frame(b"de")];
         let skipped = [&[0x5a, 0x2a, 0x4d, 0x18, 2, 0, 0, 0][..], b"xy"].concat();
         for (name, data, expected) in [

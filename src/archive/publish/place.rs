@@ -1,4 +1,4 @@
-//! Whether two paths lead to one file.
+//! Comparison of the files to which paths lead.
 
 use super::directory_of;
 use crate::archive::sink::SinkError;

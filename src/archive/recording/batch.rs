@@ -5,15 +5,15 @@ use std::mem;
 
 /// Messages that have been loaded.
 #[derive(Debug, Default)]
-pub(super) struct Batch {
+pub(super) struct LoadedMessages {
     /// Records, among them the messages.
     pub(super) records: Vec<u8>,
-    pub(super) entries: Vec<Entry>,
+    pub(super) entries: Vec<BatchEntry>,
 }
 
 /// A message of a batch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Entry {
+pub(super) struct BatchEntry {
     /// Log time, ns.
     pub(super) time_ns: u64,
     /// Index of the section.
@@ -22,7 +22,7 @@ pub(super) struct Entry {
     pub(super) start: u32,
 }
 
-impl Batch {
+impl LoadedMessages {
     pub(super) fn clear(&mut self) {
         self.records.clear();
         self.entries.clear();
@@ -53,7 +53,7 @@ impl Batch {
         for entry in &other.entries {
             let start = entry.start as usize;
             if let Some(Ok((_, end))) = record_at(&other.records, start) {
-                self.entries.push(Entry {
+                self.entries.push(BatchEntry {
                     start: self.records.len() as u32,
                     ..*entry
                 });
@@ -75,7 +75,7 @@ impl Batch {
     }
 
     /// Head and data of a message.
-    pub(super) fn message(&self, entry: &Entry) -> Option<MessageRecord<'_>> {
+    pub(super) fn message(&self, entry: &BatchEntry) -> Option<MessageRecord<'_>> {
         let (record, _) = record_at(&self.records, entry.start as usize)?.ok()?;
         MessageRecord::parse(&record)
     }

@@ -34,7 +34,7 @@ pub(crate) struct ContentCheck {
     undecodable: Option<Undecodable>,
 }
 
-/// What is wrong with the messages of a recording.
+/// Faults of the messages of a recording.
 #[derive(Debug, Default)]
 pub(crate) struct ContentFaults {
     pub(crate) undecodable: Option<Undecodable>,

@@ -1,16 +1,17 @@
 //! Loads a recording's messages in batches: section by section, or in order of time.
 
+mod position;
 mod records;
 
-use self::records::Position;
-use super::batch::{Batch, Entry};
+use self::position::Position;
+use super::batch::{BatchEntry, LoadedMessages};
 use super::file::Recording;
 use super::order::Order;
 use super::selection::Selection;
-use super::statistics::Tally;
+use super::statistics::MessageTally;
 use super::windows::{Span, Window, Windows};
 use crate::archive::container::loss::Losses;
-use crate::archive::container::section::{Buffers, MessageRecord, Section};
+use crate::archive::container::section::{Buffers, FileSection, MessageRecord};
 use crate::telemetry::Topics;
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
@@ -32,9 +33,9 @@ pub(super) struct Loader<'r> {
     is_sorted: bool,
     plan: Plan,
     buffers: Buffers,
-    batch: Batch,
+    batch: LoadedMessages,
     /// Messages that are sorted together with those of the next section, which starts at their time.
-    held: Batch,
+    held: LoadedMessages,
     /// Maximum size of messages that are sorted together, bytes.
     max_window: usize,
     /// The number of messages of the batch that have been returned.
@@ -49,7 +50,7 @@ pub(super) struct Loader<'r> {
     /// Bytes of decompressed content that may still be read; what is beyond is reported as a loss (decompression bombs).
     bytes_left: u64,
     /// The messages of all channels that have been read.
-    pub(super) tally: Tally,
+    pub(super) tally: MessageTally,
     /// Number of bytes of the file that have been read.
     pub(super) bytes_read: u64,
 }
@@ -68,7 +69,7 @@ pub(super) struct FoundMessage {
     /// Position of the channel in the file's list.
     pub(super) channel: usize,
     /// The record in the batch.
-    pub(super) entry: Entry,
+    pub(super) entry: BatchEntry,
 }
 
 /// For each channel of the file, whether its topic is selected.
@@ -97,8 +98,8 @@ impl<'r> Loader<'r> {
             selection,
             is_sorted: false,
             buffers: Buffers::default(),
-            batch: Batch::default(),
-            held: Batch::default(),
+            batch: LoadedMessages::default(),
+            held: LoadedMessages::default(),
             max_window: 0,
             returned: 0,
             losses: Losses::default(),
@@ -106,7 +107,7 @@ impl<'r> Loader<'r> {
             is_first_pass: true,
             redefined: BTreeMap::new(),
             bytes_left: MIN_CONTENT.saturating_add(growth),
-            tally: Tally::default(),
+            tally: MessageTally::default(),
             bytes_read: 0,
         }
     }
@@ -220,7 +221,7 @@ impl<'r> Loader<'r> {
         }
         let mut entries = mem::take(&mut self.batch.entries);
         self.scan(section, |time_ns, record| {
-            entries.push(Entry {
+            entries.push(BatchEntry {
                 time_ns,
                 section: index as u32,
                 start: record.start as u32,
@@ -265,7 +266,7 @@ impl<'r> Loader<'r> {
     }
 
     /// Adds a section's messages of a window to a batch.
-    fn append(&mut self, index: u32, window: Window, batch: &mut Batch) {
+    fn append(&mut self, index: u32, window: Window, batch: &mut LoadedMessages) {
         let section = &self.recording.layout.sections[index as usize];
         // It was read before, so this can only fail if the file is being changed.
         if let Err(error) = section.load(&self.recording.source, &mut self.buffers) {
@@ -274,7 +275,7 @@ impl<'r> Loader<'r> {
         let records = mem::take(&mut self.buffers.records);
         self.scan_records(section, &records, |time_ns, record| {
             if window.includes(time_ns) {
-                batch.entries.push(Entry {
+                batch.entries.push(BatchEntry {
                     time_ns,
                     section: index,
                     start: batch.records.len() as u32,
@@ -295,7 +296,7 @@ impl<'r> Loader<'r> {
         self.batch.entries = entries;
     }
 
-    fn compare(&self, order: Option<&Order>, a: &Entry, b: &Entry) -> Ordering {
+    fn compare(&self, order: Option<&Order>, a: &BatchEntry, b: &BatchEntry) -> Ordering {
         // Ranks need the head of the message, which only messages of the same time are worth.
         a.time_ns
             .cmp(&b.time_ns)
@@ -304,7 +305,7 @@ impl<'r> Loader<'r> {
     }
 
     /// Rank of a message among those of the same time; all are equal without an order.
-    fn rank(&self, order: Option<&Order>, entry: &Entry) -> Option<(usize, u32)> {
+    fn rank(&self, order: Option<&Order>, entry: &BatchEntry) -> Option<(usize, u32)> {
         let order = order?;
         let message = self.batch.message(entry)?;
         let channel = self
@@ -316,7 +317,7 @@ impl<'r> Loader<'r> {
     }
 
     /// Loads a section for the first time, within the limit of content. Returns whether it can be read.
-    fn load(&mut self, section: &Section) -> bool {
+    fn load(&mut self, section: &FileSection) -> bool {
         if self.bytes_left == 0 {
             self.report_rest(section);
             return false;
@@ -333,7 +334,7 @@ impl<'r> Loader<'r> {
     }
 
     /// Calls `take` with time and place of each selected message of the section that has been loaded.
-    fn scan(&mut self, section: &Section, take: impl FnMut(u64, Range<usize>)) {
+    fn scan(&mut self, section: &FileSection, take: impl FnMut(u64, Range<usize>)) {
         let records = mem::take(&mut self.buffers.records);
         self.scan_records(section, &records, take);
         self.buffers.records = records;

@@ -17,12 +17,12 @@ pub(super) struct Order {
     /// For each channel of the file, its place among `channels`.
     places: Vec<usize>,
     /// The channels; those of a topic of toprise are one.
-    channels: Vec<Channel>,
+    channels: Vec<OrderedChannel>,
     misplaced: Option<Misplaced>,
 }
 
 #[derive(Debug)]
-struct Channel {
+struct OrderedChannel {
     topic: String,
     rule: Rule,
     /// Place of the channel among those of a run; none for channels of other software.
@@ -144,7 +144,7 @@ impl Order {
             }
             known.extend(topic.map(|topic| (topic, channels.len())));
             places.push(channels.len());
-            channels.push(Channel {
+            channels.push(OrderedChannel {
                 topic: channel.topic.clone(),
                 rule: match channel.info() {
                     // Only toprise's own channels have a rule: other software may repeat messages or go back in time.
@@ -165,7 +165,7 @@ impl Order {
     }
 
     /// Sort key of a message among those of its time: the topic's place in the telemetry table, then the sequence number.
-    /// What is derived from a sample must not depend on the order in which other software wrote its topics. Messages with
+    /// Values derived from a sample must not depend on the order in which other software wrote its topics. Messages with
     /// equal keys keep the file order: those of other software, and those whose writer set no sequence numbers.
     pub(super) fn rank(&self, channel: usize, head: &MessageRecord<'_>) -> Option<(usize, u32)> {
         Some((self.channels[self.places[channel]].place?, head.sequence))
@@ -205,7 +205,7 @@ fn place(channel: &FileChannel) -> Option<usize> {
     }
 }
 
-impl Channel {
+impl OrderedChannel {
     /// The reason for leaving out a message, if any.
     fn fault(&self, message: &MessageRecord<'_>) -> Option<Fault> {
         let last = self.latest.time_ns?;
@@ -231,7 +231,7 @@ mod tests {
     fn accepted(rule: Rule, messages: &[Numbers]) -> (Vec<bool>, Option<String>) {
         let mut order = Order {
             places: vec![0],
-            channels: vec![Channel {
+            channels: vec![OrderedChannel {
                 topic: "/top/state".to_owned(),
                 rule,
                 place: None,

@@ -39,7 +39,7 @@ pub struct Overview {
     pub channels: Vec<ChannelOverview>,
     /// The events.
     pub events: Vec<EventOverview>,
-    /// What is wrong with the messages of the run, in sentences: some are missing, repeated or can't be decoded; absent if
+    /// Faults of the messages of the run, in sentences: some are missing, repeated or can't be decoded; absent if
     /// nothing is.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub faults: Vec<String>,
@@ -163,7 +163,7 @@ impl Overview {
         let is_ours = recording.is_ours();
         let mut reader = recording.reader(Selection::default());
         if is_ours {
-            // As explain and diff read it: repeated messages are none of the run.
+            // As explain and diff read it: repeated messages don't belong to the run.
             reader = reader.in_order_of_time();
         }
         while let Some((message, decoded)) = reader.next_both() {
@@ -237,7 +237,7 @@ impl Overview {
     }
 }
 
-/// What is wrong with the messages of a recording, in sentences.
+/// Faults of the messages of a recording, in sentences.
 fn content_faults(recording: &Recording, reader: &Reader<'_>, check: ContentCheck) -> Vec<String> {
     let mut sentences: Vec<String> = reader
         .left_out()

@@ -8,7 +8,7 @@ use std::fmt;
 
 /// Messages of a file, counted as they are read.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Tally {
+pub(super) struct MessageTally {
     /// Number of sections that were read.
     sections: usize,
     /// Messages by channel id.
@@ -17,7 +17,7 @@ pub(super) struct Tally {
     times: Option<(u64, u64)>,
 }
 
-impl Tally {
+impl MessageTally {
     pub(super) fn count_section(&mut self) {
         self.sections += 1;
     }
@@ -55,7 +55,7 @@ impl fmt::Display for StatisticsFault {
 }
 
 /// The first number of a file's statistics that contradicts its content; `None` unless all of the content was counted.
-pub(super) fn find_fault(layout: &Layout, tally: &Tally) -> Option<StatisticsFault> {
+pub(super) fn find_fault(layout: &Layout, tally: &MessageTally) -> Option<StatisticsFault> {
     let stated = layout.statistics.as_ref()?;
     if tally.sections < layout.sections.len() {
         return None;

@@ -5,7 +5,7 @@
 //! reads all sections that overlap it. A window is as long as its messages fit into memory, so the sections are read
 //! as often as their messages are larger than a window: once, in most files.
 
-use super::batch::Batch;
+use super::batch::LoadedMessages;
 use std::vec;
 
 /// The times of the first and last message of a section, ns.
@@ -52,7 +52,7 @@ impl Window {
     }
 
     /// Ends earlier, and drops the messages after that. Returns false if the window is a single instant.
-    fn shrink(&mut self, batch: &mut Batch) -> bool {
+    fn shrink(&mut self, batch: &mut LoadedMessages) -> bool {
         // A selection, not a sort: it takes linear time, and a window may hold millions of messages.
         let mut times: Vec<u64> = batch.entries.iter().map(|entry| entry.time_ns).collect();
         // Three quarters stay, so that little is read twice.
@@ -95,8 +95,8 @@ impl Windows {
     /// `append` adds a section's messages of a window to the batch.
     pub(super) fn load_next(
         &mut self,
-        batch: &mut Batch,
-        append: &mut dyn FnMut(u32, Window, &mut Batch),
+        batch: &mut LoadedMessages,
+        append: &mut dyn FnMut(u32, Window, &mut LoadedMessages),
     ) -> Option<()> {
         if let Some(instant) = &mut self.instant {
             let window = Window {
@@ -127,8 +127,8 @@ impl Windows {
     fn fill(
         &mut self,
         mut window: Window,
-        batch: &mut Batch,
-        append: &mut dyn FnMut(u32, Window, &mut Batch),
+        batch: &mut LoadedMessages,
+        append: &mut dyn FnMut(u32, Window, &mut LoadedMessages),
     ) -> Window {
         for span in &self.spans[self.done..] {
             if span.first > window.last {
@@ -167,7 +167,7 @@ impl Windows {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::archive::recording::batch::Entry;
+    use crate::archive::recording::batch::BatchEntry;
     use mcap::records::op;
     use proptest::prelude::*;
 
@@ -209,12 +209,12 @@ mod tests {
             })
         });
         let mut windows = Windows::new(spans.collect(), max_size);
-        let (mut batch, mut found, mut largest) = (Batch::default(), Vec::new(), 0);
+        let (mut batch, mut found, mut largest) = (LoadedMessages::default(), Vec::new(), 0);
         loop {
             let loaded = windows.load_next(&mut batch, &mut |section, window, batch| {
                 for message in &sections[section as usize] {
                     if window.includes(message.0) {
-                        batch.entries.push(Entry {
+                        batch.entries.push(BatchEntry {
                             time_ns: message.0,
                             section,
                             start: batch.records.len() as u32,

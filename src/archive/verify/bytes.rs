@@ -35,7 +35,7 @@ pub(super) fn are_equal(
         progress(equal - std::mem::replace(&mut reported, equal));
         Ok(ControlFlow::Continue(()))
     });
-    let (file, _) = sink.end(&recorded.ok()?.end).ok()?;
+    let (file, _) = sink.end(&recorded.ok()?.outcome.end).ok()?;
     // The last bytes are compared when the buffer is emptied.
     file.into_inner().ok()?;
     let equal = position.load(Ordering::Relaxed);

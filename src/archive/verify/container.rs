@@ -14,16 +14,16 @@ use crate::words::plural;
 use sha2::{Digest as _, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What a fact is about. Ordered so that a difference of a whole item comes before those of its fields.
+/// Subject of a fact. Ordered so that a difference of a whole item comes before those of its fields.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Subject {
+struct FactSubject {
     /// The header, a metadata record, an attachment or a topic.
     item: String,
     /// A field of the item; `None` for all of it.
     field: Option<String>,
 }
 
-impl Subject {
+impl FactSubject {
     /// Whether this is an entry of the end record.
     fn is_end_entry(&self) -> bool {
         self.item == END_RECORD && self.field.is_some()
@@ -31,9 +31,9 @@ impl Subject {
 }
 
 /// Facts about a file, as texts that are shown where two files differ.
-struct Facts {
+struct FileFacts {
     scope: Scope,
-    texts: BTreeMap<Subject, String>,
+    texts: BTreeMap<FactSubject, String>,
 }
 
 /// The first entry in which a recording differs from its run. A partial run may lack some entries. A recording of another
@@ -45,8 +45,8 @@ pub(super) fn difference(
     is_part: bool,
     scope: Scope,
 ) -> Option<Difference> {
-    let mut recorded = Facts::from_recording(recording, scope).texts;
-    let mut run = Facts::from_run(header, end, scope);
+    let mut recorded = FileFacts::from_recording(recording, scope).texts;
+    let mut run = FileFacts::from_run(header, end, scope);
     for supplement in supplements() {
         let channel = RegisteredChannel::supplement(supplement);
         if recording
@@ -100,7 +100,7 @@ pub(super) fn difference(
 
 /// Whether a fact doesn't depend on the version that recorded it. The digest covers all fields, so it is that of this
 /// version only if the fields are.
-fn is_comparable(subject: &Subject, has_same_fields: bool) -> bool {
+fn is_comparable(subject: &FactSubject, has_same_fields: bool) -> bool {
     match (subject.item.as_str(), subject.field.as_deref()) {
         (RUN_RECORD, Some(VERSION | TELEMETRY)) => false,
         (END_RECORD, Some(CONTENT_DIGEST)) => has_same_fields,
@@ -147,7 +147,7 @@ fn is_view(recording: &Recording, topic: &str) -> bool {
         .any(|channel| channel.topic == topic && channel.is_view())
 }
 
-impl Facts {
+impl FileFacts {
     /// The facts that a file shows.
     fn from_recording(recording: &Recording, scope: Scope) -> Self {
         let mut facts = Self::new(recording.profile(), scope);
@@ -264,7 +264,7 @@ impl Facts {
 
     /// Adds a fact. Facts about one subject are joined, so a second record of a name is a difference, too.
     fn add(&mut self, item: &str, field: Option<&str>, text: &str) {
-        let subject = Subject {
+        let subject = FactSubject {
             item: item.to_owned(),
             field: field.map(str::to_owned),
         };

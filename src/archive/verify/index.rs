@@ -11,7 +11,7 @@ use self::equality::{check_equal, list};
 use super::difference::Difference;
 use super::error::IndexFault;
 use crate::archive::container::record::{HEAD, head, parse};
-use crate::archive::container::section::{Buffers, MessageRecord, Section, record_at};
+use crate::archive::container::section::{Buffers, FileSection, MessageRecord, record_at};
 use crate::archive::recording::Recording;
 use crate::words::plural;
 use mcap::Summary;
@@ -36,7 +36,7 @@ pub(super) struct Chunk {
 
 impl Chunk {
     /// A chunk with these messages.
-    fn new(entries: &Entries, size: u64) -> Self {
+    fn new(entries: &MessageIndexes, size: u64) -> Self {
         let mut span: Option<(u64, u64)> = None;
         for entry in entries.values().flatten() {
             let (first, last) = span.unwrap_or((entry.log_time, entry.log_time));
@@ -49,7 +49,7 @@ impl Chunk {
 }
 
 /// Message index entries by channel id.
-type Entries = BTreeMap<u16, Vec<MessageIndexEntry>>;
+type MessageIndexes = BTreeMap<u16, Vec<MessageIndexEntry>>;
 
 /// Checks the summary of a file. Returns the chunks.
 pub(super) fn check(recording: &Recording, summary: &Summary) -> Result<Chunks, IndexFault> {
@@ -107,7 +107,7 @@ fn chunk_text(index: &ChunkIndex) -> String {
 }
 
 /// Compares the index of the messages in a chunk, and names the first channel whose entries differ.
-fn check_entries(found: &Entries, expected: &Entries) -> Result<(), Difference> {
+fn check_entries(found: &MessageIndexes, expected: &MessageIndexes) -> Result<(), Difference> {
     let place = "the messages in the index of a chunk";
     for id in expected.keys().chain(found.keys()) {
         let [found, expected] =
@@ -126,8 +126,8 @@ fn check_entries(found: &Entries, expected: &Entries) -> Result<(), Difference> 
 }
 
 /// The entries that the message indexes of a chunk must have.
-fn entries(records: &[u8]) -> Entries {
-    let mut entries = Entries::new();
+fn entries(records: &[u8]) -> MessageIndexes {
+    let mut entries = MessageIndexes::new();
     let mut position = 0;
     while let Some(Ok((record, next))) = record_at(records, position) {
         if let Some(message) = MessageRecord::parse(&record) {
@@ -147,7 +147,7 @@ fn entries(records: &[u8]) -> Entries {
 /// Compares the times in the header of a chunk with those of its messages.
 fn check_chunk_times(
     recording: &Recording,
-    section: &Section,
+    section: &FileSection,
     chunk: Chunk,
 ) -> Result<(), IndexFault> {
     let Some(header) = chunk_header(recording, section)? else {
@@ -165,9 +165,9 @@ fn check_chunk_times(
 /// Compares the index of a chunk with its header and its messages.
 fn check_chunk_index(
     recording: &Recording,
-    section: &Section,
+    section: &FileSection,
     index: &ChunkIndex,
-    entries: &Entries,
+    entries: &MessageIndexes,
 ) -> Result<(), IndexFault> {
     let Some(header) = chunk_header(recording, section)? else {
         return Ok(());
@@ -192,7 +192,7 @@ fn check_chunk_index(
     Ok(())
 }
 
-fn chunk_header(recording: &Recording, section: &Section) -> io::Result<Option<ChunkHeader>> {
+fn chunk_header(recording: &Recording, section: &FileSection) -> io::Result<Option<ChunkHeader>> {
     let mut bytes = Vec::new();
     recording
         .source
@@ -207,15 +207,15 @@ fn chunk_header(recording: &Recording, section: &Section) -> io::Result<Option<C
 /// The entries of the message indexes after a chunk, found by their offsets.
 fn message_indexes(
     recording: &Recording,
-    section: &Section,
+    section: &FileSection,
     index: &ChunkIndex,
-) -> io::Result<Entries> {
+) -> io::Result<MessageIndexes> {
     let start = section.offset + section.length;
     let mut bytes = Vec::new();
     recording
         .source
         .read(start, index.message_index_length, &mut bytes)?;
-    let mut found = Entries::new();
+    let mut found = MessageIndexes::new();
     for (channel, offset) in &index.message_index_offsets {
         let entries = offset
             .checked_sub(start)

@@ -25,7 +25,7 @@ pub(super) struct Compared {
 }
 
 /// Comparison of a file with a new run.
-pub(super) struct Comparison<'r> {
+pub(super) struct RerunComparison<'r> {
     recording: &'r Recording,
     rerun: Rerun<'r>,
     /// Whether encoded bytes are compared, or only values.
@@ -43,7 +43,7 @@ pub(super) struct Comparison<'r> {
     compared: Compared,
 }
 
-impl<'r> Comparison<'r> {
+impl<'r> RerunComparison<'r> {
     pub(super) fn new(recording: &'r Recording, rerun: Rerun<'r>, scope: Scope) -> Self {
         let declared = &rerun.header.channels;
         let (mut places, mut decoders) = (Vec::new(), Vec::new());

@@ -1,6 +1,6 @@
 //! The scope of a verification.
 
-/// What is compared.
+/// The compared part of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Scope {
     /// All bytes of messages, schemas and attachments.

@@ -10,14 +10,14 @@ use std::path::PathBuf;
 
 /// The kind of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Kind {
+pub(super) enum ImageFormat {
     /// Vector graphics
     Svg,
     /// Bitmap, 300 dpi
     Png,
 }
 
-impl Kind {
+impl ImageFormat {
     fn extension(self) -> &'static str {
         match self {
             Self::Svg => "svg",
@@ -34,14 +34,14 @@ impl Kind {
 }
 
 /// The files that are written.
-pub(super) struct FilePlan {
+pub(super) struct FigureFiles {
     pub(super) directory: PathBuf,
-    pub(super) kinds: Vec<Kind>,
+    pub(super) kinds: Vec<ImageFormat>,
     pub(super) existing: Existing,
 }
 
-impl FilePlan {
-    fn path(&self, figure: &str, kind: Kind) -> PathBuf {
+impl FigureFiles {
+    fn path(&self, figure: &str, kind: ImageFormat) -> PathBuf {
         self.directory
             .join(format!("{figure}.{}", kind.extension()))
     }

@@ -11,7 +11,7 @@ use crate::words::{Section, Sentence, Table, Tone, counted};
 const CURVATURE_LIES: f64 = 0.2;
 
 /// The report of a fit and the files that were written, as sections.
-pub(super) fn page(fit: &Report, written: &[WrittenFile], all: bool) -> Vec<Section> {
+pub(in crate::cli) fn page(fit: &Report, written: &[WrittenFile], all: bool) -> Vec<Section> {
     let words = fit.words(Interface::Terminal, all);
     let mut sections = vec![
         headline(fit, &words),
@@ -272,7 +272,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn profiles_show_their_width_however_large_the_value_is() {
+    fn profile_axis_shows_width_of_large_values() {
         for (value, half_width, expected) in [
             (4_999.267_231_4, Some(3.9e-4), "4999.267231"),
             (0.035_022_1, Some(5.9e-5), "0.0350221"),

@@ -15,9 +15,6 @@ use anyhow::{Context as _, Error, bail};
 use clap::Args;
 use std::path::PathBuf;
 
-/// End of a sentence of the report: how to see more in the viewer.
-pub(in crate::cli) const SPAWN_HINT: &str = ", --spawn shows both tops in Rerun";
-
 /// Viewer options of `diff`.
 #[derive(Args, Clone, Debug, PartialEq)]
 pub(in crate::cli) struct ShowArguments {
@@ -33,7 +30,7 @@ pub(in crate::cli) struct ShowArguments {
     force: bool,
 }
 
-/// What is shown of a comparison.
+/// The Rerun output of a comparison, resolved.
 pub(in crate::cli) struct ShowPlan {
     rrd: Option<PathBuf>,
     existing: Existing,

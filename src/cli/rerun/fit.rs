@@ -2,7 +2,7 @@
 
 use super::viewer::{ViewerArguments, complete, warn_all};
 use crate::archive::publish::{Draft, Drafts, Existing};
-use crate::archive::sink::{RecordedRun, Sink, record};
+use crate::archive::sink::{RecordedRun, Sink, record_all};
 use crate::cli::arguments::OUTPUT;
 use crate::cli::file_kind::FileKind;
 use crate::cli::output;
@@ -12,13 +12,10 @@ use crate::rerun::{
     Destinations, ExplainedSink, Identity, Live, MeasuredSignal, MeasuredValue, Measurement,
     Playback,
 };
-use crate::run::outcome::Outcome;
-use crate::run::simulation::{Record, Tally};
 use crate::run::time::nanoseconds;
 use crate::telemetry::{RunMessages, Topic, Topics};
 use anyhow::Error;
 use clap::Args;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -90,17 +87,11 @@ impl ShowPlan {
 /// Simulates the best fit.
 fn record_run(fit: &Fit, sink: &mut ExplainedSink) -> Result<(), Error> {
     let mut run = RunMessages::new(&fit.scenario, &Topics::All)?;
-    let mut tally = Tally::default();
     let mut sinks: [&mut dyn Sink; 1] = [sink];
-    let RecordedRun { end, error } = record(&mut run, &mut sinks, |record, _| {
-        if let Record::Event(event) = record {
-            tally.record(event.kind, event.time);
-        }
-        Ok(ControlFlow::Continue(()))
-    })?;
+    let RecordedRun { outcome, error } = record_all(&mut run, &mut sinks)?;
     match error {
         Some(error) => output::warn(&error.to_string()),
-        None => sink.set_outcome(&Outcome::new(&fit.scenario, end, tally)),
+        None => sink.set_outcome(&outcome),
     }
     Ok(())
 }

@@ -29,7 +29,7 @@ pub(in crate::cli) struct ShowArguments {
     viewer: ViewerArguments,
 }
 
-/// What is shown of a run.
+/// The Rerun output of a run, resolved.
 #[derive(Clone, Debug)]
 pub(in crate::cli) struct ShowPlan {
     /// Whether the arguments leave the Rerun recording out without saying so.

@@ -1,5 +1,6 @@
 //! `toprise view`.
 
+use super::attached;
 use super::viewer::{self, ViewerArguments};
 use crate::archive::format::is_end_of;
 use crate::archive::input::open_file;
@@ -8,7 +9,6 @@ use crate::archive::recording::{Condition, Recording, Selection};
 use crate::archive::replay::{Replayed, replay};
 use crate::cli::arguments::OUTPUT;
 use crate::cli::file_kind::FileKind;
-use crate::cli::fit;
 use crate::cli::interrupt;
 use crate::cli::output;
 use crate::cli::progress::Progress;
@@ -57,7 +57,7 @@ pub(in crate::cli) struct ViewArguments {
 
 /// The recordings that were shown.
 #[derive(Debug, Serialize, JsonSchema)]
-pub(super) struct ViewReport {
+pub(in crate::cli) struct ViewReport {
     /// The recordings, in command-line order, up to the interruption.
     recordings: Vec<ShownRecording>,
     /// Whether the user interrupted the replay.
@@ -119,7 +119,7 @@ fn parse_seconds(text: &str) -> Result<f64, TimeError> {
     }
 }
 
-/// What is shown, and where.
+/// The recordings to show, and the viewer or files.
 struct ViewPlan {
     selection: Selection,
     existing: Existing,
@@ -214,7 +214,7 @@ fn unused_name(file: &Path, others: &[PlannedRecording]) -> String {
 }
 
 /// Shows recordings.
-pub(super) fn view(arguments: &ViewArguments, drafts: &Drafts) -> Result<Status, Error> {
+pub(in crate::cli) fn view(arguments: &ViewArguments, drafts: &Drafts) -> Result<Status, Error> {
     if let Some(shown) = show_rrd(arguments)? {
         return Ok(shown);
     }
@@ -357,7 +357,7 @@ fn measurement(recording: &Recording, selection: &Selection) -> Option<Measureme
     let [_, report] = SUPPLEMENTARY_ATTACHMENTS;
     let text = recording
         .attachment(report.name, MAX_REPORT)
-        .and_then(|json| fit::attached::report(&json));
+        .and_then(|json| attached::report(&json));
     Measurement::from_recording(recording, selection, text.unwrap_or_default())
 }
 

@@ -23,7 +23,7 @@ pub(super) struct FilePlan {
     pub(super) rrd: RrdFile,
     /// The stem of a name in [`DIRECTORY`].
     pub(super) stem: String,
-    /// What becomes of existing files.
+    /// The treatment of existing files.
     pub(super) existing: Existing,
 }
 

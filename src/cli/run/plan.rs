@@ -1,4 +1,4 @@
-//! What a run does: the arguments of `toprise run`, resolved.
+//! The arguments of `toprise run`, resolved.
 
 use super::file_plan::FilePlan;
 use crate::archive::writer::Form;
@@ -21,6 +21,6 @@ pub(super) struct RunPlan {
     pub(super) speed: Option<f64>,
     /// The files that are read and written.
     pub(super) files: FilePlan,
-    /// What is shown in Rerun.
+    /// The Rerun output.
     pub(super) show: ShowPlan,
 }

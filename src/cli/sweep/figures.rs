@@ -156,7 +156,7 @@ fn existing_values(mut cells: Vec<String>, value: &str) -> String {
     }
 }
 
-/// The distance of two numbers; infinite or NaN if one is none.
+/// The distance of two numbers; infinite or NaN if one of them is.
 fn distance(cell: &str, value: &str) -> f64 {
     (number_or_infinity(cell) - number_or_infinity(value)).abs()
 }

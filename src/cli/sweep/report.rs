@@ -82,7 +82,7 @@ impl SweepReport {
             facts.push(("table", table.line()));
         }
         if self.interrupted {
-            // Of a shard, the other runs are none of this command's.
+            // The other runs of a shard belong to other commands.
             let (kept, left) = (grouped(self.computed), counted(left, "run"));
             facts.push(("kept", format!("{kept} of the {left} that were left")));
         }

@@ -1,7 +1,7 @@
 //! The corner of correlations: for each pair of parameters the ellipses of their joint 68.3 % and 95.4 %.
 
 use crate::figures::plot::drawing::{Anchor, Drawing};
-use crate::figures::plot::legend::{self, Entry};
+use crate::figures::plot::legend::{self, LegendEntry};
 use crate::figures::plot::shape::{Bounds, Colour, Point, Shape};
 use crate::figures::plot::style::{self, BLACK, FONT_SIZE, HAIRLINE, LINE_HEIGHT, MARGIN};
 use crate::figures::plot::text::Text;
@@ -35,8 +35,8 @@ pub(super) fn draw(fit: &Fit, width: f64) -> Drawing {
     let count = names.len();
     let mut drawing = Drawing::new(width);
     let entries = [
-        Entry::area(FILLS[1], "68.3 %"),
-        Entry::area(FILLS[0], "95.4 %"),
+        LegendEntry::area(FILLS[1], "68.3 %"),
+        LegendEntry::area(FILLS[0], "95.4 %"),
     ];
     let top = legend::draw_at_top(&mut drawing, &entries) + 0.6;
     let widest = names.iter().map(|name| name.width).fold(0.0, f64::max) * FONT_SIZE;

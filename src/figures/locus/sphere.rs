@@ -193,7 +193,7 @@ impl Sphere {
         let mut lines = Vec::new();
         for line in self.circles.iter().chain(&self.meridians) {
             for (side, points) in view.parts(line) {
-                if side == Side::Near {
+                if side == Hemisphere::Near {
                     lines.push(points);
                 }
             }
@@ -231,8 +231,8 @@ fn draw_trace(drawing: &mut Drawing, trace: &Trace, view: &View) {
     let mut shapes = Vec::new();
     for (side, points) in view.parts(&axes) {
         let opacity = match side {
-            Side::Near => 1.0,
-            Side::Far => FAR_OPACITY,
+            Hemisphere::Near => 1.0,
+            Hemisphere::Far => FAR_OPACITY,
         };
         shapes.push(Shape::Line {
             points,
@@ -248,12 +248,12 @@ fn draw_trace(drawing: &mut Drawing, trace: &Trace, view: &View) {
 
 /// A side of the sphere, as seen by the viewer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Side {
+enum Hemisphere {
     Near,
     Far,
 }
 
-impl Side {
+impl Hemisphere {
     /// The side of a point in view coordinates.
     fn new(point: &Direction) -> Self {
         if point.z >= 0.0 {
@@ -284,12 +284,12 @@ impl View {
     }
 
     /// Splits a line into parts on the near and the far side.
-    fn parts(&self, line: &[Direction]) -> Vec<(Side, Vec<Point>)> {
-        line.chunk_by(|a, b| Side::new(a) == Side::new(b))
+    fn parts(&self, line: &[Direction]) -> Vec<(Hemisphere, Vec<Point>)> {
+        line.chunk_by(|a, b| Hemisphere::new(a) == Hemisphere::new(b))
             .map(|part| {
                 let places = self.places(part);
                 let thinned = decimate::by_distance(&places, 1.0 / RESOLUTION);
-                (Side::new(&part[0]), thinned)
+                (Hemisphere::new(&part[0]), thinned)
             })
             .collect()
     }

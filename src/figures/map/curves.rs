@@ -6,7 +6,7 @@ use super::runs::{Map, MapRun};
 use crate::figures::error::FigureError;
 use crate::figures::plot::drawing::Drawing;
 use crate::figures::plot::frame;
-use crate::figures::plot::legend::{self, Entry};
+use crate::figures::plot::legend::{self, LegendEntry};
 use crate::figures::plot::shape::{Bounds, Point, Stroke};
 use crate::figures::plot::style::{self, COLOURS, DASHES, MEDIUM};
 use crate::figures::plot::text::Text;
@@ -100,11 +100,11 @@ impl Strips {
 }
 
 /// The names of several curves, and the outcomes of runs without a value.
-fn legend_of(map: &Map, curves: &[Curve<'_>]) -> Vec<Entry> {
+fn legend_of(map: &Map, curves: &[ScenarioCurve<'_>]) -> Vec<LegendEntry> {
     let mut legend = Vec::new();
     if curves.len() > 1 {
         for curve in curves {
-            legend.push(Entry::from_text(curve.stroke, Text::name(curve.name)));
+            legend.push(LegendEntry::from_text(curve.stroke, Text::name(curve.name)));
         }
     }
     let outcomes: Vec<String> = map
@@ -114,20 +114,20 @@ fn legend_of(map: &Map, curves: &[Curve<'_>]) -> Vec<Entry> {
         .collect();
     if !outcomes.is_empty() {
         let note = format!("above the frame: {}", outcomes.join(", "));
-        legend.push(Entry::note(&note));
+        legend.push(LegendEntry::note(&note));
     }
     legend
 }
 
 /// The runs of a scenario, in the order of x.
-struct Curve<'a> {
+struct ScenarioCurve<'a> {
     name: &'a str,
     stroke: Stroke,
     runs: Vec<&'a MapRun>,
 }
 
 /// The curves of all scenarios, in the order of their names.
-fn curves(map: &Map) -> Result<Vec<Curve<'_>>, FigureError> {
+fn curves(map: &Map) -> Result<Vec<ScenarioCurve<'_>>, FigureError> {
     let mut runs: Vec<&MapRun> = map.runs.iter().collect();
     runs.sort_by(|a, b| a.scenario.cmp(&b.scenario).then(a.x.total_cmp(&b.x)));
     let scenarios: Vec<&[&MapRun]> = runs.chunk_by(|a, b| a.scenario == b.scenario).collect();
@@ -149,7 +149,7 @@ fn curves(map: &Map) -> Result<Vec<Curve<'_>>, FigureError> {
             });
         }
         let colour = COLOURS[index % COLOURS.len()];
-        curves.push(Curve {
+        curves.push(ScenarioCurve {
             name,
             // The dashes change after each round of colours, so that no two curves look alike.
             stroke: Stroke {

@@ -7,7 +7,7 @@ use super::grid::Grid;
 use super::runs::{Map, MapAxis, MapRun};
 use crate::figures::error::FigureError;
 use crate::figures::plot::drawing::Drawing;
-use crate::figures::plot::legend::{self, Entry};
+use crate::figures::plot::legend::{self, LegendEntry};
 use crate::figures::plot::range::extremes;
 use crate::figures::plot::shape::Colour;
 use crate::figures::plot::style::{self, LINE_HEIGHT, MEDIUM};
@@ -25,12 +25,12 @@ pub(super) fn draw(map: &Map, y: &MapAxis, width: f64) -> Result<Drawing, Figure
     let mut legend = Vec::new();
     for outcome in map.outcomes() {
         let words = outcome.words(&map.color.name);
-        legend.push(Entry::area(outcome.colour(), &words));
+        legend.push(LegendEntry::area(outcome.colour(), &words));
     }
     if !borders.is_empty() {
         let stroke = style::line(style::BLACK, MEDIUM);
         let meaning = "boundary of looping runs (ticks point inside)";
-        legend.push(Entry::line(stroke, meaning));
+        legend.push(LegendEntry::line(stroke, meaning));
     }
     // The label of the bar stands between legend and frame.
     let bar_label = if bar.is_empty() { 0.0 } else { LINE_HEIGHT };

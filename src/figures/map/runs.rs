@@ -53,7 +53,7 @@ pub struct Map {
 
 /// The outcome shown for a missing value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Outcome<'a> {
+pub(super) enum ShownOutcome<'a> {
     Stopped(StopReason),
     /// A stop reason of a newer version.
     Unknown(&'a str),
@@ -104,8 +104,8 @@ fn markup((key, symbol): (&Key, &str)) -> String {
 }
 
 impl MapRun {
-    pub(super) fn outcome(&self) -> Outcome<'_> {
-        Outcome::new(self.stop.as_deref())
+    pub(super) fn outcome(&self) -> ShownOutcome<'_> {
+        ShownOutcome::new(self.stop.as_deref())
     }
 }
 
@@ -116,7 +116,7 @@ impl Map {
     }
 
     /// The outcomes of runs that have no value to show, in the order of their names.
-    pub(super) fn outcomes(&self) -> Vec<Outcome<'_>> {
+    pub(super) fn outcomes(&self) -> Vec<ShownOutcome<'_>> {
         let mut outcomes = BTreeMap::new();
         for run in &self.runs {
             if !run.color.is_finite() {
@@ -128,7 +128,7 @@ impl Map {
     }
 }
 
-impl<'a> Outcome<'a> {
+impl<'a> ShownOutcome<'a> {
     fn new(stop: Option<&'a str>) -> Self {
         let Some(name) = stop else {
             return Self::Absent;
@@ -184,7 +184,7 @@ mod tests {
 
     #[test]
     fn only_awaited_times_are_not_reached() {
-        let outcome = Outcome::Stopped(StopReason::Duration);
+        let outcome = ShownOutcome::Stopped(StopReason::Duration);
         assert_eq!(outcome.words("rise_time"), "not reached");
         assert_eq!(outcome.words("hops"), "none in the whole run");
     }
@@ -217,7 +217,7 @@ mod tests {
         let stops = StopReason::ALL.iter().map(|stop| Some(stop.name()));
         let mut colours: Vec<_> = stops
             .chain([None, Some("of a newer version")])
-            .map(|stop| format!("{:?}", Outcome::new(stop).colour()))
+            .map(|stop| format!("{:?}", ShownOutcome::new(stop).colour()))
             .collect();
         colours.sort();
         colours.dedup();

@@ -6,7 +6,7 @@ use super::text::Text;
 
 /// Shapes that belong together, with a description for screen readers.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Group {
+pub(crate) struct ShapeGroup {
     pub(crate) meaning: String,
     pub(crate) shapes: Vec<Shape>,
 }
@@ -36,7 +36,7 @@ pub struct Drawing {
     pub(crate) width: f64,
     pub(crate) height: f64,
     /// The shapes in the order of drawing; labels are drawn last.
-    pub(crate) groups: Vec<Group>,
+    pub(crate) groups: Vec<ShapeGroup>,
     pub(crate) labels: Vec<Label>,
 }
 
@@ -84,7 +84,7 @@ impl Drawing {
 
     /// Adds shapes with a description for screen readers, above those before.
     pub(crate) fn group(&mut self, meaning: &str, shapes: Vec<Shape>) {
-        self.groups.push(Group {
+        self.groups.push(ShapeGroup {
             meaning: meaning.to_owned(),
             shapes,
         });

@@ -22,14 +22,14 @@ const DOT: f64 = 0.7;
 
 /// An entry of a legend.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Entry {
-    sample: Sample,
+pub(crate) struct LegendEntry {
+    sample: LegendSymbol,
     pub(crate) text: Text,
 }
 
 /// The symbol before the text of an entry.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Sample {
+enum LegendSymbol {
     Line(Stroke),
     Area(Colour),
     Start,
@@ -40,14 +40,14 @@ enum Sample {
     None,
 }
 
-impl Entry {
-    fn new(sample: Sample, text: Text) -> Self {
+impl LegendEntry {
+    fn new(sample: LegendSymbol, text: Text) -> Self {
         Self { sample, text }
     }
 
     /// The entry of a line whose text is typeset already.
     pub(crate) fn from_text(stroke: Stroke, text: Text) -> Self {
-        Self::new(Sample::Line(stroke), text)
+        Self::new(LegendSymbol::Line(stroke), text)
     }
 
     /// The entry of a line.
@@ -57,25 +57,25 @@ impl Entry {
 
     /// The entry of an area.
     pub(crate) fn area(fill: Colour, markup: &str) -> Self {
-        Self::new(Sample::Area(fill), Text::markup(markup))
+        Self::new(LegendSymbol::Area(fill), Text::markup(markup))
     }
 
     /// The entries of the dots at the ends of a path.
     pub(crate) fn ends() -> [Self; 2] {
         [
-            Self::new(Sample::Start, Text::plain("start")),
-            Self::new(Sample::End, Text::plain("end")),
+            Self::new(LegendSymbol::Start, Text::plain("start")),
+            Self::new(LegendSymbol::End, Text::plain("end")),
         ]
     }
 
     /// The entry of the marks where curves exceed their axis.
     pub(crate) fn beyond() -> Self {
-        Self::new(Sample::Marks, Text::plain("beyond the axis"))
+        Self::new(LegendSymbol::Marks, Text::plain("beyond the axis"))
     }
 
     /// A note without a symbol.
     pub(crate) fn note(text: &str) -> Self {
-        Self::new(Sample::None, Text::plain(text))
+        Self::new(LegendSymbol::None, Text::plain(text))
     }
 
     /// The width of symbol and text, mm.
@@ -86,10 +86,10 @@ impl Entry {
     /// The width of the symbol before the text, mm.
     fn indent(&self) -> f64 {
         match self.sample {
-            Sample::Line(_) | Sample::Area(_) => SAMPLE_WIDTH + AFTER_SAMPLE,
-            Sample::Start | Sample::End => 2.0 * DOT + AFTER_SAMPLE,
-            Sample::Marks => 4.0 * MARK + 0.6 + AFTER_SAMPLE,
-            Sample::None => 0.0,
+            LegendSymbol::Line(_) | LegendSymbol::Area(_) => SAMPLE_WIDTH + AFTER_SAMPLE,
+            LegendSymbol::Start | LegendSymbol::End => 2.0 * DOT + AFTER_SAMPLE,
+            LegendSymbol::Marks => 4.0 * MARK + 0.6 + AFTER_SAMPLE,
+            LegendSymbol::None => 0.0,
         }
     }
 
@@ -103,7 +103,7 @@ impl Entry {
     }
 }
 
-impl Sample {
+impl LegendSymbol {
     /// The symbol between two sides, before text on a baseline.
     fn shapes(self, left: f64, right: f64, baseline: f64) -> Vec<Shape> {
         let middle = baseline - 0.24 * FONT_SIZE;
@@ -156,19 +156,19 @@ fn dot(centre: Point, fill: Colour, outline: Colour) -> Shape {
 }
 
 /// The number of lines of a legend.
-pub(crate) fn line_count(entries: &[Entry], width: f64) -> usize {
+pub(crate) fn line_count(entries: &[LegendEntry], width: f64) -> usize {
     wrap(entries, width).len()
 }
 
 /// Draws a legend at the top of a drawing and returns the position of its lower edge, mm.
-pub(crate) fn draw_at_top(drawing: &mut Drawing, entries: &[Entry]) -> f64 {
+pub(crate) fn draw_at_top(drawing: &mut Drawing, entries: &[LegendEntry]) -> f64 {
     let sides = (MARGIN, drawing.width - MARGIN);
     draw(drawing, entries, sides, MARGIN + 0.75 * FONT_SIZE);
     MARGIN + line_count(entries, sides.1 - sides.0) as f64 * LINE_HEIGHT
 }
 
 /// Divides entries into lines of a width.
-fn wrap(entries: &[Entry], width: f64) -> Vec<&[Entry]> {
+fn wrap(entries: &[LegendEntry], width: f64) -> Vec<&[LegendEntry]> {
     let mut lines = Vec::new();
     let (mut start, mut used) = (0, 0.0);
     for (index, entry) in entries.iter().enumerate() {
@@ -188,7 +188,7 @@ fn wrap(entries: &[Entry], width: f64) -> Vec<&[Entry]> {
 /// Draws a legend whose first baseline is at `baseline`.
 pub(crate) fn draw(
     drawing: &mut Drawing,
-    entries: &[Entry],
+    entries: &[LegendEntry],
     (left, right): (f64, f64),
     baseline: f64,
 ) {

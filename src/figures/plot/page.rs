@@ -2,7 +2,7 @@
 
 use super::drawing::Drawing;
 use super::frame::{self, Band, Frame, Quantity};
-use super::legend::{self, Entry};
+use super::legend::{self, LegendEntry};
 use super::range::{self, extremes, union};
 use super::shape::{Bounds, Point, Stroke};
 use super::style::{LINE_HEIGHT, MARGIN, TWO_COLUMNS};
@@ -47,7 +47,7 @@ pub(crate) struct Panel {
     /// Values that are drawn as dots below the curves.
     pub(crate) dots: Vec<Curve>,
     /// The legend above the panel.
-    pub(crate) legend: Vec<Entry>,
+    pub(crate) legend: Vec<LegendEntry>,
     /// The height relative to that of a normal panel.
     pub(crate) height: f64,
     /// Whether the vertical axis is broken and continues in the next panel.
@@ -161,7 +161,7 @@ impl Panel {
 pub(crate) struct Page {
     /// The quantity along the horizontal axes.
     pub(crate) x: Quantity,
-    pub(crate) legend: Vec<Entry>,
+    pub(crate) legend: Vec<LegendEntry>,
     pub(crate) panels: Vec<Panel>,
     /// Whether all panels show the same range of x.
     pub(crate) shares_x: bool,
@@ -242,7 +242,7 @@ impl Page {
         let mut drawing = Drawing::new(width);
         let mut legend = self.legend.clone();
         if self.panels.iter().any(Panel::is_cut) {
-            legend.push(Entry::beyond());
+            legend.push(LegendEntry::beyond());
         }
         let mut top = legend::draw_at_top(&mut drawing, &legend);
         let mut frames = Vec::new();

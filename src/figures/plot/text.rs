@@ -70,15 +70,15 @@ fn face(style: FontStyle) -> Option<&'static Face<'static>> {
 
 /// The outline of a glyph, in font units; empty for a space.
 pub(crate) fn outline(style: FontStyle, id: u16) -> Option<Path> {
-    let mut outline = Outline(PathBuilder::new());
+    let mut outline = GlyphPath(PathBuilder::new());
     face(style)?.outline_glyph(GlyphId(id), &mut outline);
     outline.0.finish()
 }
 
 /// Builds the path of a glyph.
-struct Outline(PathBuilder);
+struct GlyphPath(PathBuilder);
 
-impl OutlineBuilder for Outline {
+impl OutlineBuilder for GlyphPath {
     fn move_to(&mut self, x: f32, y: f32) {
         self.0.move_to(x, y);
     }

@@ -28,7 +28,7 @@ pub(crate) struct Scale {
     pub(crate) ticks: Vec<Tick>,
     /// The values of the ticks without labels, between the others.
     pub(crate) minor: Vec<f64>,
-    step: Step,
+    step: TickDistance,
 }
 
 /// A tick with its label.
@@ -40,12 +40,12 @@ pub(crate) struct Tick {
 
 /// The distance between two ticks: 1, 2 or 5 times a power of ten.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Step {
+struct TickDistance {
     mantissa: i64,
     exponent: i32,
 }
 
-impl Step {
+impl TickDistance {
     fn value(self) -> f64 {
         times_power_of_ten(self.mantissa as f64, self.exponent)
     }
@@ -87,9 +87,9 @@ fn multiples(step: f64, low: f64, high: f64) -> RangeInclusive<i64> {
 }
 
 /// The shortest step with at most `max` multiples in a range.
-fn shortest_step(low: f64, high: f64, max: usize) -> Step {
+fn shortest_step(low: f64, high: f64, max: usize) -> TickDistance {
     // A thousandth of the range has more multiples than any axis has labels.
-    let mut step = Step {
+    let mut step = TickDistance {
         mantissa: 1,
         exponent: decade(high - low) - 3,
     };

@@ -2,7 +2,7 @@
 
 use crate::figures::data::RunData;
 use crate::figures::plot::frame::{Band, Quantity};
-use crate::figures::plot::legend::Entry;
+use crate::figures::plot::legend::LegendEntry;
 use crate::figures::plot::page::{Page, Panel};
 use crate::figures::plot::shape::{Point, Stroke};
 use crate::figures::style::{PALE, Style, run_legend};
@@ -12,7 +12,7 @@ use crate::telemetry::fields::{NumberField, nutation};
 const TIME: Quantity = Quantity::new("*t*", "s");
 
 /// A page of panels over the same time.
-pub(super) fn page(legend: Vec<Entry>, panels: Vec<Panel>) -> Page {
+pub(super) fn page(legend: Vec<LegendEntry>, panels: Vec<Panel>) -> Page {
     Page {
         x: TIME,
         legend,
@@ -91,15 +91,15 @@ pub(super) fn is_line(points: &[Point]) -> bool {
 }
 
 /// The legend of runs and their averages.
-pub(super) fn motion_legend(runs: &[&RunData]) -> Vec<Entry> {
+pub(super) fn motion_legend(runs: &[&RunData]) -> Vec<LegendEntry> {
     let style = Style::new(runs.len());
     let has_averages = runs
         .iter()
         .any(|run| is_line(&run.averages(nutation::THETA_MEAN)));
     if runs.len() == 1 {
-        let mut legend = vec![Entry::line(style.motion(0), "simulation")];
+        let mut legend = vec![LegendEntry::line(style.motion(0), "simulation")];
         if has_averages {
-            let average = Entry::line(style.average(0), "average over each nutation");
+            let average = LegendEntry::line(style.average(0), "average over each nutation");
             legend.push(average);
         }
         return legend;
@@ -110,6 +110,6 @@ pub(super) fn motion_legend(runs: &[&RunData]) -> Vec<Entry> {
     } else {
         "simulation"
     };
-    legend.push(Entry::area(PALE, motion));
+    legend.push(LegendEntry::area(PALE, motion));
     legend
 }

@@ -3,7 +3,7 @@
 use super::curves::{add_averages, add_motion, add_motions, motion_legend, page};
 use crate::figures::data::RunData;
 use crate::figures::plot::drawing::Drawing;
-use crate::figures::plot::legend::Entry;
+use crate::figures::plot::legend::LegendEntry;
 use crate::figures::plot::page::{Page, Panel};
 use crate::figures::plot::text::Text;
 use crate::figures::style::{Style, sampling_note};
@@ -34,7 +34,7 @@ pub(crate) fn motion(runs: &[&RunData], width: f64) -> Drawing {
 }
 
 /// The note of runs whose samples are too few, and which don't record the region in which some fields nutate either.
-fn note(runs: &[&RunData], fields: &[NumberField]) -> Option<Entry> {
+fn note(runs: &[&RunData], fields: &[NumberField]) -> Option<LegendEntry> {
     let mut without = runs.to_vec();
     without.retain(|run| fields.iter().any(|field| run.envelope(*field).is_none()));
     sampling_note(&without)
@@ -47,7 +47,7 @@ pub(crate) fn compared(runs: &[&RunData], width: f64) -> Drawing {
     };
     let style = Style::new(runs.len());
     let reference_name = Text::name(&reference.name).followed_by(", average over each nutation");
-    let mut legend = vec![Entry::from_text(style.average(0), reference_name)];
+    let mut legend = vec![LegendEntry::from_text(style.average(0), reference_name)];
     legend.extend(note(others, &[state::THETA]));
     let mut panels = Vec::new();
     for (index, run) in others.iter().enumerate() {
@@ -61,7 +61,7 @@ pub(crate) fn compared(runs: &[&RunData], width: f64) -> Drawing {
         let name = Text::name(&run.name);
         panel
             .legend
-            .push(Entry::from_text(style.motion(index), name));
+            .push(LegendEntry::from_text(style.motion(index), name));
         panels.push(panel);
     }
     let page = Page {

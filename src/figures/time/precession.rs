@@ -4,7 +4,7 @@ use super::curves::{add_averages, add_motions, motion_legend, page};
 use crate::figures::data::RunData;
 use crate::figures::plot::drawing::Drawing;
 use crate::figures::plot::frame::Band;
-use crate::figures::plot::legend::Entry;
+use crate::figures::plot::legend::LegendEntry;
 use crate::figures::plot::page::Panel;
 use crate::figures::plot::range::overlap;
 use crate::figures::plot::shape::Point;
@@ -36,7 +36,7 @@ pub(crate) fn precession(runs: &[&RunData], width: f64) -> Drawing {
     add_averages(&mut near, runs, state::PHI_DOT, nutation::PHI_DOT_MEAN);
     let mut panels = arrange(near, far);
     let mut legend = motion_legend(runs);
-    legend.push(Entry::line(
+    legend.push(LegendEntry::line(
         style.root_in_legend(),
         "regular precession, slow and fast",
     ));
@@ -44,7 +44,7 @@ pub(crate) fn precession(runs: &[&RunData], width: f64) -> Drawing {
     if let [run] = runs {
         let bands = upright_regions(run);
         if !bands.is_empty() {
-            legend.push(Entry::area(SHADE, "*θ\u{308}* < 0"));
+            legend.push(LegendEntry::area(SHADE, "*θ\u{308}* < 0"));
         }
         for panel in &mut panels {
             panel.bands.clone_from(&bands);
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn far_roots_leave_the_axis_to_the_motion() {
+    fn axis_ignores_far_precession_roots() {
         assert_eq!(around((1.0, 2.0)), (-3.0, 6.0));
         assert_eq!(around((499.0, 500.0)), (-501.0, 1500.0));
     }

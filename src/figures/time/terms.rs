@@ -3,7 +3,7 @@
 use super::curves::{add_curves, is_line, page};
 use crate::figures::data::RunData;
 use crate::figures::plot::drawing::Drawing;
-use crate::figures::plot::legend::Entry;
+use crate::figures::plot::legend::LegendEntry;
 use crate::figures::plot::page::{Curve, Panel};
 use crate::figures::plot::range::extremes;
 use crate::figures::plot::shape::Point;
@@ -68,7 +68,7 @@ impl<'a> Terms<'a> {
     fn term(mut self, name: &str, points: impl Fn(&RunData) -> Vec<Point>) -> Self {
         let style = Style::new(self.runs.len());
         let count = self.count;
-        let entry = Entry::line(style.term_in_legend(count), name);
+        let entry = LegendEntry::line(style.term_in_legend(count), name);
         let first = self.panel.curves.len();
         add_curves(
             &mut self.panel,
@@ -110,7 +110,10 @@ fn total_variation(points: &[Point]) -> f64 {
 fn draw(runs: &[&RunData], width: f64, panels: Vec<Terms<'_>>) -> Drawing {
     let mut legend = run_legend(runs, Style::run_in_legend);
     if panels.iter().any(|terms| terms.bands > 0) {
-        legend.push(Entry::area(PALE, "nutation; the line in it: its average"));
+        legend.push(LegendEntry::area(
+            PALE,
+            "nutation; the line in it: its average",
+        ));
     }
     legend.extend(sampling_note(runs));
     let all = panels.into_iter().map(|terms| terms.panel).collect();

@@ -41,7 +41,7 @@ pub(super) struct Resting {
     pub turning: bool,
 }
 
-/// What becomes of the components at rest.
+/// The components at rest that begin to move, and the forces then.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Release {
     /// Normal force, N.
@@ -210,7 +210,7 @@ impl FreeBody<'_> {
         }
     }
 
-    /// What becomes of the components at rest: friction holds each of them if it can, and otherwise resists the
+    /// The release of the components at rest: friction holds each of them if it can, and otherwise resists the
     /// acceleration as much as it can (Gauss's principle: the accelerations differ as little as possible from those
     /// without friction).
     ///

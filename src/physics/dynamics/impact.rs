@@ -76,7 +76,7 @@ impl Impact {
 const SIZE: usize = 8;
 /// Number of components needed for guards (all but the energy lost by friction).
 const GUARD_INPUTS: usize = 7;
-type State = [f64; SIZE];
+type ImpactVector = [f64; SIZE];
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage {
@@ -109,7 +109,7 @@ struct ImpactState {
 
 impl ImpactEquations<'_> {
     #[inline]
-    fn impact_state(&self, y: &State) -> ImpactState {
+    fn impact_state(&self, y: &ImpactVector) -> ImpactState {
         let top = self.body.top;
         let unit = top.mass * self.speed;
         let impulse = unit * Vector3::new(y[0], y[1], y[2]);
@@ -194,7 +194,7 @@ impl ImpactEquations<'_> {
     }
 
     /// The phase after the contact point has stopped slipping.
-    fn stopped(&self, y: &State) -> Stage {
+    fn stopped(&self, y: &ImpactVector) -> Stage {
         let now = self.impact_state(y);
         let bound = self.body.friction.law.static_bound(1.0);
         if self.holding(&now).force.norm() <= bound {
@@ -214,7 +214,7 @@ impl ImpactEquations<'_> {
 impl System<SIZE> for ImpactEquations<'_> {
     const CONTROLLED: usize = 6;
 
-    fn derivative(&self, _: f64, y: &State) -> State {
+    fn derivative(&self, _: f64, y: &ImpactVector) -> ImpactVector {
         let now = self.impact_state(y);
         let (friction, pace) = self.friction(&now);
         let Wrench { force, couple } = friction;
@@ -324,7 +324,7 @@ impl<'a> Collision<'a> {
 
     /// The value of the watched function of an event.
     #[inline]
-    fn event_value(&self, event: ImpactEvent, y: &State) -> f64 {
+    fn event_value(&self, event: ImpactEvent, y: &ImpactVector) -> f64 {
         let equations = self.integrator.system();
         match event {
             ImpactEvent::Compressed => equations.impact_state(y).velocity.z / equations.speed,
@@ -371,7 +371,7 @@ impl<'a> Collision<'a> {
         &mut self,
         equations: ImpactEquations<'a>,
         t: f64,
-        y: State,
+        y: ImpactVector,
     ) -> Result<(), IntegrateError> {
         self.integrator.restart(equations, t, y)?;
         self.watch();
@@ -379,11 +379,11 @@ impl<'a> Collision<'a> {
     }
 
     /// Extrapolates linearly to zero slip.
-    fn extrapolate_to_zero_slip(&self, t: f64, y: State) -> State {
+    fn extrapolate_to_zero_slip(&self, t: f64, y: ImpactVector) -> ImpactVector {
         let equations = self.integrator.system();
         let slope = equations.derivative(t, &y);
         let slip = ImpactEquations::slip(&equations.impact_state(&y).velocity);
-        let ahead: State = std::array::from_fn(|i| y[i] + slope[i]);
+        let ahead: ImpactVector = std::array::from_fn(|i| y[i] + slope[i]);
         let change = ImpactEquations::slip(&equations.impact_state(&ahead).velocity) - slip;
         let span = slip.norm_squared() / -change.dot(&slip);
         if span > 0.0 && span.is_finite() {
@@ -420,7 +420,7 @@ impl<'a> Collision<'a> {
         first
     }
 
-    fn end(&self, y: &State) -> Impact {
+    fn end(&self, y: &ImpactVector) -> Impact {
         let equations = self.integrator.system();
         let now = equations.impact_state(y);
         let unit = equations.body.top.mass * equations.speed * equations.speed;

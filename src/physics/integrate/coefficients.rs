@@ -15,7 +15,7 @@
 //! * 13 to 15 serve the dense output alone.
 
 /// Nonzero coefficients of a linear combination of stages: (stage, coefficient).
-pub(super) type Row<const M: usize> = [(usize, f64); M];
+pub(super) type StageWeights<const M: usize> = [(usize, f64); M];
 
 /// Number of stages of a step whose derivatives enter its solution.
 pub(super) const STAGES: usize = 12;
@@ -44,30 +44,30 @@ pub(super) const NODES: [f64; ALL_STAGES] = [
 ];
 
 /// Row 1 of the matrix a: the state at which stage 1 is evaluated.
-pub(super) const STAGE_1: Row<1> = [(0, 0.05260015195876773)];
+pub(super) const STAGE_1: StageWeights<1> = [(0, 0.05260015195876773)];
 
 /// Row 2 of the matrix a: the state at which stage 2 is evaluated.
-pub(super) const STAGE_2: Row<2> = [(0, 0.0197250569845379), (1, 0.0591751709536137)];
+pub(super) const STAGE_2: StageWeights<2> = [(0, 0.0197250569845379), (1, 0.0591751709536137)];
 
 /// Row 3 of the matrix a: the state at which stage 3 is evaluated.
-pub(super) const STAGE_3: Row<2> = [(0, 0.02958758547680685), (2, 0.08876275643042054)];
+pub(super) const STAGE_3: StageWeights<2> = [(0, 0.02958758547680685), (2, 0.08876275643042054)];
 
 /// Row 4 of the matrix a: the state at which stage 4 is evaluated.
-pub(super) const STAGE_4: Row<3> = [
+pub(super) const STAGE_4: StageWeights<3> = [
     (0, 0.2413651341592667),
     (2, -0.8845494793282861),
     (3, 0.924834003261792),
 ];
 
 /// Row 5 of the matrix a: the state at which stage 5 is evaluated.
-pub(super) const STAGE_5: Row<3> = [
+pub(super) const STAGE_5: StageWeights<3> = [
     (0, 0.037037037037037035),
     (3, 0.17082860872947386),
     (4, 0.12546768756682242),
 ];
 
 /// Row 6 of the matrix a: the state at which stage 6 is evaluated.
-pub(super) const STAGE_6: Row<4> = [
+pub(super) const STAGE_6: StageWeights<4> = [
     (0, 0.037109375),
     (3, 0.17025221101954405),
     (4, 0.06021653898045596),
@@ -75,7 +75,7 @@ pub(super) const STAGE_6: Row<4> = [
 ];
 
 /// Row 7 of the matrix a: the state at which stage 7 is evaluated.
-pub(super) const STAGE_7: Row<5> = [
+pub(super) const STAGE_7: StageWeights<5> = [
     (0, 0.03709200011850479),
     (3, 0.17038392571223998),
     (4, 0.10726203044637328),
@@ -84,7 +84,7 @@ pub(super) const STAGE_7: Row<5> = [
 ];
 
 /// Row 8 of the matrix a: the state at which stage 8 is evaluated.
-pub(super) const STAGE_8: Row<6> = [
+pub(super) const STAGE_8: StageWeights<6> = [
     (0, 0.6241109587160757),
     (3, -3.3608926294469414),
     (4, -0.868219346841726),
@@ -94,7 +94,7 @@ pub(super) const STAGE_8: Row<6> = [
 ];
 
 /// Row 9 of the matrix a: the state at which stage 9 is evaluated.
-pub(super) const STAGE_9: Row<7> = [
+pub(super) const STAGE_9: StageWeights<7> = [
     (0, 0.47766253643826434),
     (3, -2.4881146199716677),
     (4, -0.590290826836843),
@@ -105,7 +105,7 @@ pub(super) const STAGE_9: Row<7> = [
 ];
 
 /// Row 10 of the matrix a: the state at which stage 10 is evaluated.
-pub(super) const STAGE_10: Row<8> = [
+pub(super) const STAGE_10: StageWeights<8> = [
     (0, -0.9371424300859873),
     (3, 5.186372428844064),
     (4, 1.0914373489967295),
@@ -117,7 +117,7 @@ pub(super) const STAGE_10: Row<8> = [
 ];
 
 /// Row 11 of the matrix a: the state at which stage 11 is evaluated.
-pub(super) const STAGE_11: Row<9> = [
+pub(super) const STAGE_11: StageWeights<9> = [
     (0, 2.273310147516538),
     (3, -10.53449546673725),
     (4, -2.0008720582248625),
@@ -130,7 +130,7 @@ pub(super) const STAGE_11: Row<9> = [
 ];
 
 /// Weights b: the solution of order 8 at the end of the step.
-pub(super) const SOLUTION: Row<8> = [
+pub(super) const SOLUTION: StageWeights<8> = [
     (0, 0.054293734116568765),
     (5, 4.450312892752409),
     (6, 1.8915178993145003),
@@ -142,7 +142,7 @@ pub(super) const SOLUTION: Row<8> = [
 ];
 
 /// Row 13 of the matrix a, for the dense output.
-pub(super) const STAGE_13: Row<8> = [
+pub(super) const STAGE_13: StageWeights<8> = [
     (0, 0.056167502283047954),
     (6, 0.25350021021662483),
     (7, -0.2462390374708025),
@@ -154,7 +154,7 @@ pub(super) const STAGE_13: Row<8> = [
 ];
 
 /// Row 14 of the matrix a, for the dense output.
-pub(super) const STAGE_14: Row<8> = [
+pub(super) const STAGE_14: StageWeights<8> = [
     (0, 0.03183464816350214),
     (5, 0.028300909672366776),
     (6, 0.053541988307438566),
@@ -166,7 +166,7 @@ pub(super) const STAGE_14: Row<8> = [
 ];
 
 /// Row 15 of the matrix a, for the dense output.
-pub(super) const STAGE_15: Row<8> = [
+pub(super) const STAGE_15: StageWeights<8> = [
     (0, -0.42889630158379194),
     (5, -4.697621415361164),
     (6, 7.683421196062599),
@@ -178,7 +178,7 @@ pub(super) const STAGE_15: Row<8> = [
 ];
 
 /// Weights b minus those of the embedded solution of order 3.
-pub(super) const ERROR_3: Row<8> = [
+pub(super) const ERROR_3: StageWeights<8> = [
     (0, -0.18980075407240762),
     (5, 4.450312892752409),
     (6, 1.8915178993145003),
@@ -190,7 +190,7 @@ pub(super) const ERROR_3: Row<8> = [
 ];
 
 /// Weights b minus those of the embedded solution of order 5.
-pub(super) const ERROR_5: Row<8> = [
+pub(super) const ERROR_5: StageWeights<8> = [
     (0, 0.01312004499419488),
     (5, -1.2251564463762044),
     (6, -0.4957589496572502),
@@ -202,7 +202,7 @@ pub(super) const ERROR_5: Row<8> = [
 ];
 
 /// Weights d: the coefficients 4 to 7 of the dense output.
-pub(super) const DENSE: [Row<12>; 4] = [
+pub(super) const DENSE: [StageWeights<12>; 4] = [
     [
         (0, -8.428938276109013),
         (5, 0.5667149535193777),

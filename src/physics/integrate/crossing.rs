@@ -1,7 +1,7 @@
 //! Location of sign changes within a step.
 
 use super::interpolant::{AtKnots, Interpolant, KNOTS, farthest_ahead, range};
-use super::search::{Point, extreme_point, root};
+use super::search::{Evaluation, extreme_point, root};
 
 /// Number of subintervals between knots that are searched for turning points.
 const PIECES: u8 = 4;
@@ -48,13 +48,13 @@ pub struct SignTracker {
 #[derive(Clone, Copy)]
 struct Bracket {
     /// The last point known to precede it.
-    from: Point,
+    from: Evaluation,
     /// The first point within the noise, but beyond zero; only for a tracker that looks ahead.
-    beyond: Option<Point>,
+    beyond: Option<Evaluation>,
 }
 
-impl From<Point> for Bracket {
-    fn from(from: Point) -> Self {
+impl From<Evaluation> for Bracket {
+    fn from(from: Evaluation) -> Self {
         let beyond = None;
         Self { from, beyond }
     }
@@ -170,7 +170,7 @@ impl SignTracker {
         g: &mut impl FnMut(f64) -> f64,
         found: &mut Vec<Crossing>,
     ) {
-        let end = Point {
+        let end = Evaluation {
             s: 1.0,
             g: values[KNOTS.len() - 1],
         };
@@ -219,7 +219,7 @@ impl SignTracker {
     fn advance(
         &mut self,
         bracket: &mut Bracket,
-        to: Point,
+        to: Evaluation,
         g: &mut impl FnMut(f64) -> f64,
         found: &mut Vec<Crossing>,
     ) {
@@ -255,8 +255,8 @@ impl SignTracker {
 
 /// The point of a function with these values at a knot.
 #[inline]
-fn knot_point(values: &AtKnots, i: usize) -> Point {
-    Point {
+fn knot_point(values: &AtKnots, i: usize) -> Evaluation {
+    Evaluation {
         s: KNOTS[i],
         g: values[i],
     }

@@ -1,9 +1,9 @@
 //! DOP853: step control, the stages and the dense output.
 
 use super::coefficients::{
-    ALL_STAGES, DENSE, ERROR_3, ERROR_5, NODES, Row, SOLUTION, STAGE_1, STAGE_2, STAGE_3, STAGE_4,
+    ALL_STAGES, DENSE, ERROR_3, ERROR_5, NODES, SOLUTION, STAGE_1, STAGE_2, STAGE_3, STAGE_4,
     STAGE_5, STAGE_6, STAGE_7, STAGE_8, STAGE_9, STAGE_10, STAGE_11, STAGE_13, STAGE_14, STAGE_15,
-    STAGES,
+    STAGES, StageWeights,
 };
 use super::dense::Dense;
 use super::problem::{IntegrateError, Statistics, System, Tolerances};
@@ -354,7 +354,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
         (t, y): (f64, &[f64; N]),
         h: f64,
         node: f64,
-        row: &Row<M>,
+        row: &StageWeights<M>,
         k: &[[f64; N]; K],
     ) -> [f64; N] {
         // Quadratures stay 0 in the stages: no derivative depends on them.
@@ -483,7 +483,7 @@ impl Statistics {
 /// The linear combination of stages that `row` describes, summed in the order of the stages.
 #[inline(always)]
 fn combine<const N: usize, const M: usize, const K: usize>(
-    row: &Row<M>,
+    row: &StageWeights<M>,
     k: &[[f64; N]; K],
 ) -> [f64; N] {
     let (first, a) = row[0];
@@ -499,7 +499,7 @@ fn combine<const N: usize, const M: usize, const K: usize>(
 /// The controlled components of [`combine`]; 0 for the quadratures.
 #[inline(always)]
 fn combine_controlled<S: System<N>, const N: usize, const M: usize, const K: usize>(
-    row: &Row<M>,
+    row: &StageWeights<M>,
     k: &[[f64; N]; K],
 ) -> [f64; N] {
     let mut sum = [0.0; N];

@@ -10,12 +10,12 @@ const TURN_RESOLUTION: f64 = 1e-8;
 
 /// A value `g` of a function at the fraction `s` of a step.
 #[derive(Clone, Copy)]
-pub(super) struct Point {
+pub(super) struct Evaluation {
     pub(super) s: f64,
     pub(super) g: f64,
 }
 
-impl Point {
+impl Evaluation {
     /// The point with its value multiplied by a sign.
     fn times(self, sign: f64) -> Self {
         Self {
@@ -33,7 +33,7 @@ pub(super) fn extreme_point(
     turn: Turn,
     noise_level: f64,
     g: &mut impl FnMut(f64) -> f64,
-) -> Point {
+) -> Evaluation {
     /// (√5 − 1) / 2
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     let mut near_left = oriented_point(right - GOLDEN * (right - left), turn, g);
@@ -61,15 +61,15 @@ pub(super) fn extreme_point(
     } else {
         near_right
     };
-    Point {
+    Evaluation {
         s: best.s,
         g: turn.oriented(best.g),
     }
 }
 
 /// The point at `s`, with the value of `g` negated for a maximum, so that the search is always for a minimum.
-fn oriented_point(s: f64, turn: Turn, g: &mut impl FnMut(f64) -> f64) -> Point {
-    Point {
+fn oriented_point(s: f64, turn: Turn, g: &mut impl FnMut(f64) -> f64) -> Evaluation {
+    Evaluation {
         s,
         g: turn.oriented(g(s)),
     }
@@ -77,7 +77,10 @@ fn oriented_point(s: f64, turn: Turn, g: &mut impl FnMut(f64) -> f64) -> Point {
 
 /// The point between 0 and 1 at which `g` changes its sign, given its values there: one is positive, the other is not.
 pub fn zero(start: f64, end: f64, mut g: impl FnMut(f64) -> f64) -> f64 {
-    let (from, to) = (Point { s: 0.0, g: start }, Point { s: 1.0, g: end });
+    let (from, to) = (
+        Evaluation { s: 0.0, g: start },
+        Evaluation { s: 1.0, g: end },
+    );
     let new_sign = if end > 0.0 { 1.0 } else { -1.0 };
     root(from, to, new_sign, &mut g)
 }
@@ -88,7 +91,12 @@ pub fn zero(start: f64, end: f64, mut g: impl FnMut(f64) -> f64) -> f64 {
 /// performance preserving minmax optimality*, ACM Trans. Math. Softw. 47 (2021) 5): superlinear on smooth
 /// functions, and never more than one evaluation worse than bisection. The method's constants are κ₁ = 0.2
 /// divided by the width, κ₂ = 2 and n₀ = 1.
-pub(super) fn root(from: Point, to: Point, new_sign: f64, g: &mut impl FnMut(f64) -> f64) -> f64 {
+pub(super) fn root(
+    from: Evaluation,
+    to: Evaluation,
+    new_sign: f64,
+    g: &mut impl FnMut(f64) -> f64,
+) -> f64 {
     let (mut a, mut b) = (from.times(new_sign), to.times(new_sign));
     // Negated, so that NaN, which has no sign, ends here too.
     let old_sign = a.g < 0.0;
@@ -103,7 +111,7 @@ pub(super) fn root(from: Point, to: Point, new_sign: f64, g: &mut impl FnMut(f64
             break;
         }
         let s = itp_point(a, b, nudge, allowed_width);
-        let point = Point { s, g: g(s) }.times(new_sign);
+        let point = Evaluation { s, g: g(s) }.times(new_sign);
         if point.g < 0.0 {
             a = point;
         } else {
@@ -116,7 +124,7 @@ pub(super) fn root(from: Point, to: Point, new_sign: f64, g: &mut impl FnMut(f64
 
 /// The next ITP point of a bracket: the secant zero, moved towards the midpoint and limited so that the bracket becomes
 /// narrower than `allowed_width`.
-fn itp_point(a: Point, b: Point, nudge: f64, allowed_width: f64) -> f64 {
+fn itp_point(a: Evaluation, b: Evaluation, nudge: f64, allowed_width: f64) -> f64 {
     let width = b.s - a.s;
     let middle = a.s + 0.5 * width;
     let secant = (b.g * a.s - a.g * b.s) / (b.g - a.g);

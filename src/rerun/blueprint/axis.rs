@@ -68,7 +68,7 @@ pub(super) const MAX_TICKS_IN_LOW_CHART: f64 = 4.8;
 /// Ranges below this fraction of the values are rounding errors.
 const ROUNDING: f64 = 1e-12;
 
-/// A range that contains these values and at least so many labelled ticks; `None` if the values are equal.
+/// A range that contains these values and at least `least_ticks` labelled ticks; `None` if the values are equal.
 fn with_ticks([low, high]: [f64; 2], least_ticks: f64, max_ticks: f64) -> Option<[f64; 2]> {
     let size = high - low;
     let is_rounding = size <= ROUNDING * low.abs().max(high.abs());

@@ -147,7 +147,7 @@ pub(super) const TABLE: [Chart; 6] = [
 /// The Euler rates of a top with a free peg.
 pub(super) const RATES: [Chart; 3] = [THETA_RATE, PHI_RATE, PSI_RATE];
 
-/// The terms of the accelerations. Their legends have so many lines that only wide charts leave room for the curves.
+/// The terms of the accelerations. Their legends are long: only wide charts leave room for the curves.
 pub(super) const TERMS: [Chart; 3] = [
     chart("Terms of d²θ/dt²", THETA_DDOT, RightBottom),
     chart("Terms of d²φ/dt²", PHI_DDOT, LeftTop),

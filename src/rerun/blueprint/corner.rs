@@ -94,7 +94,7 @@ fn free_corner(
     best.0
 }
 
-/// How much of a curve with this range of values a legend in a band of values hides: one for the curve, and up to one more
+/// The part of a curve with this range of values that a legend in a band of values hides: one for the curve, and up to one more
 /// for the part of the chart's height that the curve fills behind the legend.
 fn hidden_part(range: [f64; 2], band: [f64; 2], height: f64) -> f64 {
     let [low, high] = [range[0].max(band[0]), range[1].min(band[1])];

@@ -4,9 +4,9 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rerun::archetypes::Arrows3D;
 use rerun::{Color, Radius};
 
-use super::legend::Row;
+use super::legend::LegendRow;
 use crate::rerun::identity::Identity;
-use crate::rerun::output::{Columns, Output};
+use crate::rerun::output::{ComponentColumns, Output};
 use crate::rerun::palette;
 use crate::rerun::role::Role;
 use crate::rerun::scale::{self, Scales};
@@ -16,7 +16,7 @@ use crate::telemetry::fields::{CONTACT, VectorField, contact, momentum, torque};
 use crate::telemetry::proportions::Proportions;
 
 /// A kind of arrow.
-struct Kind {
+struct ArrowKind {
     name: &'static str,
     /// The colour in a recording of one run.
     color: u32,
@@ -27,32 +27,32 @@ struct Kind {
 }
 
 /// All kinds of arrows.
-static KINDS: [Kind; 5] = [
-    Kind {
+static KINDS: [ArrowKind; 5] = [
+    ArrowKind {
         name: "slip velocity",
         color: palette::SKY,
         vector: contact::SLIP_WORLD,
         scale: |scales| scales.slip,
     },
-    Kind {
+    ArrowKind {
         name: "friction force",
         color: palette::ORANGE,
         vector: contact::FRICTION_FORCE,
         scale: |scales| scales.force,
     },
-    Kind {
+    ArrowKind {
         name: "gravity torque",
         color: palette::GREEN,
         vector: torque::GRAVITY_BODY,
         scale: |scales| scales.gravity_torque,
     },
-    Kind {
+    ArrowKind {
         name: "friction torque",
         color: palette::VERMILION,
         vector: torque::FRICTION_BODY,
         scale: |scales| scales.friction_torque,
     },
-    Kind {
+    ArrowKind {
         name: "angular momentum",
         color: palette::YELLOW,
         vector: momentum::WORLD,
@@ -65,7 +65,7 @@ const COMPARED: VectorField = contact::FRICTION_FORCE;
 
 /// A kind of arrow that is drawn in a recording.
 struct DrawnKind {
-    kind: &'static Kind,
+    kind: &'static ArrowKind,
     /// Quantity per metre.
     scale: f64,
     /// The scale as text.
@@ -111,7 +111,7 @@ pub(super) struct Arrow {
     /// Distance of the arrow's start from its origin, m.
     gap: f64,
     arrows: Track<[[f32; 3]; 2]>,
-    row: Row,
+    row: LegendRow,
     /// The texts of the row where the arrow is drawn in its length, and where it is cut off, because it would leave the view.
     texts: [Track<Option<[f32; 3]>>; 2],
     /// Whether the arrow was cut off at its last message.
@@ -141,7 +141,7 @@ impl Arrow {
                 .with_colors([Color::from_u32(color)])
                 .with_radii([Radius::new_scene_units(radius as f32)]);
             output.send_static(entity.as_str(), &arrow);
-            let row = Row::new(identity, role, index, &name, color);
+            let row = LegendRow::new(identity, role, index, &name, color);
             let name = role.short_name(kind.name);
             let texts = [
                 ("whole", format!("{name} ({legend})")),
@@ -237,7 +237,7 @@ fn is_at_contact(vector: VectorField) -> bool {
     vector.topic() == CONTACT
 }
 
-fn arrow_columns(rows: &[[[f32; 3]; 2]]) -> Columns {
+fn arrow_columns(rows: &[[[f32; 3]; 2]]) -> ComponentColumns {
     let arrows = Arrows3D::update_fields()
         .with_origins(rows.iter().map(|[origin, _]| *origin))
         .with_vectors(rows.iter().map(|[_, vector]| *vector));

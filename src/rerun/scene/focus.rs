@@ -6,7 +6,7 @@ use rerun::{Color, LineStrips3D, Points3D, Radius};
 
 use crate::rerun::entity::CAMERA_TARGET;
 use crate::rerun::identity::Geometry;
-use crate::rerun::output::{Columns, Output};
+use crate::rerun::output::{ComponentColumns, Output};
 use crate::rerun::role::Role;
 use crate::rerun::track::Track;
 use crate::telemetry::proportions::Proportions;
@@ -65,7 +65,7 @@ impl Focus {
     }
 }
 
-fn columns(rows: &[[f32; 3]]) -> Columns {
+fn columns(rows: &[[f32; 3]]) -> ComponentColumns {
     let places = rows.iter().copied();
     let transform = Transform3D::update_fields().with_many_translation(places);
     Ok(transform.columns_of_unit_batches()?.collect())

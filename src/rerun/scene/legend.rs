@@ -6,7 +6,7 @@ use rerun::archetypes::Points3D;
 use rerun::{Color, Radius};
 
 use crate::rerun::identity::Identity;
-use crate::rerun::output::{Columns, Output};
+use crate::rerun::output::{ComponentColumns, Output};
 use crate::rerun::role::Role;
 use crate::rerun::track::Track;
 use crate::telemetry::proportions::Proportions;
@@ -18,13 +18,13 @@ const HIGH_VIEW: [f64; 2] = [-0.5, 0.17];
 const LOW_VIEW: [f64; 2] = [-0.25, 0.24];
 
 /// A row of the legend.
-pub(super) struct Row {
+pub(super) struct LegendRow {
     entity: String,
     place: [f32; 3],
     color: Color,
 }
 
-impl Row {
+impl LegendRow {
     /// The row with this index. `name` is that of its entity.
     pub(super) fn new(
         identity: &Identity,
@@ -81,7 +81,7 @@ impl Row {
     }
 }
 
-fn columns(rows: &[Option<[f32; 3]>]) -> Columns {
+fn columns(rows: &[Option<[f32; 3]>]) -> ComponentColumns {
     let points = Points3D::update_fields().with_positions(rows.iter().copied().flatten());
     let lengths = rows.iter().map(|row| usize::from(row.is_some()));
     Ok(points.columns(lengths)?.collect())

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use rerun::archetypes::LineStrips3D;
 use rerun::{Color, Radius};
 
-use crate::rerun::output::{Columns, Output};
+use crate::rerun::output::{ComponentColumns, Output};
 use crate::rerun::role::Role;
 use crate::rerun::track::Track;
 
@@ -112,7 +112,7 @@ fn darkened(color: u32) -> u32 {
     u32::from_be_bytes([red / 3, green / 3, blue / 3, alpha])
 }
 
-fn columns(rows: &[Vec<[f32; 3]>]) -> Columns {
+fn columns(rows: &[Vec<[f32; 3]>]) -> ComponentColumns {
     let strips = LineStrips3D::update_fields().with_strips(rows.iter().cloned());
     Ok(strips.columns_of_unit_batches()?.collect())
 }

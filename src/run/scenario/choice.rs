@@ -24,7 +24,7 @@ listed! {
 }
 
 listed! {
-    /// What happens when the contact point sticks (`stop.on_stick`).
+    /// Consequence of a contact point that sticks (`stop.on_stick`).
     pub enum OnStick {
         /// The run stops.
         Stop = "stop",

@@ -19,7 +19,7 @@ pub struct ScenarioError {
     pub problem: Box<Problem>,
 }
 
-/// What is wrong with a scenario, or with the value of a key.
+/// Error in a scenario, or in the value of a key.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Problem {
     /// The text is not TOML.
@@ -46,7 +46,7 @@ pub enum Problem {
         allowed: Kind,
         /// Unit; may be empty.
         unit: &'static str,
-        /// What was probably meant.
+        /// The value that was probably meant.
         hint: Option<Hint>,
     },
     /// The key is set twice under different spellings.
@@ -126,7 +126,7 @@ pub enum Requirement {
     Set(&'static str),
 }
 
-/// What was probably meant by a value that is not allowed.
+/// Probable meaning of a value that is not allowed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Hint {
     /// Similar words.

@@ -96,7 +96,7 @@ impl fmt::Display for Kind {
     }
 }
 
-/// Whether a key is required, optional, or depends on another key.
+/// Requirement of a key: required, optional, or dependent on another key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Presence {
     /// Always.
@@ -120,7 +120,7 @@ pub struct Key {
     pub unit: &'static str,
     /// Allowed values.
     pub kind: Kind,
-    /// Whether it is required.
+    /// Requirement of the key.
     pub presence: Presence,
     /// Description.
     pub meaning: &'static str,

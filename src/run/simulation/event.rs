@@ -426,7 +426,7 @@ mod tests {
     }
 
     #[test]
-    fn small_angles_have_powers_of_ten_but_in_recordings() {
+    fn small_angles_have_powers_of_ten_outside_recordings() {
         let top = Preset::find("paper").unwrap().scenario().unwrap().model.top;
         let state = EventState {
             theta: 0.008,
@@ -445,7 +445,7 @@ mod tests {
     }
 
     #[test]
-    fn start_names_the_rates_that_are_not_zero() {
+    fn start_names_nonzero_rates() {
         for (phi_dot, psi_dot, sentence) in [
             (0.0, 0.0, "The top starts at θ = 0.5000 rad."),
             (

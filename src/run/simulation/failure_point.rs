@@ -1,9 +1,7 @@
-//! Where a run failed, and what may be the cause.
+//! The point at which a run failed.
 
-use crate::physics::dynamics::{Model, Motion, Phase};
-use crate::physics::friction::FrictionLaw;
+use crate::physics::dynamics::{Motion, Phase};
 use crate::run::scenario::short_number;
-use nalgebra::Vector3;
 use std::fmt::{self, Display, Formatter};
 
 /// The point of a run at which it failed.
@@ -11,109 +9,43 @@ use std::fmt::{self, Display, Formatter};
 pub struct FailurePoint {
     /// Time, s.
     pub time: f64,
+    /// Number of steps from the start of the run.
+    pub steps: u64,
     /// The motion, in the phase in which the run failed.
     pub motion: Motion,
-    /// The top, its friction and its support.
-    pub model: Model,
+    /// Whether the peg is free.
+    pub is_free: bool,
 }
 
-/// Time and motion in a clause such as "t = 0.5 s, while the peg rolls (θ = 0.3 rad, turning at 150 rad/s)".
+/// A clause such as "at t = 0.5 s, after 900 steps, while the peg rolls (θ = 0.3 rad, turning at 150 rad/s)".
 impl Display for FailurePoint {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let time = short_number(rounded_down(self.time));
-        let theta = short(self.motion.angles.theta, 4);
-        let turning = short(self.motion.tilt.omega_lean.norm(), 3);
+        let contact = ContactPhase {
+            phase: self.motion.phase,
+            is_free: self.is_free,
+        };
         write!(
             f,
-            "t = {time} s, {} (θ = {theta} rad, turning at {turning} rad/s",
-            self.contact()
-        )?;
-        if self.motion.phase != Phase::Sticking {
-            // That with which it hits the table, for a peg in the air.
-            let speed = short(self.contact_velocity().norm(), 3);
-            write!(f, ", contact point moving at {speed} m/s")?;
-        }
-        f.write_str(")")
-    }
-}
-
-impl FailurePoint {
-    /// The contact of the peg with the table.
-    pub fn contact(&self) -> ContactPhase {
-        ContactPhase {
-            phase: self.motion.phase,
-            is_free: self.model.support.is_free(),
-        }
-    }
-
-    /// Velocity of the lowest point of the peg in the lean frame, m/s.
-    fn contact_velocity(&self) -> Vector3<f64> {
-        let vertical = self.motion.peg.velocity_lean.z;
-        self.motion.slip_velocity(&self.model.top) + Vector3::new(0.0, 0.0, vertical)
-    }
-
-    /// A clause that names the keys whose values may make the forces change too fast in this phase.
-    pub(super) fn suspects(&self) -> String {
-        self.suspects_of(self.motion.phase != Phase::Flying)
-    }
-
-    /// A clause that names the keys whose values may make the forces change too fast, of a top on the table or in the air.
-    pub(super) fn suspects_of(&self, is_on_table: bool) -> String {
-        let (mut small, mut large) = (Vec::new(), Vec::new());
-        if is_on_table {
-            add_suspects_of_law(&self.model.friction.law, &mut small, &mut large);
-        }
-        if let Some(losses) = &self.model.friction.losses {
-            for (key, value, acts) in [
-                ("rolling.arm", losses.rolling_arm, is_on_table),
-                ("drilling.k", losses.drilling.k, is_on_table),
-                ("air.axial", losses.air.axial, true),
-                ("air.transverse", losses.air.transverse, true),
-                ("air.disc", losses.air.disc, true),
-            ] {
-                if acts && value > 0.0 {
-                    large.push(key);
-                }
-            }
-        }
-        small.push("moments of inertia");
-        let small = format!("{} may be too small", small.join(" or "));
-        if large.is_empty() {
-            small
-        } else {
-            format!("{small}, or {} too large", large.join(" or "))
-        }
-    }
-
-    /// A clause about a duration with which the run ends before; empty if there is none.
-    pub(super) fn earlier_end(&self) -> String {
-        let time = rounded_down(self.time);
-        if time <= 0.0 {
-            return String::new();
-        }
-        format!(
-            "; a stop.duration of at most {} s ends the run before",
-            short_number(time)
+            "at t = {} s, after {} steps, {contact} (θ = {} rad, turning at {} rad/s)",
+            short_number(rounded_down(self.time)),
+            self.steps,
+            short_number(rounded(self.motion.angles.theta, 4)),
+            short_number(rounded(self.motion.tilt.omega_lean.norm(), 3)),
         )
     }
 }
 
-/// Adds the keys of a sliding law whose values may be too small, and those whose values may be too large.
-fn add_suspects_of_law(
-    law: &FrictionLaw,
-    small: &mut Vec<&'static str>,
-    large: &mut Vec<&'static str>,
-) {
-    let (scale, size) = match law {
-        FrictionLaw::None => return,
-        FrictionLaw::Coulomb { .. } => (None, "friction.k"),
-        FrictionLaw::Regularised { .. } => (Some("friction.smoothing_speed"), "friction.k"),
-        FrictionLaw::Viscous { .. } => (Some("friction.viscous_speed"), "friction.k"),
-        FrictionLaw::Stribeck { .. } => (Some("friction.stribeck_speed"), "friction.static_k"),
-        FrictionLaw::Contensou { .. } => (Some("friction.patch_radius"), "friction.k"),
-    };
-    small.extend(scale);
-    large.push(size);
+impl FailurePoint {
+    /// A clause that names a change with which the run succeeds or may succeed.
+    pub(super) fn remedy(&self) -> String {
+        let time = rounded_down(self.time);
+        if time > 0.0 {
+            let time = short_number(time);
+            format!("a stop.duration of at most {time} s ends the run before")
+        } else {
+            "initial rates may be too large, or moments of inertia too small".to_owned()
+        }
+    }
 }
 
 /// The phase of the contact between a fixed or a free peg and the table.
@@ -146,11 +78,6 @@ impl Display for ContactPhase {
             Phase::Flying => "while the peg is in the air",
         })
     }
-}
-
-/// A positive number rounded to this many significant digits, without rows of zeros.
-pub(super) fn short(number: f64, digits: usize) -> String {
-    short_number(rounded(number, digits))
 }
 
 /// A number rounded to this many significant digits.

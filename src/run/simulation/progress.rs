@@ -1,6 +1,7 @@
 //! Detects stalled runs.
 
 use super::failure_point::ContactPhase;
+use std::fmt::{self, Display, Formatter};
 
 /// A run has stalled if this many steps advance it by less than [`STALLED_TIME`].
 const STALLED_STEPS: u32 = 1_000_000;
@@ -23,23 +24,44 @@ pub(super) struct Progress {
     contacts: Vec<ContactPhase>,
 }
 
-/// What shows that a run no longer advances.
+/// The sign that a run no longer advances.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Stall {
+pub enum Stall {
     /// Very many steps hardly advance it.
     TinySteps {
         /// Number of steps.
         steps: u32,
         /// The time that they should have advanced it, s.
         limit: f64,
-        /// The mean step, s.
-        mean_step: f64,
     },
     /// Very many phases hardly advance it.
     Alternates {
         /// The different contacts of these phases.
         contacts: Vec<ContactPhase>,
     },
+}
+
+/// A clause such as "sliding and rolling alternate without end".
+impl Display for Stall {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TinySteps { steps, limit } => {
+                write!(f, "{steps} steps advanced it by less than {limit} s")
+            }
+            Self::Alternates { contacts } => write!(f, "{} without end", alternation(contacts)),
+        }
+    }
+}
+
+/// A clause such as "sliding and rolling alternate".
+fn alternation(contacts: &[ContactPhase]) -> String {
+    let nouns: Vec<&str> = contacts.iter().map(|contact| contact.noun()).collect();
+    match nouns.as_slice() {
+        // The rotations that friction holds change.
+        [only] => format!("phases of {only} alternate"),
+        [first @ .., last] => format!("{} and {last} alternate", first.join(", ")),
+        [] => "phases alternate".to_owned(),
+    }
 }
 
 /// A number of steps or phases since a time.
@@ -58,12 +80,10 @@ impl Progress {
         if self.steps.count < STALLED_STEPS {
             return Ok(());
         }
-        let advance = time - self.steps.time;
-        if advance < STALLED_TIME {
+        if time - self.steps.time < STALLED_TIME {
             return Err(Stall::TinySteps {
                 steps: STALLED_STEPS,
                 limit: STALLED_TIME,
-                mean_step: advance / f64::from(STALLED_STEPS),
             });
         }
         self.steps = CountSince { count: 0, time };
@@ -94,6 +114,7 @@ impl Progress {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::dynamics::Phase;
 
     /// The stall of a run in steps of this length, s.
     fn stall(step: f64) -> Option<Stall> {
@@ -102,15 +123,36 @@ mod tests {
     }
 
     #[test]
-    fn a_million_tiny_steps_are_a_stall() {
-        let Some(Stall::TinySteps {
-            steps, mean_step, ..
-        }) = stall(4e-8)
-        else {
-            panic!("no stall");
+    fn detects_a_million_tiny_steps() {
+        let expected = Stall::TinySteps {
+            steps: STALLED_STEPS,
+            limit: STALLED_TIME,
         };
-        assert_eq!(steps, STALLED_STEPS);
-        assert!((mean_step / 4e-8 - 1.0).abs() < 1e-9, "{mean_step}");
+        assert_eq!(stall(4e-8), Some(expected));
         assert_eq!(stall(6e-8), None);
+    }
+
+    #[test]
+    fn alternation_names_the_phases_that_occur() {
+        use Phase::{Flying, Sliding, Sticking};
+        for (is_free, phases, expected) in [
+            (false, &[Sliding][..], "phases of sliding alternate"),
+            (
+                false,
+                &[Sliding, Sticking],
+                "sliding and sticking alternate",
+            ),
+            (
+                true,
+                &[Flying, Sliding, Sticking],
+                "flight, sliding and rolling alternate",
+            ),
+        ] {
+            let mut contacts = Vec::new();
+            for &phase in phases {
+                contacts.push(ContactPhase { phase, is_free });
+            }
+            assert_eq!(alternation(&contacts), expected);
+        }
     }
 }

@@ -9,7 +9,7 @@ use super::error::SimulationError;
 use super::event::{Consequences, EventKind, StopReason, consequences};
 use super::failure_point::{ContactPhase, FailurePoint};
 use super::nutation::NutationTracker;
-use super::progress::{Progress, Stall};
+use super::progress::Progress;
 use super::queue::{Queue, TimedMotion};
 use super::record::{Record, RunEnd};
 use super::sample::Sample;
@@ -99,7 +99,7 @@ struct EarlyEnd<F, const N: usize> {
     action: Action<F, N>,
 }
 
-/// What follows where a step ends early.
+/// Consequence of the early end of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Action<F, const N: usize> {
     /// The run ends.
@@ -147,7 +147,8 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let tolerances = F::step_tolerances(scenario.tolerances);
         let integrator = Dop853::new(formulation, 0.0, state, tolerances).map_err(|source| {
             SimulationError::Integration {
-                at: failure_point(&formulation, 0.0, motion),
+                at: failure_point(&formulation, 0, 0.0, motion),
+                guard: None,
                 source,
             }
         })?;
@@ -196,7 +197,8 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         if let Err(stall) = self.progress.record_step(time) {
             let system = self.integrator.system();
             let motion = system.motion(self.integrator.y(), self.reference);
-            return Err(self.stalled(stall, failure_point(system, time, motion)));
+            let at = failure_point(system, self.steps(), time, motion);
+            return Err(SimulationError::Stalled { at, stall });
         }
         let dense = self.integrator.dense();
         let mut zeros = self.find_zeros(&dense);
@@ -222,26 +224,9 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         Ok(())
     }
 
-    /// The error of a run that no longer advances.
-    #[cold]
-    fn stalled(&self, stall: Stall, at: Box<FailurePoint>) -> SimulationError {
-        match stall {
-            Stall::TinySteps {
-                steps,
-                limit,
-                mean_step,
-            } => SimulationError::TinySteps {
-                steps,
-                advance: limit,
-                turn: at.motion.tilt.omega_lean.norm() * mean_step,
-                at,
-            },
-            Stall::Alternates { contacts } => SimulationError::Alternates {
-                at,
-                contacts,
-                tolerances: self.tolerances,
-            },
-        }
+    /// Number of steps so far.
+    fn steps(&self) -> u64 {
+        self.integrator.statistics().accepted
     }
 
     /// Ends the run where no further step is possible, if the singularity is that of a transition.
@@ -256,8 +241,11 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             stop: Some(reason),
         }) = end
         else {
-            let at = failure_point(system, time, motion);
-            return Err(SimulationError::Integration { at, source });
+            return Err(SimulationError::Integration {
+                at: failure_point(system, self.steps(), time, motion),
+                guard: None,
+                source,
+            });
         };
         if let Some(kind) = event {
             self.queue.push_event(kind, time, motion);
@@ -471,13 +459,15 @@ fn contact_phase<F: Formulation<N>, const N: usize>(system: &F) -> ContactPhase 
 
 fn failure_point<F: Formulation<N>, const N: usize>(
     system: &F,
+    steps: u64,
     time: f64,
     motion: Motion,
 ) -> Box<FailurePoint> {
     Box::new(FailurePoint {
         time,
+        steps,
         motion,
-        model: *system.model(),
+        is_free: system.model().support.is_free(),
     })
 }
 

@@ -10,14 +10,14 @@ use crate::telemetry::fields::{
 };
 
 /// A plot: its name in identifiers, its title, its fields with their labels.
-type Plot = (
+type PlotDefinition = (
     &'static str,
     &'static str,
     &'static [(NumberField, &'static str)],
 );
 
 /// The plots of every run.
-const MOTION: [Plot; 6] = [
+const MOTION: [PlotDefinition; 6] = [
     (
         "theta",
         "θ, inclination",
@@ -50,7 +50,7 @@ const MOTION: [Plot; 6] = [
 ];
 
 /// The plots of a free peg.
-const TABLE: [Plot; 4] = [
+const TABLE: [PlotDefinition; 4] = [
     (
         "normal_force",
         "Normal force",
@@ -154,12 +154,12 @@ fn scene() -> Value {
     })
 }
 
-fn identifier((name, ..): &Plot) -> String {
+fn identifier((name, ..): &PlotDefinition) -> String {
     format!("Plot!{name}")
 }
 
 /// The settings of a plot.
-fn settings((_, title, fields): &Plot) -> Value {
+fn settings((_, title, fields): &PlotDefinition) -> Value {
     let paths: Vec<_> = fields
         .iter()
         .map(|(field, label)| {
@@ -192,7 +192,7 @@ fn settings((_, title, fields): &Plot) -> Value {
 }
 
 /// Plots in rows of two.
-fn grid(plots: &[Plot]) -> Value {
+fn grid(plots: &[PlotDefinition]) -> Value {
     let rows: Vec<_> = plots
         .chunks(2)
         .map(|pair| {

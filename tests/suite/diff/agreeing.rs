@@ -131,7 +131,7 @@ fn other_forces_part_the_motions_at_once() {
 
 /// What was left out may differ.
 #[test]
-fn parts_of_runs_are_not_said_to_agree() {
+fn partial_runs_have_no_agreement() {
     let (a, b) = (short(&[]), short(&[("stop.duration", "1")]));
     assert_eq!(
         compare(&a, &b, &only("/top/state")).unwrap().agreement,

@@ -55,7 +55,7 @@ fn renumbered_messages_are_not_missing() {
 
 /// The shift of a rise by nutation is known where the nutations were not recorded.
 #[test]
-fn rise_has_its_uncertainty_without_recorded_nutations() {
+fn rise_uncertainty_does_not_need_recorded_nutations() {
     let folder = Folder::new();
     let runs = ["paper", "full-coulomb"].map(|name| {
         let run = scenario(name, &[]);

@@ -248,7 +248,7 @@ fn events_of_two_kinds_have_no_differences() {
 
 /// A turn about the symmetry axis changes nothing but the rounding, a little more friction the motion.
 #[test]
-fn val_rounding_is_no_finding() {
+fn val_rounding_makes_no_findings() {
     let differing = |name, change| {
         let short = ("stop.duration", "2.0");
         let [a, b] = [&[short][..], &[short, change]].map(|set| scenario(name, set));

@@ -138,7 +138,7 @@ fn messages_of_one_time_are_matched_by_content() {
 }
 
 #[test]
-fn refuses_to_compare_nothing() {
+fn refuses_empty_comparisons() {
     let folder = Folder::new();
     let files = foreign(&folder, "x.mcap", "{}", &[("/x", 0, "1")]);
     let ours = recorded(&folder, "a.mcap", &short(&[]), Encoding::Json);

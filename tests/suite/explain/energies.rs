@@ -52,7 +52,7 @@ fn energy_with_a_forged_sample_is_not_constant() {
 }
 
 #[test]
-fn rolling_ended_by_the_last_event_is_not_final() {
+fn rolling_ended_by_last_event_is_not_final() {
     // Rolling ends at 16.517 ms, and the peg lifts off at 16.631 ms.
     let overrides = [("friction.k", "10"), ("stop.duration", "0.01655")];
     let explanation = explain(&scenario("free-rolls", &overrides)).unwrap();

@@ -54,7 +54,7 @@ fn filtered(path: &Path, scenario: &Scenario, is_kept: fn(&Message<'_>) -> bool,
     };
     let sinks: &mut [&mut dyn Sink] = &mut [&mut filter];
     let recorded = record(&mut run, sinks, carry_on).unwrap();
-    sink.finish(&recorded.end).unwrap();
+    sink.finish(&recorded.outcome.end).unwrap();
 }
 
 fn explain_filtered(preset: &str, is_kept: fn(&Message<'_>) -> bool) -> Explanation {
@@ -132,7 +132,7 @@ fn names_messages_that_were_filtered_out() {
 }
 
 #[test]
-fn whole_recordings_lack_nothing() {
+fn complete_recordings_have_no_losses() {
     // The last two: regular precession does not always exist, and impacts without loss.
     for (preset, key, value) in [
         ("paper", "stop.duration", "1"),

@@ -65,7 +65,7 @@ fn val_end_of_the_run_is_not_the_last_nutation() {
 
 /// A tippe top that swings past the horizontal and comes back has not inverted.
 #[test]
-fn val_swing_past_the_horizontal_is_no_inversion() {
+fn val_swing_past_the_horizontal_is_not_an_inversion() {
     let keys = [
         ("initial.theta_dot", "60"),
         ("initial.psi_dot", "1"),
@@ -134,7 +134,7 @@ fn frictionless_model_omits_no_friction() {
 }
 
 #[test]
-fn change_of_energy_has_no_digits_below_its_error() {
+fn energy_change_is_rounded_to_its_error() {
     for (change, within, text) in [
         (0.25, 1e-15, "0.2500 J"),
         (2.7e-15, 2e-15, "3 × 10⁻¹⁵ J"),
@@ -191,7 +191,7 @@ fn counts_nothing_in_a_recording_with_a_hole() {
 
 /// Whether the peg rolls to the end is known only if the recording has one.
 #[test]
-fn rolls_to_the_end_only_if_there_is_an_end() {
+fn incomplete_runs_do_not_roll_to_the_end() {
     let folder = Folder::new();
     let path = folder.at("run.mcap");
     let scenario = scenario("drop", &[]);
@@ -245,7 +245,7 @@ fn flights_with_bounces_are_named_so() {
 }
 
 #[test]
-fn names_friction_that_creates_energy() {
+fn reports_friction_that_creates_energy() {
     for (preset, creates) in [
         ("paper-precession-term-only", true),
         ("paper", false),
@@ -275,7 +275,7 @@ fn frictionless_run_has_no_friction_term() {
 
 /// A text that calls the energy constant names no size, which would depend on its zero.
 #[test]
-fn constant_energy_has_no_zero() {
+fn constant_energy_is_stated_with_its_error() {
     let sentences = sentences(&explanation("frictionless", &[]));
     let constant = sentences
         .iter()
@@ -289,7 +289,7 @@ fn constant_energy_has_no_zero() {
 
 /// The angular momentum of a top that spins the other way is negative, and so less than any limit.
 #[test]
-fn weak_top_is_one_of_little_angular_momentum() {
+fn weak_top_has_little_angular_momentum() {
     for [spin, precession] in [["170", "1.75"], ["-170", "-1.75"]] {
         let keys = [("initial.psi_dot", spin), ("initial.phi_dot", precession)];
         let sentences = sentences(&explanation("lifecycle", &keys));

@@ -850,7 +850,7 @@ fn says_if_no_cause_is_found() {
 
 /// A top that static friction holds from the start has one sample, and is explained.
 #[test]
-fn rest_from_the_start_is_explained() {
+fn explains_rest_from_the_start() {
     let keys = [
         ("initial.psi_dot", "0"),
         ("initial.phi_dot", "0"),
@@ -1051,7 +1051,7 @@ fn strong_top_that_falls_after_its_rise_is_not_weak() {
 
 /// A slow tippe top stays below the horizontal; a faster one turns over.
 #[test]
-fn slow_tippe_tops_lack_the_energy_to_turn_over() {
+fn slow_tippe_tops_lack_energy_for_inversion() {
     for (spin, cause) in [
         ("20", "stays upright"),
         ("-30", "stays upright"),
@@ -1068,7 +1068,7 @@ fn slow_tippe_tops_lack_the_energy_to_turn_over() {
 /// Below (1 − |l|/R) times the axial moment, the transverse one lets no tippe top turn over (Rauch-Wojciechowski and
 /// Rutstam, SIGMA 10 (2014) 017).
 #[test]
-fn val_too_slow_is_only_a_tippe_top_that_a_faster_spin_turns_over() {
+fn val_slow_tippe_tops_invert_with_faster_spin() {
     // (I_x − M l²)/I_z, from either side of 0.7.
     for (ratio, expected) in [
         (0.516, SufficientSpin::Absent),
@@ -1112,7 +1112,7 @@ fn val_too_slow_is_only_a_tippe_top_that_a_faster_spin_turns_over() {
 
 /// A roll that is a part of a nutation, after many others.
 #[test]
-fn slip_and_roll_by_turns_are_not_an_end_of_slip() {
+fn alternating_slip_and_roll_is_not_an_end_of_slip() {
     let keys = [
         ("top.mass", "181.8181818181818"),
         ("top.axial_moment", "0.029090909090909087"),
@@ -1151,7 +1151,7 @@ fn short_roll_begins_at_its_time() {
 
 /// That rolling prevents an inversion is not shown: these tops would not turn over if they slipped.
 #[test]
-fn rolling_is_not_the_cause_of_a_missing_inversion() {
+fn rolling_does_not_explain_missing_inversion() {
     for spin in ["80", "5", "0"] {
         let keys = [("initial.psi_dot", spin), ("friction.k", "1")];
         let (_, text) = checked("tippe-top-hangs", &keys);

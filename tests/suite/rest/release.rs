@@ -267,7 +267,7 @@ fn rolling_top_gives_way_in_few_steps() {
 
 /// A top that is dropped upright does not move any more.
 #[test]
-fn landing_at_rest_is_no_rolling() {
+fn landing_at_rest_is_not_rolling() {
     let mut keys = ENDLESS.to_vec();
     keys.extend([
         ("initial.theta", "0"),

@@ -1,27 +1,19 @@
 //! The records of a section: its messages, and what is wrong with the others.
 
+use super::position::Position;
 use super::{Loader, MAX_GROWTH, MIN_CONTENT};
 use crate::archive::container::loss::Loss;
 use crate::archive::container::record::{is_specified, parse};
-use crate::archive::container::section::{InnerRecord, MessageRecord, Section, record_at};
+use crate::archive::container::section::{FileSection, InnerRecord, MessageRecord, record_at};
 use mcap::records::op;
 use std::mem;
 use std::ops::Range;
-
-/// The place of a record in a file, which orders records as they are read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Position {
-    /// Offset of the section in the file.
-    section: u64,
-    /// Start of the record in the content of the section.
-    start: usize,
-}
 
 impl Loader<'_> {
     /// Calls `take` with time and place of each selected message among the records of a section, and reports the others.
     pub(super) fn scan_records(
         &mut self,
-        section: &Section,
+        section: &FileSection,
         records: &[u8],
         mut take: impl FnMut(u64, Range<usize>),
     ) {
@@ -69,7 +61,7 @@ impl Loader<'_> {
     /// Checks a record of a section that is not a message.
     fn check_definition(
         &mut self,
-        section: &Section,
+        section: &FileSection,
         place: &Range<usize>,
         record: InnerRecord<'_>,
     ) {
@@ -100,7 +92,7 @@ impl Loader<'_> {
 
     /// Whether the channel has a second definition before a place in a section. Which one a message follows is
     /// uncertain, because the writer may not have noticed that the id was in use.
-    fn is_redefined(&self, channel: usize, section: &Section, start: usize) -> bool {
+    fn is_redefined(&self, channel: usize, section: &FileSection, start: usize) -> bool {
         let position = Position {
             section: section.offset,
             start,
@@ -114,7 +106,7 @@ impl Loader<'_> {
     /// the place of the chunk is reported.
     fn report_lost_record(
         &mut self,
-        section: &Section,
+        section: &FileSection,
         place: &Range<usize>,
         time_ns: Option<u64>,
         reason: String,
@@ -137,7 +129,7 @@ impl Loader<'_> {
     }
 
     /// Reports a loss in a section, at most one per section.
-    pub(super) fn report_loss(&mut self, section: &Section, reason: String) {
+    pub(super) fn report_loss(&mut self, section: &FileSection, reason: String) {
         if self.lost.insert(section.offset) {
             self.losses.push(Loss {
                 offset: section.offset,
@@ -152,7 +144,7 @@ impl Loader<'_> {
     }
 
     /// Reports that the file is not read from this section on, once.
-    pub(super) fn report_rest(&mut self, section: &Section) {
+    pub(super) fn report_rest(&mut self, section: &FileSection) {
         if self.losses.list().iter().any(|loss| loss.is_unread) {
             return;
         }

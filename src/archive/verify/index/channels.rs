@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 /// A channel, in the summary or in the data.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Definition {
+struct ListedChannel {
     id: u16,
     topic: String,
     encoding: String,
@@ -33,12 +33,12 @@ pub(super) fn check(recording: &Recording, summary: &Summary) -> Result<(), Diff
     let mut stated: Vec<_> = summary
         .channels
         .values()
-        .map(|channel| Definition::from_summary(channel))
+        .map(|channel| ListedChannel::from_summary(channel))
         .collect();
     let mut found: Vec<_> = recording
         .channels()
         .iter()
-        .map(Definition::from_data)
+        .map(ListedChannel::from_data)
         .collect();
     // The summary may have another order. Hashes of the summary's map must not decide what is named first.
     stated.sort_unstable();
@@ -53,13 +53,13 @@ pub(super) fn check(recording: &Recording, summary: &Summary) -> Result<(), Diff
 }
 
 /// The definitions of the first list that are not in the second.
-fn without<'d>(all: &'d [Definition], others: &[Definition]) -> Vec<&'d Definition> {
+fn without<'d>(all: &'d [ListedChannel], others: &[ListedChannel]) -> Vec<&'d ListedChannel> {
     all.iter()
         .filter(|definition| !others.contains(definition))
         .collect()
 }
 
-impl Definition {
+impl ListedChannel {
     fn from_summary(channel: &Channel<'_>) -> Self {
         Self {
             id: channel.id,

@@ -29,7 +29,7 @@ pub(super) const JAM_HORIZON: f64 = 1e-9;
 const PROBED_PART: f64 = 1e-4;
 
 /// The beginning of a phase after a flying peg has come down to the table.
-pub(super) struct Contact<const N: usize> {
+pub(super) struct Landing<const N: usize> {
     pub(super) formulation: FreeRotation,
     pub(super) state: [f64; N],
     pub(super) transition: Transition,
@@ -312,10 +312,10 @@ impl FreeRotation {
     pub(super) fn after_contact<const N: usize>(
         &self,
         y: &[f64; N],
-    ) -> Result<Contact<N>, IntegrateError> {
+    ) -> Result<Landing<N>, IntegrateError> {
         let Support::FreePeg { restitution } = self.model.support else {
             // A fixed peg has other equations.
-            return Ok(Contact {
+            return Ok(Landing {
                 formulation: *self,
                 state: *y,
                 transition: Transition::LiftsOff,
@@ -349,7 +349,7 @@ impl FreeRotation {
         state[CONTROLLED + 1] += hit.friction_loss;
         let flying = self.with_phase(Phase::Flying);
         if hit.after.z > 0.0 {
-            return Ok(Contact {
+            return Ok(Landing {
                 formulation: flying,
                 state,
                 transition: Transition::Bounces,
@@ -370,7 +370,7 @@ impl FreeRotation {
         } else {
             next.landing(&state)
         };
-        Ok(Contact {
+        Ok(Landing {
             formulation: next,
             state,
             transition,
@@ -389,7 +389,7 @@ impl FreeRotation {
         &self,
         y: &[f64; N],
         velocity: Vector3<f64>,
-    ) -> Contact<N> {
+    ) -> Landing<N> {
         let next = if velocity.z > 0.0 {
             *self
         } else {
@@ -403,7 +403,7 @@ impl FreeRotation {
             let impact = Impact::without_approach(velocity);
             (next.landing(&state), Some(impact))
         };
-        Contact {
+        Landing {
             formulation: next,
             state,
             transition,

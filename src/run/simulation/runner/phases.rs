@@ -24,10 +24,10 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let system = *self.integrator.system();
         let entry = system
             .enter(guard, state, self.reference)
-            .map_err(|reason| SimulationError::Transition {
-                at: failure_point(&system, time, motion),
-                guard,
-                reason,
+            .map_err(|source| SimulationError::Integration {
+                at: failure_point(&system, self.steps(), time, motion),
+                guard: Some(guard),
+                source,
             })?;
         if guard == Guard::Slip && stops_at_rest && stops_slip(&entry) {
             self.queue.push_event(EventKind::SlipStops, time, motion);
@@ -107,19 +107,21 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let phases = match self.progress.record_phase(time, contact) {
             Ok(phases) => phases,
             Err(stall) => {
-                let at = failure_point(&entry.formulation, time, entry.motion);
-                return Err(self.stalled(stall, at));
+                let at = failure_point(&entry.formulation, self.steps(), time, entry.motion);
+                return Err(SimulationError::Stalled { at, stall });
             }
         };
         // Samples up to here have been taken from the dense output.
         self.dense = None;
         let phase = self.integrator.system().phase();
         let system = entry.formulation;
+        let steps = self.steps();
         self.reference = system.angles(&entry.state, self.reference);
         self.integrator
             .restart(system, time, entry.state)
             .map_err(|source| SimulationError::Integration {
-                at: failure_point(&system, time, entry.motion),
+                at: failure_point(&system, steps, time, entry.motion),
+                guard: None,
                 source,
             })?;
         // If phases repeat immediately, limit the step.
