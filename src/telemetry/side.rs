@@ -1,7 +1,11 @@
 //! The two sides of a comparison, A and B.
 
+use schemars::JsonSchema;
+use serde::Serialize;
+
 /// One of the two runs of a comparison.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Side {
     /// The first run: the reference.
     A,

@@ -11,10 +11,13 @@ use crate::telemetry::Topic;
 use crate::telemetry::fields::{IMPACTS, STATE, state};
 use crate::telemetry::side::Side;
 use crate::words::{Piece, Sentence, sentence};
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::ops::{Bound, RangeBounds as _};
 
 /// Extent to which the motions of two runs agree.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Agreement {
     /// They agree as long as both run.
     WhileBothRun {
@@ -35,18 +38,28 @@ pub enum Agreement {
 }
 
 /// A change of the forces at which two motions part.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Change {
     /// An impact of the peg.
     Impact,
     /// An event of both runs.
-    Event(EventKind),
+    Event {
+        /// The kind.
+        event: EventKind,
+    },
     /// An event of one run.
-    EventOf(Side, EventKind),
+    EventOf {
+        /// The run.
+        side: Side,
+        /// The kind.
+        event: EventKind,
+    },
 }
 
 /// Precision to which two motions agree.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Precision {
     /// All values are bit-identical.
     Exact,
@@ -58,7 +71,7 @@ pub enum Precision {
 }
 
 /// The end of a run.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct RunEnd {
     /// Time, s.
     pub time: f64,
@@ -182,13 +195,13 @@ fn parting(
     let common = a.iter().rfind(|event| b.contains(event));
     let mut changes = Vec::new();
     if let Some(&(time, kind)) = common {
-        changes.push((time, Change::Event(kind)));
+        changes.push((time, Change::Event { event: kind }));
     } else {
         for (side, events) in [(Side::A, &a), (Side::B, &b)] {
             changes.extend(
                 events
                     .first()
-                    .map(|&(time, kind)| (time, Change::EventOf(side, kind))),
+                    .map(|&(time, kind)| (time, Change::EventOf { side, event: kind })),
             );
         }
     }
@@ -303,9 +316,9 @@ impl Change {
     fn sentence(self) -> Sentence {
         match self {
             Self::Impact => sentence!(", when an impact parts them"),
-            Self::Event(kind) => sentence!(", the event “{}”", kind.words(1)),
-            Self::EventOf(side, kind) => {
-                sentence!(", {}'s event “{}”", side.name(), kind.words(1))
+            Self::Event { event } => sentence!(", the event “{}”", event.words(1)),
+            Self::EventOf { side, event } => {
+                sentence!(", {}'s event “{}”", side.name(), event.words(1))
             }
         }
     }

@@ -32,8 +32,8 @@ pub struct Report {
     pub verdict: Verdict,
     /// Whether both runs were read completely; otherwise the verdict covers the readable part.
     pub is_complete: bool,
-    /// Agreement of the motions of different runs; not in JSON reports, where the topics and the ends show it.
-    #[serde(skip)]
+    /// Extent to which the motions agree although the runs are different.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub agreement: Option<Agreement>,
     /// The differences in the set-up.
     pub setup: SetupDifferences,

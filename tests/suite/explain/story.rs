@@ -1265,7 +1265,7 @@ fn mean_inclination_changes_are_named() {
         ("spin-torque-only", &[("initial.theta", "1.45")], "+"),
         ("paper-precession-term-only", &[("friction.k", "0.3")], "-"),
         ("tilt-torque-only", &[("initial.psi_dot", "30")], "-+"),
-        ("paper-spin-term-only", &[("initial.phi_dot", "30")], "-"),
+        ("paper-spin-term-only", &[("initial.phi_dot", "30")], "+"),
         ("free-paper", &[("initial.psi_dot", "30")], "+"),
         (
             "paper",
