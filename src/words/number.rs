@@ -82,9 +82,9 @@ fn decimals(digits: usize, exponent: i32) -> usize {
     usize::try_from(digits as i32 - 1 - exponent).unwrap_or(0)
 }
 
-/// A decimal number without zeros after the last digit of its fraction.
+/// A decimal number without zeros after the last digit of its fraction. Very large numbers keep them before their exponent.
 fn without_zeros(text: &str) -> String {
-    if text.contains('.') {
+    if text.contains('.') && !text.contains('e') {
         text.trim_end_matches('0').trim_end_matches('.').to_owned()
     } else {
         text.to_owned()
@@ -183,9 +183,12 @@ pub(super) fn distinct_digits(
         .unwrap_or(digits)
 }
 
+/// Probabilities below this are not distinguished.
+pub const MIN_PROBABILITY: f64 = 1e-6;
+
 /// A probability: "0.02", "4.1 × 10⁻⁵", "< 10⁻⁶".
 pub fn probability(p: f64) -> String {
-    if p < 1e-6 {
+    if p < MIN_PROBABILITY {
         format!("< {}", raised(-6))
     } else if p < 0.01 {
         with_power(p, 2)

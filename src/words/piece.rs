@@ -1,7 +1,9 @@
 //! Pieces of sentences.
 
 use super::count::counted;
-use super::number::{Digits, decimals_of_error, distinct_digits, fixed, format, pair, significant};
+use super::number::{
+    Digits, decimals_of_error, distinct_digits, fixed, format, pair, probability, significant,
+};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::borrow::Cow;
@@ -37,7 +39,7 @@ pub struct Number {
     /// The number.
     pub value: f64,
     /// Its unit; empty for a pure number.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
     /// Whether the unit follows the number. In "from 0.5 to 0.2 rad", the first number has none of its own.
     pub has_unit: bool,
 }
@@ -54,7 +56,9 @@ pub struct Estimate {
     /// The uncertainty.
     pub error: f64,
     /// The unit of both; empty for a pure number.
-    pub unit: String,
+    pub unit: Cow<'static, str>,
+    /// Whether the unit follows the uncertainty.
+    pub has_unit: bool,
 }
 
 /// A count with its noun.
@@ -90,12 +94,16 @@ impl Argument {
 
 impl Number {
     /// A number with the unit that follows it.
-    pub fn new(value: f64, digits: Digits, unit: &'static str) -> Self {
+    pub fn new(value: f64, digits: Digits, unit: impl Into<Cow<'static, str>>) -> Self {
+        Self::from_text(format(value, digits), value, unit.into())
+    }
+
+    fn from_text(text: String, value: f64, unit: Cow<'static, str>) -> Self {
         Self {
-            text: format(value, digits),
+            text,
             value,
-            unit,
             has_unit: !unit.is_empty(),
+            unit,
         }
     }
 
@@ -115,30 +123,48 @@ impl Number {
 
 impl Piece {
     /// A number with `digits` significant digits.
-    pub fn number(value: f64, digits: usize, unit: &'static str) -> Self {
+    pub fn number(value: f64, digits: usize, unit: impl Into<Cow<'static, str>>) -> Self {
         Self::Number(Number::new(value, Digits::Significant(digits), unit))
     }
 
     /// A number with at most `digits` significant digits, without zeros at the end.
-    pub fn rounded(value: f64, digits: usize, unit: &'static str) -> Self {
+    pub fn rounded(value: f64, digits: usize, unit: impl Into<Cow<'static, str>>) -> Self {
         Self::Number(Number::new(value, Digits::AtMost(digits), unit))
     }
 
     /// A number with `decimals` decimals.
-    pub fn fixed(value: f64, decimals: usize, unit: &'static str) -> Self {
+    pub fn fixed(value: f64, decimals: usize, unit: impl Into<Cow<'static, str>>) -> Self {
         Self::Number(Number::new(value, Digits::Decimals(decimals), unit))
     }
 
     /// A value with its uncertainty, which has two digits.
-    pub fn estimate(value: f64, error: f64, unit: impl Into<String>) -> Self {
+    pub fn estimate(value: f64, error: f64, unit: impl Into<Cow<'static, str>>) -> Self {
         let decimals = decimals_of_error(error);
+        let unit = unit.into();
         Self::Estimate(Estimate {
             text: fixed(value, decimals),
             error_text: fixed(error, decimals),
             value,
             error,
-            unit: unit.into(),
+            has_unit: !unit.is_empty(),
+            unit,
         })
+    }
+
+    /// A probability.
+    pub fn probability(p: f64) -> Self {
+        Self::Number(Number::from_text(probability(p), p, Cow::Borrowed("")))
+    }
+
+    /// The number or estimate for a table whose head has the unit.
+    #[must_use]
+    pub fn without_unit(mut self) -> Self {
+        match &mut self {
+            Self::Number(number) | Self::Time(number) => number.has_unit = false,
+            Self::Estimate(estimate) => estimate.has_unit = false,
+            Self::Text(_) | Self::Count(_) | Self::Key(_) | Self::Field(_) | Self::Argument(_) => {}
+        }
+        self
     }
 
     /// A point in time, s.
@@ -209,10 +235,10 @@ impl Piece {
 impl Estimate {
     fn plain(&self) -> String {
         let text = format!("{} ± {}", self.text, self.error_text);
-        if self.unit.is_empty() {
-            text
-        } else {
+        if self.has_unit {
             format!("{text} {}", self.unit)
+        } else {
+            text
         }
     }
 }
@@ -223,12 +249,8 @@ fn each(values: [f64; 2], digits: usize) -> [String; 2] {
 
 fn numbers(values: [f64; 2], texts: [String; 2], unit: &'static str) -> [Number; 2] {
     let [first, last] = texts;
-    [(first, values[0]), (last, values[1])].map(|(text, value)| Number {
-        text,
-        value,
-        unit,
-        has_unit: !unit.is_empty(),
-    })
+    [(first, values[0]), (last, values[1])]
+        .map(|(text, value)| Number::from_text(text, value, Cow::Borrowed(unit)))
 }
 
 /// The largest unit in which a time is at least 1, with the factor from seconds.
