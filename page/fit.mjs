@@ -5,7 +5,7 @@ import { Engine } from "./engine.mjs";
 import { angleError, freeParameters, heldText } from "./free.mjs";
 import { drawMeasured, measuredName } from "./measured.mjs";
 import { keyName } from "./names.mjs";
-import { unbroken } from "./numbers.mjs";
+import { sentenceText } from "./sentence.mjs";
 
 /** Phones give text tables types of their own, so names count, too. */
 const TABLES = ".csv,.tsv,.txt,text/csv,text/plain,text/tab-separated-values,text/comma-separated-values,application/vnd.ms-excel";
@@ -16,75 +16,60 @@ const EXAMPLE = { name: "top.csv", preset: "full-coulomb" };
 /** A word of a command line, in quotes if a shell would read it otherwise. */
 export const quotedWord = (word) => (/^[\w./=,:+-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
 
-/** A text with keys and fields in the words of the page. */
-const named = (text) =>
-  unbroken(text).replaceAll(/\b(?:friction|initial|top|support|rolling|drilling|air)\.[a-z_]+/g, keyName).replaceAll(/\/top\/state\.([\w.]+)/g, (_, path) => measuredName(path));
-
 /** The head of a row: a key or field with its unit, in the words of the page; the pointer shows its name in the program. */
-function rowHead(text) {
-  const [title] = text.split(" ");
-  return element("th", { scope: "row", title, textContent: named(text) });
+function rowHead(cell) {
+  const title = cell.map(({ key, field }) => key ?? field ?? "").join("");
+  return element("th", { scope: "row", title, textContent: sentenceText(cell) });
 }
 
 /** The head of a column. A fraction stays in one line. */
-const columnHead = (text) => element("th", { textContent: named(text).replaceAll("/", "\u2060/\u2060") });
+const columnHead = (text) => element("th", { textContent: text.replaceAll("/", "\u2060/\u2060") });
 
-/** The table of a report; nothing without rows. Narrow screens show each row as a block with the names of its cells. */
-function wordTable({ header, rows }, kind = "") {
-  if (rows.length === 0) return [];
-  const names = header.map(named);
-  const isTitled = header[0] === "";
-  const head = element("tr", {}, ...header.map(columnHead));
+/** A table of a report. Narrow screens show each row as a block with the names of its cells. */
+function tableElement({ header, rows }) {
+  const names = header.map(sentenceText);
+  const isTitled = names[0] === "";
+  const head = element("tr", {}, ...names.map(columnHead));
   const body = rows.map((row) => {
-    const cells = row.map((textContent, index) => {
-      if (index === 0 && isTitled) return rowHead(textContent);
-      const cell = element("td", { textContent: named(textContent) });
-      cell.dataset.name = names[index];
-      return cell;
+    const cells = row.map((cell, index) => {
+      if (index === 0 && isTitled) return rowHead(cell);
+      const made = element("td", { textContent: sentenceText(cell) });
+      made.dataset.name = names[index];
+      return made;
     });
     return element("tr", {}, ...cells);
   });
-  return [element("table", { className: `stacking ${kind}` }, element("thead", {}, head), element("tbody", {}, ...body))];
+  return element("table", { className: "stacking" }, element("thead", {}, head), element("tbody", {}, ...body));
 }
 
-const paragraphs = (texts) => texts.map((text) => element("p", { textContent: named(text) }));
-const headed = (textContent, parts) => (parts.length > 0 ? [element("h3", { textContent }), ...parts] : []);
+const paragraph = (pieces) => element("p", { textContent: sentenceText(pieces) });
+const partElement = ({ table, line }) => (table ? tableElement(table) : paragraph(line));
+
+/** A section of a report: its title, the note to it, and its tables and sentences. */
+function sectionParts({ title, note, parts }) {
+  const heading = element("h3", { textContent: sentenceText(title) });
+  return [heading, ...(note.length > 0 ? [paragraph(note)] : []), ...parts.map(partElement)];
+}
 
 /** What the columns of the table of signals mean. */
 const SIGNAL_NOTE =
   "σ is the size of the errors of measurement. RMS/σ is the size of the residuals (measured minus fitted) and should be near 1. Uncorrelated: the probability p that mere noise is at least as correlated in time; below 0.001 the model misses something.";
-
-/** What the column of the table of other fits means. */
-const MODES_NOTE = "Δχ² shows how much worse each describes the data than the best one. Noise alone can make such a difference, so the data can't tell which is right.";
-
-/** The correlated parameters: the strongest ones in a sentence, the others on request. */
-function correlationParts({ sentence, others }) {
-  if (sentence === "") return [];
-  if (others.length === 0) return paragraphs([sentence]);
-  const opener = element("summary", { textContent: `${others.length} more` });
-  return [...paragraphs([sentence]), element("details", {}, opener, ...paragraphs(others))];
-}
 
 /** What the program says first of a fit that started from the preset with this title. Its law is named if it was chosen. */
 function headlineParts({ words, report }, title, scenario) {
   const law = "friction.law" in scenario.set ? ` (${report.law})` : "";
   const held = heldText(report.parameters.map(({ name }) => name), scenario);
   return [
-    element("p", { className: "verdict" }, element("b", { textContent: `${title}${law}: ${words.verdict}` })),
-    element("p", { className: "estimate", textContent: named(words.headline) }),
+    element("p", { className: "verdict" }, element("b", { textContent: `${title}${law}: ${sentenceText(words.verdict)}` })),
+    element("p", { className: "estimate", textContent: sentenceText(words.headline) }),
     ...(held ? [element("p", { className: "held", textContent: held })] : []),
   ];
 }
 
-/** What else it says. */
-function reportParts({ words }) {
-  return [
-    ...headed("Remarks", paragraphs(words.remarks)),
-    ...headed("Parameters", [...wordTable(words.parameters, "estimates"), ...paragraphs(words.limits), ...correlationParts(words.correlations)]),
-    ...headed("Signals", words.signals.rows.length > 0 ? [...wordTable(words.signals), ...paragraphs([SIGNAL_NOTE])] : []),
-    ...headed("What describes the data as well: the intervals contain all of these", words.modes.rows.length > 0 ? [...wordTable(words.modes), ...paragraphs([MODES_NOTE])] : []),
-    ...paragraphs(words.extent),
-  ];
+/** What else it says. The first section is on the verdict, which is above: what was fitted comes last. */
+function reportParts({ words: { sections: [{ note, parts }, ...others] } }) {
+  const explanation = element("p", { textContent: SIGNAL_NOTE });
+  return [...others.flatMap(sectionParts), explanation, ...parts.map(partElement), ...(note.length > 0 ? [paragraph(note)] : [])];
 }
 
 /** What the lines in the pictures are, and what the sliders can be set to: nothing, if the search ended without a minimum. */
@@ -182,7 +167,7 @@ export class FitPanel {
     const request = { fit: { scenario: { preset, set }, file: name, free, sigma } };
     const response = await engine.send({ request, file: bytes });
     if (engine !== this.engine) return;
-    this.end(response.error ?? "", Boolean(response.error));
+    this.end(response.sentence ? sentenceText(response.sentence) : (response.error ?? ""), Boolean(response.error));
     if (!response.error) this.show(response);
   }
 

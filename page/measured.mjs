@@ -12,6 +12,9 @@ const MANY_DOTS = 200;
 const MEASURED_NAMES = { theta: "tilt θ", phi: "precession angle φ", psi: "spin angle ψ", "omega_body.z": "spin about the axis ω·n" };
 export const measuredName = (path) => MEASURED_NAMES[path] ?? path;
 
+/** What a field is called with its topic. */
+export const fieldName = (path) => measuredName(path.replace("/top/state.", ""));
+
 /** The part of the values that sets the range of the axis: the others may be outliers. */
 const USUAL_PART = 0.98;
 

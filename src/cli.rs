@@ -272,7 +272,7 @@ fn wrong_key(error: &Error) -> Option<&str> {
             return error.key();
         }
         #[cfg(feature = "fit")]
-        if let Some(error) = cause.downcast_ref::<crate::fit::FitError>() {
+        if let Some(error) = cause.downcast_ref::<fit::FitFailure>() {
             return error.key();
         }
         // This is transparent: the error of the scenario is no cause of its own in the chain.

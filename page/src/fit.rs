@@ -6,10 +6,7 @@ use serde::Deserialize;
 use serde_json::{Value as Json, json};
 use std::error::Error;
 use std::path::Path;
-use toprise::fit::{
-    self, AdvisedError, Data, Fit, FitError, Interface, Progress, Request, SignalSpec,
-    usual_parameters,
-};
+use toprise::fit::{self, Data, Fit, FitError, Progress, Request, SignalSpec, usual_parameters};
 use toprise::run::scenario::{Scenario, Value};
 use toprise::run::simulation::{SimulationError, sample_at};
 use toprise::telemetry::fields::NumberField;
@@ -56,11 +53,10 @@ pub fn fit(request: &FitRequest, content: &[u8]) -> Result<Json, Box<dyn Error>>
         names => free_names(names, &scenario),
     };
     let names: Vec<&str> = free.iter().map(String::as_str).collect();
-    let fitted =
-        fit::fit(&Request::new(scenario, data, &names), &report_progress).map_err(advised)?;
+    let fitted = fit::fit(&Request::new(scenario, data, &names), &report_progress)?;
     Ok(json!({
         "report": fitted.report,
-        "words": fitted.report.words(Interface::Page, false),
+        "words": fitted.report.words(false),
         "arguments": arguments(request, &free, &specs),
         "free": free.join(","),
         "set": fitted_values(request, &fitted)?,
@@ -121,19 +117,17 @@ fn signals(request: &FitRequest, content: &[u8]) -> Result<Vec<String>, Box<dyn 
 }
 
 /// Reads the signals of the file of a request.
-fn read(request: &FitRequest, content: &[u8], specs: &[SignalSpec]) -> Result<Data, AdvisedError> {
-    fit::read_bytes(Path::new(&request.file), content.to_vec(), specs).map_err(advised)
+fn read(request: &FitRequest, content: &[u8], specs: &[SignalSpec]) -> Result<Data, FitError> {
+    let path = Path::new(&request.file);
+    Ok(fit::read_bytes(path, content.to_vec(), specs)?)
 }
 
-fn advised(error: impl Into<FitError>) -> AdvisedError {
-    error.into().advised(Interface::Page)
-}
-
-fn parsed(specs: &[String]) -> Result<Vec<SignalSpec>, AdvisedError> {
-    specs
-        .iter()
-        .map(|text| SignalSpec::parse(text).map_err(advised))
-        .collect()
+fn parsed(specs: &[String]) -> Result<Vec<SignalSpec>, FitError> {
+    let mut parsed = Vec::new();
+    for text in specs {
+        parsed.push(SignalSpec::parse(text)?);
+    }
+    Ok(parsed)
 }
 
 /// The arguments with which the program does the same.

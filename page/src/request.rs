@@ -10,6 +10,7 @@ use serde_json::{Value as Json, json};
 use std::error::Error;
 use toprise::analysis::diff::{Finding, Options, compare};
 use toprise::analysis::explain::{Chapter, explain};
+use toprise::fit::FitError;
 use toprise::run::scenario::{Preset, Scenario, ScenarioError};
 use toprise::telemetry::encoding::Encoding;
 use toprise::telemetry::proportions::Proportions;
@@ -123,11 +124,13 @@ impl Page {
     }
 }
 
-/// The response to a request that failed: the message, and the key of the scenario that is wrong, if it is one.
+/// The response to a request that failed: the message, its pieces if it has some, and the key of the scenario that is wrong,
+/// if it is one.
 fn error_response(error: &(dyn Error + 'static)) -> Json {
     let scenario_error = error.downcast_ref::<ScenarioError>();
     json!({
         "error": error.to_string(),
+        "sentence": error.downcast_ref::<FitError>().map(FitError::sentence),
         "key": scenario_error.and_then(|error| error.key.as_deref()),
     })
 }

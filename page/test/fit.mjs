@@ -9,8 +9,8 @@ import { gunzipSync } from "node:zlib";
 import { quotedWord } from "../fit.mjs";
 import { angleError, freeParameters, heldText } from "../free.mjs";
 import { keyName } from "../names.mjs";
-import { unbroken } from "../numbers.mjs";
 import { measuredRange } from "../measured.mjs";
+import { sentenceText } from "../sentence.mjs";
 import { load } from "../toprise.mjs";
 
 const root = resolve(import.meta.dirname, "../..");
@@ -50,15 +50,16 @@ const tests = {
       assert.equal(free, "friction.k,initial");
       assert.equal(Number(set["friction.k"]), report.parameters[0].value);
       const text = spawnSync(program, [...command, "--format", "markdown"], { cwd: folder, encoding: "utf8" }).stdout;
-      for (const said of [words.title, ...words.parameters.rows[0]]) assert.ok(text.includes(said), said);
-      // Angles are in degrees, and the page has words instead of a test of χ² that can't be made.
-      const tilt = words.parameters.rows.find(([name]) => name.startsWith("initial.theta "));
+      const [, parameters, measured] = words.sections.map(({ parts }) => parts.find((part) => part.table)?.table);
+      const [friction, ...others] = parameters.rows.map((row) => row.map(sentenceText));
+      for (const said of [sentenceText(words.verdict), ...friction.slice(1)]) assert.ok(text.includes(said.replaceAll("\u00a0", " ")), said);
+      // Angles are also in degrees.
+      const tilt = others.find(([name]) => name === "tilt θ [rad]");
       const estimate = report.parameters.find(({ name }) => name === "initial.theta");
-      assert.equal(tilt[0], "initial.theta [°]");
-      assert.ok(Math.abs(parseFloat(tilt[1]) - (180 / Math.PI) * estimate.value) < (180 / Math.PI) * estimate.sd, tilt[1]);
-      assert.ok(words.signals.rows.every((row) => row[2].includes(" °")), JSON.stringify(words.signals.rows));
-      assert.equal(words.note, "");
-      assert.equal(words.remarks.some((remark) => remark.includes("errors of the measurement is not tested")), sigma === "");
+      const [, inDegrees] = tilt[1].split("(");
+      assert.ok(Math.abs(parseFloat(inDegrees) - (180 / Math.PI) * estimate.value) < (180 / Math.PI) * estimate.sd, tilt[1]);
+      assert.ok(measured.rows.every((row) => sentenceText(row[2]).includes("°)")), JSON.stringify(measured.rows));
+      assert.equal(sentenceText(words.sections[0].note).includes("can't be tested"), sigma === "");
       // The best fit passes through the measured values.
       for (const { points, windows } of signals) {
         assert.equal(points.length, 961);
@@ -84,11 +85,11 @@ const tests = {
       ["nothing", ""],
     ]) {
       writeFileSync(join(folder, "a.csv"), text);
-      const { error } = fit(scenario, "a.csv", Buffer.from(text));
+      const { error, sentence } = fit(scenario, "a.csv", Buffer.from(text));
       const told = spawnSync(program, ["fit", "full-coulomb", "a.csv", "--free", "friction.k,initial"], { cwd: folder, encoding: "utf8" });
       // What can be done about it, each says in its own terms.
       assert.ok(error && told.stderr.includes(error.split("; ")[0]), `${name}: ${error}\n${told.stderr}`);
-      assert.ok(!error.includes("--"), `${name}: ${error}`);
+      assert.ok(!sentenceText(sentence).includes("--"), `${name}: ${error}`);
     }
     assert.match(fit(scenario, "a.csv", Buffer.from("t,theta\n0,0.5\n1,0.4\n"), { sigma: "1 rpm" }).error, /"rpm" is not a unit of angle/);
     assert.match(fit(scenario, "a.csv", Buffer.from("t,theta\n0,0.5\n1,0.4\n"), { free: "friction.q" }).error, /friction\.q/);
@@ -96,7 +97,7 @@ const tests = {
   "a top without friction has none to find, unless only its start is wanted"() {
     const text = Buffer.from("t,theta\n0,0.5\n1,0.4\n");
     assert.match(fit({ preset: "frictionless", set: {} }, "a.csv", text).error, /no friction to find: switch friction on/);
-    assert.match(fit({ preset: "frictionless", set: {} }, "a.csv", text, { free: "friction.k" }).error, /has no friction; switch friction on/);
+    assert.match(fit({ preset: "frictionless", set: {} }, "a.csv", text, { free: "friction.k" }).error, /has no friction; choose a law/);
     assert.doesNotMatch(fit({ preset: "frictionless", set: {} }, "a.csv", text, { free: "start" }).error ?? "", /friction/);
   },
   "parameters are found in the words of the sliders, and in any case"() {
@@ -139,14 +140,30 @@ const tests = {
     assert.equal(heldText(["friction.k", ...start, "initial.psi_dot"], scenario), "");
     assert.match(heldText(start, scenario), /friction k = 0\.03, spin ψ̇ = 120\u00a0rad\/s: the result holds only if these are right/);
   },
-  "no line ends between a number and its unit"() {
-    for (const [text, joined] of [
-      ["fallen after 50.83 s", "fallen after 50.83~s"],
-      ["θ = 0.5 rad, 170 rad/s. 5.9 × 10⁻³ kg m²/s", "θ = 0.5~rad, 170~rad/s. 5.9 × 10⁻³~kg m²/s"],
-      ["3 samples, 2 mrad, 0.7 %", "3 samples, 2~mrad, 0.7~%"],
-      ["rises 12 times, from 5 s to 7 m", "rises 12 times, from 5~s to 7~m"],
+  "arguments are those of the page"() {
+    for (const [argument, expected] of [
+      [{ name: "signal", value: "theta=Winkel (°)" }, "theta (°)"],
+      [{ name: "signal", value: "/top/state.theta=tilt:SIGMA" }, "“angles are right to ± SIGMA”"],
+      [{ name: "signal", value: "/top/state.theta:1mrad" }, "a table with the columns t and theta"],
+      [{ name: "signal", value: null }, "the line that names the columns"],
+      [{ name: "time", value: "t (ms)" }, "t (ms)"],
+      [{ name: "until", value: "4.995" }, "a file that ends 4.995\u00a0s after its start"],
+      [{ name: "set", value: null }, "the sliders"],
     ]) {
-      assert.equal(unbroken(text), joined.replaceAll("~", "\u00a0"));
+      assert.equal(sentenceText([{ argument }]), expected);
+    }
+  },
+  "angles are also in degrees, with the digits that they have in radians"() {
+    for (const [piece, expected] of [
+      [{ number: { text: "0.5", value: 0.5, unit: "rad", has_unit: true } }, "0.5\u00a0rad (28.6°)"],
+      [{ number: { text: "0.611132", value: 0.611132, unit: "rad", has_unit: false } }, "0.611132 (35.0153°)"],
+      [
+        { estimate: { text: "0.611049", error_text: "0.000042", value: 0.611049, error: 4.2e-5, unit: "rad", has_unit: false } },
+        "0.611049\u00a0±\u00a00.000042 (35.0105°\u00a0±\u00a00.0024°)",
+      ],
+      [{ number: { text: "231.0", value: 231, unit: "rad/s", has_unit: true } }, "231.0\u00a0rad/s"],
+    ]) {
+      assert.equal(sentenceText([piece]), expected);
     }
   },
   "words of the command are quoted for a shell"() {

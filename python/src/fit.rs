@@ -7,9 +7,8 @@ use crate::scenario::{Base, Scenario};
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
 use std::path::PathBuf;
-use toprise::fit::{
-    Data, DataError, FitError as Failed, Interface, Loss, Request, Signal, SignalSpec,
-};
+use toprise::fit::{Data, DataError, FitError as Failed, Loss, Request, Signal, SignalSpec};
+use toprise::words::{Argument, markdown};
 
 /// The measured values: arrays, or files.
 #[derive(FromPyObject)]
@@ -57,8 +56,8 @@ pub struct Options {
 /// Index of the signal, time (s), value, standard deviation, residual (σ), and whether the value was held out.
 type Residual = (usize, f64, f64, f64, f64, bool);
 
-/// Fits a scenario to measured values; see `toprise.fit`. Returns the report as JSON and as text, the best scenario and the
-/// residuals.
+/// Fits a scenario to measured values; see `toprise.fit`. Returns the report as JSON and as Markdown, the best scenario and
+/// the residuals.
 #[pyfunction]
 pub fn fit(
     py: Python<'_>,
@@ -102,7 +101,7 @@ pub fn fit(
     let report = fitted.report;
     Ok((
         json(&report)?,
-        report.text(Interface::Python),
+        markdown(&report.words(false).sections, argument),
         Scenario(fitted.scenario),
         residuals,
     ))
@@ -136,10 +135,30 @@ fn data_error(error: DataError) -> PyErr {
 }
 
 fn fit_error(error: Failed) -> PyErr {
-    let text = error.message(Interface::Python);
+    let text = error.sentence().text(argument);
     match error {
         Failed::Data(DataError::Io { reason, .. }) => errors::io(&reason, text),
         Failed::Scenario(error) => errors::scenario(error),
         _ => FitError::new_err(text),
+    }
+}
+
+/// An argument as one of `toprise.fit`.
+fn argument(argument: &Argument) -> String {
+    let name = match argument.name {
+        "signal" => "columns",
+        "time" => "time_column",
+        "set" => "overrides",
+        "bound" => "bounds",
+        "all" => "the entries of the report",
+        name => name,
+    };
+    match &argument.value {
+        None => name.to_owned(),
+        // Arrays have their standard deviations in an argument of its own.
+        Some(value) if value.ends_with(":SIGMA") => format!("sigma, or {name}=[{value:?}]"),
+        Some(value) if name == "columns" => format!("{name}=[{value:?}]"),
+        Some(value) if matches!(name, "start" | "until") => format!("{name}={value}"),
+        Some(value) => format!("{name}={value:?}"),
     }
 }

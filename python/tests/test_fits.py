@@ -35,9 +35,9 @@ def test_estimates_friction_from_arrays():
     assert abs(k["value"] - 0.03) < 4 * k["sd"]
     assert fit.scenario["friction.k"] == k["value"]
     assert len(fit.residuals["residual"]) == 2 * len(data["time"])
-    assert "friction.k: 0.0" in fit.text()
+    assert "| friction.k | 0.0" in fit.text()
     # With the digits of the standard deviation, 2e-4 rad: φ₀ is zero.
-    assert re.search(r"^initial.phi \[rad\]: −?0\.0\d{4,5} ± 0\.0", fit.text(), re.MULTILINE)
+    assert re.search(r"^\| initial.phi \\\[rad\\\] \| −?0\.0\d{4,5} ± 0\.0", fit.text(), re.MULTILINE)
 
 
 def test_compares_laws_of_a_table():
@@ -68,6 +68,10 @@ def test_errors_say_what_is_wrong():
     data = measured()
     with pytest.raises(toprise.FitError, match="only k·R is determined"):
         toprise.fit("full-coulomb", data, sigma=SIGMA, free=["friction.k", "top.peg_radius"])
+    with pytest.raises(toprise.FitError, match="leave out of free what is known"):
+        toprise.fit("full-coulomb", data, sigma=SIGMA, free=["friction.k", "top.peg_radius"])
+    with pytest.raises(toprise.FitError, match='describe signals as in columns=\\["theta=tilt'):
+        toprise.fit("full-coulomb", time=data["time"], theta=data["theta"], sigma={"theta": 0}, free=["friction.k"])
     with pytest.raises(ValueError, match="time is missing"):
         toprise.fit("full-coulomb", theta=data["theta"], free=["friction.k"])
     with pytest.raises(ValueError, match="phi has 1 values"):

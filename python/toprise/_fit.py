@@ -37,7 +37,7 @@ class Fit(Report):
         return {estimate["name"]: estimate for estimate in self["parameters"]}
 
     def text(self) -> str:
-        """The verdict, the estimates, the signals, the laws and the remarks, one per line, as `toprise fit` words them."""
+        """The report of `toprise fit --format markdown`, with the names that arguments have here."""
         return self._text
 
     @property

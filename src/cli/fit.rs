@@ -1,7 +1,5 @@
 //! `toprise fit`.
 
-pub(super) mod page;
-
 use super::arguments::{Override, parse_override, parse_positive};
 use super::file_kind::FileKind;
 use super::input::open_scenario;
@@ -15,11 +13,9 @@ use crate::archive::publish::{
     Draft, Drafts, Existing, check_not_an_input, check_target, is_same_file,
 };
 use crate::figures;
-use crate::fit::{
-    self, AdvisedError, Fit, FitError, Interface, Loss, Report, Request, SignalSpec, Verdict,
-};
+use crate::fit::{self, Fit, FitError, Loss, Report, Request, SignalSpec, Verdict};
 use crate::run::scenario::Scenario;
-use crate::words::markdown;
+use crate::words::{Section, markdown};
 use anyhow::Context as _;
 use clap::{Args, ValueEnum};
 use schemars::JsonSchema;
@@ -27,6 +23,24 @@ use serde::Serialize;
 use std::io::{BufWriter, IntoInnerError, Write as _};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
+
+/// An error of a fit, with arguments as options.
+#[derive(Debug, Error)]
+#[error("{}", .0.sentence().text(terminal::option))]
+pub(super) struct FitFailure(FitError);
+
+impl FitFailure {
+    /// The key of the scenario that is wrong, if it is a single one.
+    pub(super) fn key(&self) -> Option<&str> {
+        self.0.key()
+    }
+}
+
+impl<E: Into<FitError>> From<E> for FitFailure {
+    fn from(error: E) -> Self {
+        Self(error.into())
+    }
+}
 
 /// Arguments of `toprise fit`.
 #[derive(Args, Debug, Default, PartialEq)]
@@ -158,6 +172,18 @@ pub(super) struct FitReport {
     written: Vec<WrittenFile>,
 }
 
+impl FitReport {
+    /// The report of the fit, and the files that were written.
+    fn sections(&self, all: bool) -> Vec<Section> {
+        let mut sections = self.fit.words(all).sections;
+        if !self.written.is_empty() {
+            let lines = self.written.iter().map(WrittenFile::line);
+            sections.push(Section::from_lines("Written", lines));
+        }
+        sections
+    }
+}
+
 /// Fits a scenario to data.
 pub(super) fn fit(arguments: &FitArguments, drafts: &Drafts) -> Result<Status, anyhow::Error> {
     let plan = arguments.plan()?;
@@ -168,18 +194,16 @@ pub(super) fn fit(arguments: &FitArguments, drafts: &Drafts) -> Result<Status, a
         Ok(fitted) => fitted,
         Err(error) if error.is_of_motion() => {
             // The fit came to nothing, but for a reason that lies in the motion and not in the input.
-            let message = error.message(Interface::Terminal);
+            let message = FitFailure(error).to_string();
             super::output::error(&message);
             report::print_error(&message, None);
             return Ok(Status::Partial);
         }
-        Err(error) => return Err(error.advised(Interface::Terminal).into()),
+        Err(error) => return Err(FitFailure(error).into()),
     };
     let complete = plan.write(&fitted, drafts)?;
-    let text = markdown(
-        &page::page(&fitted.report, &[], arguments.all),
-        terminal::option,
-    );
+    let sections = fitted.report.words(arguments.all).sections;
+    let text = markdown(&sections, terminal::option);
     let shown = plan.show.show(&fitted, text, drafts, plan.existing)?;
     // Until here an interruption leaves all files as they were. From here on the first one is too late.
     interrupt::watch(drafts)?;
@@ -189,9 +213,7 @@ pub(super) fn fit(arguments: &FitArguments, drafts: &Drafts) -> Result<Status, a
         fit: fitted.report,
         written,
     };
-    report::print(&report, || {
-        page::page(&report.fit, &report.written, arguments.all)
-    })?;
+    report::print(&report, || report.sections(arguments.all))?;
     if shown.is_viewer_lost {
         return Ok(Status::Partial);
     }
@@ -223,8 +245,8 @@ impl FitArguments {
         let show = self.show.plan()?;
         self.check_outputs(&inputs, &show)?;
         let scenario = open_scenario(&self.scenario, &self.overrides)?;
-        let data = fit::read(&self.data, &self.signals, self.time.as_deref())
-            .map_err(|error| FitError::from(error).advised(Interface::Terminal))?;
+        let data =
+            fit::read(&self.data, &self.signals, self.time.as_deref()).map_err(FitFailure::from)?;
         Ok(FitPlan {
             request: Request {
                 scenario,
@@ -380,8 +402,8 @@ fn write_recording(draft: Draft, fitted: &Fit, request: &Request) -> Result<Draf
         .with_context(|| problem)
 }
 
-fn parse_signal(text: &str) -> Result<SignalSpec, AdvisedError> {
-    SignalSpec::parse(text).map_err(|error| FitError::from(error).advised(Interface::Terminal))
+fn parse_signal(text: &str) -> Result<SignalSpec, FitFailure> {
+    Ok(SignalSpec::parse(text)?)
 }
 
 /// Parses a name in a list that is separated by commas.

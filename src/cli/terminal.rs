@@ -5,6 +5,7 @@ use anstyle::{AnsiColor, Effects, Style};
 use comfy_table::{
     CellAlignment, ColumnConstraint, ContentArrangement, Table as Layout, TableComponent, presets,
 };
+use std::borrow::Cow;
 
 const FAINT: Style = Style::new().effects(Effects::DIMMED);
 
@@ -17,10 +18,26 @@ const RULE: char = '\u{1}';
 /// An argument as an option of the command line.
 pub(super) fn option(argument: &Argument) -> String {
     let name = argument.name;
-    match &argument.value {
-        None => format!("--{name}"),
-        Some(value) if value.contains([' ', '(', ';', '&', '*']) => format!("--{name} \"{value}\""),
-        Some(value) => format!("--{name} {value}"),
+    let Some(value) = &argument.value else {
+        return format!("--{name}");
+    };
+    // Column names need quotes, fields don't.
+    match value.split_once('=') {
+        Some((field, column)) => format!("--{name} {field}={}", quoted(column)),
+        None => format!("--{name} {}", quoted(value)),
+    }
+}
+
+fn is_plain(character: char) -> bool {
+    character.is_alphanumeric() || "_.,:/+-".contains(character)
+}
+
+/// A word, in quotes if a shell may read it otherwise.
+fn quoted(word: &str) -> Cow<'_, str> {
+    if word.chars().all(is_plain) {
+        Cow::Borrowed(word)
+    } else {
+        Cow::Owned(format!("\"{word}\""))
     }
 }
 
@@ -179,7 +196,8 @@ mod tests {
         for (value, expected) in [
             (None, "--signal"),
             (Some("theta=tilt"), "--signal theta=tilt"),
-            (Some("theta=2 (deg)"), "--signal \"theta=2 (deg)\""),
+            (Some("theta=2 (deg)"), "--signal theta=\"2 (deg)\""),
+            (Some("t [s]"), "--signal \"t [s]\""),
         ] {
             let argument = Argument {
                 name: "signal",

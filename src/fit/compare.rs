@@ -1,9 +1,9 @@
 //! Comparison of friction laws.
 
-use super::degeneracy::join_names;
 use super::error::FitError;
-use super::estimate::{PointResiduals, REJECTED, estimates, lowest_p, signals, verdict};
+use super::estimate::{PointResiduals, estimates, lowest_p, signals, verdict};
 use super::extension::extensions;
+use super::failure::Failure;
 use super::fitted::Fitted;
 use super::law::{Refused, find, find_laws, problem_for, slip_speed, speeds};
 use super::model::{Effort, Point, Problem};
@@ -16,9 +16,6 @@ use super::solve::{Solution, complete, grow_window, minimise, refused_step};
 use super::statistics::{median_size, rms};
 use crate::run::scenario::Law;
 use rayon::prelude::*;
-
-/// A law is clearly better if AIC and BIC are both lower by this: the other is 20 times less likely (Burnham & Anderson).
-const DECISIVE: f64 = 6.0;
 
 /// χ² of a law, relative to that of the scenario's own, above which another start is tried if it has not converged.
 const MUCH_WORSE: f64 = 1.5;
@@ -59,7 +56,7 @@ pub(super) fn compare(
             Ok(candidate) => candidates.push(candidate),
             Err(error) => failures.push(Refused {
                 law,
-                reason: error.to_string(),
+                reason: Failure::from(&error),
             }),
         }
     }
@@ -76,28 +73,24 @@ pub(super) fn compare(
         fits.push(law_fit(candidate, request));
     }
     set_differences(&mut fits);
-    let Conclusion {
-        is_decided,
-        sentence,
-    } = conclusion(&fits);
-    let mut extended = Vec::new();
+    let mut comparison = Comparison {
+        laws: fits,
+        extensions: Vec::new(),
+    };
+    let is_decided = comparison.is_decided();
     if let [best, rival, ..] = &candidates[..]
         && !is_decided
-        && fits[0].verdict == Verdict::Fitted
+        && comparison.laws[0].verdict == Verdict::Fitted
     {
-        extended = extensions(best, rival, monitor)?;
+        comparison.extensions = extensions(best, rival, monitor)?;
     }
     for refused in failures {
-        fits.push(failed(refused, &fits));
+        let failed = failed(refused, &comparison.laws);
+        comparison.laws.push(failed);
     }
     let best = candidates.into_iter().next();
     Ok(Compared {
-        comparison: Comparison {
-            laws: fits,
-            is_decided,
-            sentence,
-            extensions: extended,
-        },
+        comparison,
         preferred: best.filter(|best| is_decided && best.law() != own.law()),
     })
 }
@@ -113,22 +106,6 @@ fn set_differences(fits: &mut [LawFit]) {
     for fit in fits {
         fit.delta_aic = fit.quality.aic - lowest_aic;
         fit.delta_bic = fit.quality.bic - lowest_bic;
-    }
-}
-
-impl Comparison {
-    /// The verdict on all laws together.
-    pub(super) fn verdict(&self) -> Verdict {
-        let describes = self.laws.iter().any(|law| law.verdict == Verdict::Fitted);
-        if self.is_decided {
-            Verdict::Fitted
-        } else if describes {
-            Verdict::Undecided
-        } else {
-            // A law that is ahead without a minimum might describe the data.
-            let first = self.laws.first().map(|law| law.verdict);
-            first.unwrap_or(Verdict::NotConverged)
-        }
     }
 }
 
@@ -190,113 +167,6 @@ fn law_fit(candidate: &Fitted, request: &Request) -> LawFit {
         held_out_rms: held_out.ok().filter(|r| !r.is_empty()).map(|r| rms(&r)),
         parameters: estimates(problem, solution, &candidate.modes, rescale),
         failure: None,
-    }
-}
-
-/// What a comparison has shown.
-struct Conclusion {
-    /// Whether the first law is to be preferred.
-    is_decided: bool,
-    sentence: String,
-}
-
-impl Conclusion {
-    fn undecided(sentence: String) -> Self {
-        Self {
-            is_decided: false,
-            sentence,
-        }
-    }
-}
-
-/// The conclusion from the fits of all laws, by BIC.
-fn conclusion(fits: &[LawFit]) -> Conclusion {
-    let Some(first) = fits.first() else {
-        return Conclusion::undecided("None of the laws could be fitted.".to_owned());
-    };
-    let Some(best) = fits.iter().find(|fit| fit.verdict == Verdict::Fitted) else {
-        let sentence = format!("None of the laws describes the data: {}.", flaw(first));
-        return Conclusion::undecided(sentence);
-    };
-    if best.law != first.law {
-        let sentence = format!(
-            "Undecided: {} describes the data, but its BIC is not the lowest: {}.",
-            best.law,
-            flaw(first)
-        );
-        return Conclusion::undecided(sentence);
-    }
-    let others = &fits[1..];
-    let (mut equals, mut unfinished) = (Vec::new(), Vec::new());
-    for other in others {
-        // Both criteria: AIC favours laws with more parameters, BIC those with fewer.
-        let is_equal = other.delta_aic - best.delta_aic < DECISIVE || other.delta_bic < DECISIVE;
-        if other.verdict == Verdict::NotConverged {
-            unfinished.push((other.law.clone(), is_equal));
-        } else if is_equal {
-            equals.push(other.law.clone());
-        }
-    }
-    let caveat = caveat(&unfinished);
-    if !equals.is_empty() {
-        let equals = join_names(&equals);
-        let sentence = format!(
-            "Undecided: the data do not tell {} from {equals}.{caveat}",
-            best.law
-        );
-        return Conclusion::undecided(sentence);
-    }
-    if unfinished.iter().any(|(_, is_equal)| *is_equal) {
-        let sentence = format!("Undecided: {} describes the data.{caveat}", best.law);
-        return Conclusion::undecided(sentence);
-    }
-    let mut sentence = match others {
-        [] => format!("{} describes the data.", best.law),
-        [next, ..] => format!(
-            "{} describes the data; the next law, {}, is worse by ΔAIC = {:.1} and ΔBIC = {:.1}.",
-            best.law,
-            next.law,
-            next.delta_aic - best.delta_aic,
-            next.delta_bic
-        ),
-    };
-    sentence += &caveat;
-    Conclusion {
-        is_decided: true,
-        sentence,
-    }
-}
-
-/// A sentence on laws for which no minimum was found.
-fn caveat(unfinished: &[(String, bool)]) -> String {
-    let laws: Vec<String> = unfinished.iter().map(|(law, _)| law.clone()).collect();
-    match laws.len() {
-        0 => String::new(),
-        1 => format!(
-            " No minimum was found for {}: its criteria may be lower than shown.",
-            laws[0]
-        ),
-        _ => format!(
-            " No minimum was found for {}: their criteria may be lower than shown.",
-            join_names(&laws)
-        ),
-    }
-}
-
-/// Why a law does not describe the data.
-fn flaw(fit: &LawFit) -> String {
-    let law = &fit.law;
-    if !fit.quality.is_converged {
-        format!("no minimum was found for {law}")
-    } else if fit.quality.p_value.is_some_and(|p| p < REJECTED) {
-        let reduced = fit.quality.chi2 / fit.quality.freedom as f64;
-        format!("{law}, which has the lowest BIC, has χ²/ν = {reduced:.2}")
-    } else if fit.residual_p_value.is_some_and(|p| p < REJECTED) {
-        format!(
-            "the residuals of {law}, which has the lowest BIC, are correlated or have a mean other than zero"
-        )
-    } else {
-        format!("the standard deviations estimated for {law} have no meaning")
     }
 }
 

@@ -1,14 +1,16 @@
 //! Errors of measured data.
 
+use super::column::is_time;
 use super::unit::split_header;
 use crate::archive::recording::RecordingError;
 use crate::run::suggestion::{did_you_mean, most_similar, similarity};
-use crate::words::counted;
+use crate::telemetry::fields::state;
+use crate::words::{Piece, Sentence, counted, sentence};
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Error of reading measured data.
+/// Error of reading measured data. [`DataError::sentence`] says also what can be done about it.
 #[derive(Debug, Error)]
 pub enum DataError {
     /// The file can't be read.
@@ -285,6 +287,58 @@ pub enum DataError {
 }
 
 impl DataError {
+    /// What is wrong, and what can be done about it.
+    pub fn sentence(&self) -> Sentence {
+        match self.remedy() {
+            Some(remedy) => sentence!("{}; {}", self.to_string(), remedy),
+            None => self.to_string().into(),
+        }
+    }
+
+    /// What can be done about the error, if its text does not say it.
+    fn remedy(&self) -> Option<Sentence> {
+        Some(match self {
+            Self::InFile { reason, .. } => return reason.remedy(),
+            Self::NoHeader { columns: 1, .. } => {
+                sentence!("write the times beside the values, e.g. t,theta (deg)")
+            }
+            Self::NoHeader { .. } => sentence!(
+                "write a first line that does, e.g. t,theta (deg) or t,theta (deg),phi (deg)"
+            ),
+            Self::NoTimes { .. } => sentence!(
+                "name it with {}, or add one: the number of the frame divided by the frame rate",
+                Piece::argument("time")
+            ),
+            Self::SeveralTimes { .. } => sentence!(
+                "call one of them t, or choose with {}",
+                Piece::argument("time")
+            ),
+            Self::NoSignals { columns, .. } => {
+                let other = columns.iter().find(|column| !is_time(column));
+                let column = other.map_or("COLUMN", String::as_str);
+                let example = Piece::argument_with("signal", format!("theta={column}"));
+                sentence!("name the columns, e.g. {}", example)
+            }
+            Self::UnusedFile(_) => sentence!(
+                "leave it out, or name its signals with {}",
+                Piece::argument("signal")
+            ),
+            Self::ChooseSignals { .. } => sentence!(
+                "choose the fields to fit, e.g. {}",
+                Piece::argument_with("signal", format!("{}:1mrad", state::THETA))
+            ),
+            Self::SameField { field, columns, .. } => sentence!(
+                "choose one, e.g. {}",
+                Piece::argument_with("signal", format!("{field}={}", columns[0]))
+            ),
+            Self::Signal { .. } => sentence!(
+                "describe signals as in {}",
+                Piece::argument_with("signal", "theta=tilt (deg):2mrad")
+            ),
+            _ => return None,
+        })
+    }
+
     /// Adds the file to an error that is found where only a column is known.
     pub(super) fn in_file(self, path: &Path) -> Self {
         Self::InFile {

@@ -1,6 +1,6 @@
 //! Parameters that data can't tell apart.
 
-use std::fmt::{self, Display, Formatter};
+use crate::words::{Piece, Sentence, and, sentence};
 
 /// Parameters that the data can't tell apart.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,88 +48,104 @@ pub enum Combination {
     Other,
 }
 
-/// A clause that says what is not determined.
-impl Display for Degeneracy {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+impl Degeneracy {
+    /// A clause that says what is not determined.
+    pub(super) fn sentence(&self) -> Sentence {
         match self {
-            Self::Unseen { names } => {
-                write!(f, "no signal depends on {}", names.join(" or "))
-            }
+            Self::Unseen { names } => sentence!("no signal depends on {}", or(names)),
             Self::Combined {
-                symbols: [first, second],
+                symbols,
                 combination,
                 is_exact,
                 delta_chi2,
                 ..
-            } => {
-                match combination {
-                    Combination::Product | Combination::Quotient if !is_exact => {
-                        let sign = if *combination == Combination::Product {
-                            '·'
-                        } else {
-                            '/'
-                        };
-                        write!(
-                            f,
-                            "these data determine {first}{sign}{second} so much better than {first} and {second} that the derivatives of a fit can't tell them apart"
-                        )?;
-                        // The data may well tell them apart: by how much, the user should know.
-                        match delta_chi2 {
-                            Some(delta) => write!(
-                                f,
-                                " (χ² differs by {delta:.1e} if {first} changes by 1 % and {first}{sign}{second} does not)"
-                            ),
-                            None => Ok(()),
-                        }
-                    }
-                    Combination::Product => write!(
-                        f,
-                        "only {first}·{second} is determined ({first} × 2 and {second} ÷ 2 is the same motion)"
-                    ),
-                    Combination::Quotient => write!(
-                        f,
-                        "only {first}/{second} is determined ({first} × 2 and {second} × 2 is the same motion)"
-                    ),
-                    Combination::Other => write!(
-                        f,
-                        "only a combination of {first} and {second} is determined ({first} and {second} can change together)"
-                    ),
-                }
-            }
-            Self::Together { names } => write!(
-                f,
+            } => combined(symbols, *combination, *is_exact, *delta_chi2),
+            Self::Together { names } => sentence!(
                 "{} can change together without an effect on these data",
-                join_names(names)
+                and(keys(names))
             ),
             Self::Several { names, directions } => {
                 let known = names.len() - directions;
-                write!(
-                    f,
-                    "of {} only {known} {} determined",
-                    join_names(names),
-                    if known == 1 {
-                        "combination is"
-                    } else {
-                        "combinations are"
-                    },
+                sentence!(
+                    "of {} only {} {} determined",
+                    and(keys(names)),
+                    Piece::count(known as u64, "combination"),
+                    if known == 1 { "is" } else { "are" }
                 )
             }
         }
     }
-}
 
-/// Joins the clauses of an error.
-pub(super) fn join_clauses(degeneracies: &[Degeneracy]) -> String {
-    let clauses: Vec<String> = degeneracies.iter().map(Degeneracy::to_string).collect();
-    clauses.join("; ")
-}
-
-/// Names as a list with "and".
-pub(super) fn join_names(names: &[String]) -> String {
-    match names {
-        [rest @ .., last] if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
-        _ => names.concat(),
+    /// The parameters to fix.
+    pub(super) fn fixed(&self) -> Sentence {
+        match self {
+            Self::Unseen { names } => and(keys(names)),
+            Self::Combined { names, .. } => or(names),
+            Self::Together { .. } => sentence!("one of them"),
+            Self::Several { directions, .. } => sentence!("{} of them", directions.to_string()),
+        }
     }
+}
+
+/// What the data determine of two parameters.
+fn combined(
+    [first, second]: &[String; 2],
+    combination: Combination,
+    is_exact: bool,
+    delta_chi2: Option<f64>,
+) -> Sentence {
+    let (sign, factor) = match combination {
+        Combination::Product => ('·', '÷'),
+        Combination::Quotient => ('/', '×'),
+        Combination::Other => {
+            return sentence!(
+                "only a combination of {} and {} is determined ({} and {} can change together)",
+                first,
+                second,
+                first,
+                second
+            );
+        }
+    };
+    let known = format!("{first}{sign}{second}");
+    if is_exact {
+        return sentence!(
+            "only {} is determined ({} × 2 and {} {} 2 is the same motion)",
+            known,
+            first,
+            second,
+            factor.to_string()
+        );
+    }
+    // The data may well tell them apart: by how much, the user should know.
+    let effect = delta_chi2.map_or_else(Sentence::default, |delta| {
+        sentence!(
+            " (χ² differs by {} if {} changes by 1 % and {} does not)",
+            Piece::number(delta, 2, ""),
+            first,
+            &known
+        )
+    });
+    sentence!(
+        "these data determine {} so much better than {} and {} that the derivatives of a fit can't tell them apart{}",
+        &known,
+        first,
+        second,
+        effect
+    )
+}
+
+/// Parameters in a sentence.
+pub(super) fn keys(names: &[String]) -> Vec<Sentence> {
+    names
+        .iter()
+        .map(|name| Piece::key(name.clone()).into())
+        .collect()
+}
+
+/// Parameters as a list with "or".
+pub(super) fn or(names: &[String]) -> Sentence {
+    Sentence::join(keys(names), " or ")
 }
 
 /// The pronoun that stands for a number of parameters.

@@ -1,27 +1,27 @@
 //! Errors of fits.
 
 use super::data_error::DataError;
-use super::degeneracy::{Degeneracy, join_clauses};
+use super::degeneracy::{Degeneracy, pronoun};
+use super::failure::Failure;
 use super::parameter::is_offset;
 use super::place::{Place, ValuePlace};
-use super::step_limit::MAX_RATIO;
 use crate::run::scenario::ScenarioError;
-use crate::run::simulation::SimulationError;
-use crate::words::counted;
-use std::path::{Path, PathBuf};
+use crate::run::simulation::{SimulationError, StopReason};
+use crate::telemetry::fields::state;
+use crate::words::number::Digits;
+use crate::words::{Number, Piece, Sentence, sentence};
+use std::fmt::{self, Display, Formatter};
+use std::path::PathBuf;
 use thiserror::Error;
 
 /// Error of a fit.
 #[derive(Debug, Error)]
 pub enum FitError {
     /// The data can't be read.
-    #[error(transparent)]
     Data(#[from] DataError),
     /// A key can't be fitted, or a scenario is invalid.
-    #[error(transparent)]
     Scenario(#[from] ScenarioError),
     /// A key can't be fitted.
-    #[error("{name} can't be fitted: {reason}")]
     Key {
         /// The key.
         name: String,
@@ -29,7 +29,6 @@ pub enum FitError {
         reason: KeyError,
     },
     /// There is no such law.
-    #[error("unknown law {name}; laws: {known}")]
     UnknownLaw {
         /// The name that no law has.
         name: String,
@@ -37,7 +36,6 @@ pub enum FitError {
         known: String,
     },
     /// Bounds exclude the start, or each other.
-    #[error("{name}: the bounds {low} to {high} must contain the start, {start}")]
     Bounds {
         /// The parameter.
         name: String,
@@ -49,7 +47,6 @@ pub enum FitError {
         start: f64,
     },
     /// Bounds or a profile are asked for of a parameter that is not free.
-    #[error("{name} is not free, so it can't have {what}")]
     NotFree {
         /// The parameter.
         name: String,
@@ -57,10 +54,8 @@ pub enum FitError {
         what: &'static str,
     },
     /// No parameter is free.
-    #[error("nothing to fit: none of the free parameters changes any signal")]
     NothingFree,
     /// A signal has no value in the time that is fitted.
-    #[error("{field} has no value from t = {} s{}: its times are {} to {} s", short(*origin), until.map_or(String::new(), |until| format!(" to {} s", short(until))), short(*first), short(*last))]
     OutOfRange {
         /// The field.
         field: String,
@@ -74,15 +69,6 @@ pub enum FitError {
         until: Option<f64>,
     },
     /// The data have a gap that is long compared with all of them.
-    #[error(
-        "the data have no values from t = {} to {} s, and are only {} s long without this gap; a time may be wrong ({stray} {} {}{})",
-        short(*from),
-        short(*to),
-        short(*rest),
-        if *stray == 1 { "row" } else { "rows" },
-        cut.side(),
-        place.as_ref().map_or_else(String::new, |place| if *stray == 1 { format!(": {place}") } else { format!(", next to it {place}") })
-    )]
     Gap {
         /// Last time before the gap, on the clock of the first file, s.
         from: f64,
@@ -98,10 +84,6 @@ pub enum FitError {
         cut: Cut,
     },
     /// A value is too large for a sum of squares.
-    #[error(
-        "{place}: the value {value:e} at t = {} s, with the standard deviation {sigma:e}, is too large to be fitted: remove it",
-        short(*time)
-    )]
     Size {
         /// The value.
         place: ValuePlace,
@@ -113,9 +95,6 @@ pub enum FitError {
         sigma: f64,
     },
     /// Inclinations that are too large for radians.
-    #[error(
-        "most values of {name} are above π (median {median:.4}), but an inclination in rad is not"
-    )]
     Inclination {
         /// Median of the values, rad if the unit is right.
         median: f64,
@@ -123,9 +102,6 @@ pub enum FitError {
         name: String,
     },
     /// Values that agree with the motion at the start in another unit only.
-    #[error(
-        "{field}: the values are about {ratio:.0} times those of the motion at the start; in {unit} they would agree with it"
-    )]
     LikelyUnit {
         /// The field.
         field: String,
@@ -141,7 +117,6 @@ pub enum FitError {
         name: String,
     },
     /// Times without a unit that are too long or too rare in seconds.
-    #[error("{}", likely_time_unit(path.as_deref(), name, *duration, *step, *may_be_frames))]
     LikelyTimeUnit {
         /// The file.
         path: Option<PathBuf>,
@@ -155,9 +130,6 @@ pub enum FitError {
         may_be_frames: bool,
     },
     /// All values of a signal are equal, and no standard deviation is given.
-    #[error(
-        "{field}: all values are {value} {unit}: they have no noise from which a standard deviation could be estimated"
-    )]
     NoNoise {
         /// The field.
         field: String,
@@ -169,16 +141,11 @@ pub enum FitError {
         unit: &'static str,
     },
     /// No motion near the start of a parameter reaches the data.
-    #[error("{name}: no motion with a slightly larger or smaller value can be computed")]
     NoDerivative {
         /// The parameter.
         name: String,
     },
     /// A file's samples are too rare, or its times too long, for a comparison with the motion.
-    #[error(
-        "{name}: at most {most} of the {samples} samples of its file are within the motion (0 to {} s) at once; are the times of both files in the unit that is stated, or else in s?",
-        short(*end)
-    )]
     FewWithin {
         /// The offset.
         name: String,
@@ -190,14 +157,6 @@ pub enum FitError {
         end: f64,
     },
     /// The bounds of an offset exclude all that bring a file into the motion.
-    #[error(
-        "{name}: no offset from {} to {} s brings its file into the motion (0 to {} s), but those from {} to {} s do: change its bounds",
-        short(bounds[0]),
-        short(bounds[1]),
-        short(*end),
-        short(enough[0]),
-        short(enough[1])
-    )]
     OffsetBounds {
         /// The offset.
         name: String,
@@ -209,10 +168,6 @@ pub enum FitError {
         enough: [f64; 2],
     },
     /// All samples are at the start of the motion.
-    #[error(
-        "{} at t = {time} s, where the scenario starts, can't determine a motion: measure at several times",
-        if *samples == 1 { "a single sample".to_owned() } else { counted(*samples as u64, "sample") }
-    )]
     OnlyStart {
         /// Number of samples.
         samples: usize,
@@ -220,12 +175,6 @@ pub enum FitError {
         time: f64,
     },
     /// The data are too few.
-    #[error(
-        "{} can't determine {}: at least {} are needed",
-        counted(*samples as u64, "sample"),
-        counted(*parameters as u64, "parameter"),
-        parameters + 1
-    )]
     TooFew {
         /// Number of samples in the fit.
         samples: usize,
@@ -233,31 +182,24 @@ pub enum FitError {
         parameters: usize,
     },
     /// Parameters can't be told apart.
-    #[error("{}", join_clauses(degeneracies))]
     NotIdentifiable {
         /// The groups of parameters.
         degeneracies: Vec<Degeneracy>,
     },
     /// The model ends before the data.
-    #[error("the model ends at t = {end:.4} s ({reason}), the data at {needed:.4} s")]
     ModelEnds {
         /// End of the model, s.
         end: f64,
         /// Why it ends.
-        reason: String,
+        reason: StopReason,
         /// End of the data, s.
         needed: f64,
     },
     /// A motion takes many times the steps of that at the start.
-    #[error(
-        "no minimum was found: the motions that come closest to the data take more than {MAX_RATIO} times the integrator steps of that at the start"
-    )]
     TooManySteps,
     /// A simulation failed.
-    #[error(transparent)]
     Simulation(#[from] SimulationError),
     /// The optimiser refused its input.
-    #[error("the optimiser failed: {0}")]
     Optimiser(&'static str),
 }
 
@@ -302,47 +244,291 @@ impl FitError {
     }
 }
 
-/// A sentence about times whose unit is missing.
-fn likely_time_unit(
-    path: Option<&Path>,
-    name: &str,
-    duration: f64,
-    step: f64,
-    may_be_frames: bool,
-) -> String {
+/// Renders the sentence for readers of no particular interface.
+impl Display for FitError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        self.sentence().fmt(f)
+    }
+}
+
+impl FitError {
+    /// What is wrong, and what can be done about it.
+    #[allow(clippy::too_many_lines, reason = "a sentence for each error")]
+    pub fn sentence(&self) -> Sentence {
+        match self {
+            Self::Data(error) => error.sentence(),
+            Self::Scenario(error) => error.to_string().into(),
+            Self::Simulation(error) => error.to_string().into(),
+            Self::Optimiser(reason) => sentence!("the optimiser failed: {}", *reason),
+            Self::Key { name, reason } => {
+                sentence!("{} can't be fitted: {}", key(name), reason.sentence())
+            }
+            Self::UnknownLaw { name, known } => {
+                sentence!("unknown law {}; laws: {}", name, known)
+            }
+            Self::Bounds {
+                name,
+                low,
+                high,
+                start,
+            } => sentence!(
+                "{}: the bounds {} to {} must contain the start, {}; {}",
+                key(name),
+                low.to_string(),
+                high.to_string(),
+                start.to_string(),
+                change_start()
+            ),
+            Self::NotFree { name, what } => sentence!(
+                "{} is not free, so it can't have {}; add {} to {}",
+                key(name),
+                *what,
+                key(name),
+                Piece::argument("free")
+            ),
+            Self::NothingFree => {
+                sentence!("nothing to fit: none of the free parameters changes any signal")
+            }
+            Self::NoDerivative { name } => sentence!(
+                "{}: no motion with a slightly larger or smaller value can be computed; {}",
+                key(name),
+                change_start()
+            ),
+            Self::NotIdentifiable { degeneracies } => not_identifiable(degeneracies),
+            Self::ModelEnds { end, .. } => sentence!(
+                "{}; start closer to the motion ({}), or fit only the data before that ({})",
+                Failure::from(self).sentence(),
+                Piece::argument("set"),
+                // A later end would be after that of the model.
+                Piece::argument_with("until", format!("{:.3}", (end * 1e3).floor() / 1e3))
+            ),
+            Self::TooManySteps => Failure::TooManySteps.sentence(),
+            Self::OutOfRange {
+                field,
+                first,
+                last,
+                origin,
+                until,
+            } => sentence!(
+                "{} has no value from t = {}{}: its times are {} to {}; see {} and {}",
+                Piece::field(field.clone()),
+                time(*origin),
+                until.map_or_else(Sentence::default, |until| sentence!(" to {}", time(until))),
+                bare_time(*first),
+                time(*last),
+                Piece::argument("start"),
+                Piece::argument("until")
+            ),
+            Self::Gap {
+                from,
+                to,
+                rest,
+                stray,
+                place,
+                cut,
+            } => {
+                let them = pronoun(*stray);
+                sentence!(
+                    "the data have no values from t = {} to {}, and are only {} long without this gap; a time may be wrong ({} {}{}); remove {}, or leave {} out with {}",
+                    bare_time(*from),
+                    time(*to),
+                    time(*rest),
+                    Piece::count(*stray as u64, "row"),
+                    cut.side(),
+                    stray_place(*stray, place.as_ref()),
+                    them,
+                    them,
+                    cut.argument()
+                )
+            }
+            Self::Size {
+                place,
+                time: at,
+                value,
+                sigma,
+            } => sentence!(
+                "{}: the value {} at t = {}, with the standard deviation {}, is too large to be fitted: remove it",
+                place.to_string(),
+                format!("{value:e}"),
+                time(*at),
+                format!("{sigma:e}")
+            ),
+            Self::LikelyTimeUnit {
+                path,
+                name,
+                duration,
+                step,
+                may_be_frames,
+            } => sentence!(
+                "{}the times in column {} have no unit: in s they span {} with a value every {}, in ms {}{}; write the unit after the name: {}, {} or {}{}",
+                path.as_ref()
+                    .map_or_else(Sentence::default, |path| sentence!(
+                        "{}: ",
+                        path.display().to_string()
+                    )),
+                name,
+                time(*duration),
+                time(*step),
+                time(duration / 1e3),
+                if *may_be_frames {
+                    duration_of_frames(*duration)
+                } else {
+                    Sentence::default()
+                },
+                Piece::argument_with("time", format!("{name} (ms)")),
+                Piece::argument_with("time", format!("{name} (us)")),
+                Piece::argument_with("time", format!("{name} (s)")),
+                if *may_be_frames {
+                    "; divide frame numbers by the frame rate"
+                } else {
+                    ""
+                }
+            ),
+            Self::FewWithin {
+                name,
+                most,
+                samples,
+                end,
+            } => sentence!(
+                "{}: at most {} of the {} of its file are within the motion (0 to {}) at once; are the times of both files in the unit that is stated, or else in s?",
+                key(name),
+                most.to_string(),
+                Piece::count(*samples as u64, "sample"),
+                time(*end)
+            ),
+            Self::OffsetBounds {
+                name,
+                bounds: [low, high],
+                end,
+                enough: [first, last],
+            } => sentence!(
+                "{}: no offset from {} to {} brings its file into the motion (0 to {}), but those from {} to {} do: change its bounds",
+                key(name),
+                bare_time(*low),
+                time(*high),
+                time(*end),
+                bare_time(*first),
+                time(*last)
+            ),
+            Self::OnlyStart { samples, time: at } => sentence!(
+                "{} at t = {}, where the scenario starts, can't determine a motion: measure at several times",
+                match samples {
+                    1 => Piece::from("a single sample"),
+                    _ => Piece::count(*samples as u64, "sample"),
+                },
+                time(*at)
+            ),
+            Self::Inclination { median, name } => sentence!(
+                "most values of {} are above π (median {}), but an inclination in rad is not; {}",
+                name,
+                Piece::fixed(*median, 4, ""),
+                state_unit(state::THETA.path(), name, "deg", "rad")
+            ),
+            Self::LikelyUnit {
+                field,
+                path,
+                ratio,
+                unit,
+                si,
+                name,
+            } => sentence!(
+                "{}: the values are about {} times those of the motion at the start; in {} they would agree with it; {}",
+                Piece::field(field.clone()),
+                Piece::fixed(*ratio, 0, ""),
+                *unit,
+                state_unit(path, name, unit, si)
+            ),
+            Self::NoNoise {
+                field,
+                source_name,
+                value,
+                unit,
+            } => sentence!(
+                "{}: all values are {}: they have no noise from which a standard deviation could be estimated; check the sensor, leave {} out, or give σ: {}",
+                Piece::field(field.clone()),
+                Piece::rounded(*value, 6, *unit),
+                source_name,
+                Piece::argument_with("signal", format!("{field}={source_name}:SIGMA"))
+            ),
+            Self::TooFew {
+                samples,
+                parameters,
+            } => sentence!(
+                "{} can't determine {}: at least {} are needed",
+                Piece::count(*samples as u64, "sample"),
+                Piece::count(*parameters as u64, "parameter"),
+                (parameters + 1).to_string()
+            ),
+        }
+    }
+}
+
+/// A parameter: a key of the scenario, or the offset of a clock.
+fn key(name: &str) -> Piece {
+    Piece::key(name.to_owned())
+}
+
+/// A time on the clock of the data to the microsecond, s.
+fn time(seconds: f64) -> Piece {
+    Piece::Number(Number::new(seconds, Digits::AtMostDecimals(6), "s"))
+}
+
+/// A time on the clock of the data before another one, which has the unit.
+fn bare_time(seconds: f64) -> Piece {
+    time(seconds).without_unit()
+}
+
+fn change_start() -> Sentence {
+    sentence!(
+        "change its start ({}) or its bounds ({})",
+        Piece::argument("set"),
+        Piece::argument("bound")
+    )
+}
+
+/// How to state the unit of a column: the likely one, or the SI unit.
+fn state_unit(path: &str, name: &str, unit: &str, si: &str) -> Sentence {
+    let [likely, other] =
+        [unit, si].map(|unit| Piece::argument_with("signal", format!("{path}={name} ({unit})")));
+    sentence!(
+        "write the unit after the name: {}; if they are in {}, {}",
+        likely,
+        si,
+        other
+    )
+}
+
+fn not_identifiable(degeneracies: &[Degeneracy]) -> Sentence {
+    let clauses = Sentence::join(degeneracies.iter().map(Degeneracy::sentence), "; ");
+    match degeneracies.first() {
+        Some(first) => sentence!(
+            "{}; fix {} (leave out of {} what is known)",
+            clauses,
+            first.fixed(),
+            Piece::argument("free")
+        ),
+        None => clauses,
+    }
+}
+
+/// Where stray rows are, after their number.
+fn stray_place(stray: usize, place: Option<&Place>) -> Sentence {
+    match place {
+        Some(place) if stray == 1 => sentence!(": {}", place.to_string()),
+        Some(place) => sentence!(", next to it {}", place.to_string()),
+        None => Sentence::default(),
+    }
+}
+
+/// How long data last whose times are frame numbers.
+fn duration_of_frames(frames: f64) -> Sentence {
     /// Frames per second of usual cameras.
     const FRAME_RATE: f64 = 30.0;
-    let mut sentence = path.map_or_else(String::new, |path| format!("{}: ", path.display()));
-    sentence += &format!(
-        "the times in column {name} have no unit: in s they span {} s with a value every {} s, in ms {} s",
-        short(duration),
-        short(step),
-        short(duration / 1e3)
-    );
-    if may_be_frames {
-        sentence += &format!(
-            "; if they are frame numbers, at {FRAME_RATE} frames per second they span {} s",
-            rounded(duration / FRAME_RATE, 3)
-        );
-    }
-    sentence
-}
-
-/// A number to the 15 digits that each double keeps of a decimal fraction.
-fn short(number: f64) -> String {
-    rounded(number, 15)
-}
-
-/// A number to this many digits, with an exponent if it is very large or small.
-fn rounded(number: f64, digits: usize) -> String {
-    let text = format!("{number:.*e}", digits - 1);
-    let rounded: f64 = text.parse().unwrap_or(number);
-    let size = rounded.abs();
-    if size == 0.0 || (1e-6..1e15).contains(&size) {
-        rounded.to_string()
-    } else {
-        format!("{rounded:e}")
-    }
+    sentence!(
+        "; if they are frame numbers, at {} frames per second they span {}",
+        FRAME_RATE.to_string(),
+        Piece::rounded(frames / FRAME_RATE, 3, "s")
+    )
 }
 
 /// What leaves out a part of the data.
@@ -360,6 +546,13 @@ impl Cut {
         match self {
             Self::Start(_) => "before it",
             Self::Until(_) => "after it",
+        }
+    }
+
+    fn argument(self) -> Piece {
+        match self {
+            Self::Start(time) => Piece::argument_with("start", time.to_string()),
+            Self::Until(time) => Piece::argument_with("until", time.to_string()),
         }
     }
 }
@@ -388,23 +581,141 @@ pub enum KeyError {
     OnlyClock,
 }
 
+impl KeyError {
+    /// The reason, and what can be done about it.
+    fn sentence(self) -> Sentence {
+        let set = Piece::argument("set");
+        match self {
+            Self::NoValue => sentence!("{}; set one with {}", self.to_string(), set),
+            Self::NoFriction => sentence!(
+                "{}; choose a law with {}, e.g. {} = coulomb, {} = 0.03 and {} = full",
+                self.to_string(),
+                set,
+                Piece::key("friction.law"),
+                Piece::key("friction.k"),
+                Piece::key("friction.dissipation")
+            ),
+            Self::NoProperty | Self::NoFile | Self::OnlyClock => self.to_string().into(),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use super::super::{Request, data, fit};
     use super::*;
+    use crate::run::scenario::Preset;
+    use std::path::Path;
 
     #[test]
     fn prints_times_in_short_form() {
-        for (time, expected) in [
+        for (seconds, expected) in [
             (0.7 + 1e-16, "0.7"),
             (0.1 + 0.2, "0.3"),
-            (1_764_158_407.200_001, "1764158407.2"),
+            (1_764_158_407.2, "1764158407.2"),
             (20_000.0, "20000"),
-            (-5.0, "-5"),
+            (-5.0, "−5"),
             (0.0, "0"),
-            (1e300, "1e300"),
-            (2e-9, "2e-9"),
+            (1e300, "1.000000e300"),
         ] {
-            assert_eq!(short(time), expected);
+            assert_eq!(bare_time(seconds).to_string(), expected);
+        }
+    }
+
+    /// The error of a fit to a table.
+    fn error_of(preset: &str, text: &str, free: &[&str]) -> FitError {
+        let scenario = Preset::find(preset).unwrap().scenario().unwrap();
+        let content = text.as_bytes().to_vec();
+        match data::read_bytes(Path::new("a.csv"), content, &[]) {
+            Ok(data) => fit(&Request::new(scenario, data, free), &|_| {}).unwrap_err(),
+            Err(error) => error.into(),
+        }
+    }
+
+    #[test]
+    fn errors_name_a_remedy() {
+        let (mut degrees, mut frames) = (String::new(), String::new());
+        for at in 0..20 {
+            degrees += &format!("{},{}\n", f64::from(at) / 100.0, 28 + at % 2);
+            frames += &format!("{at},0.5\n");
+        }
+        let degrees = format!("t,tilt\n{degrees}");
+        let times = format!("t,theta\n{frames}");
+        let constant = format!("t (s),theta\n{frames}");
+        for (name, preset, text, free, expected) in [
+            (
+                "no header",
+                "full-coulomb",
+                "0,0.5\n0.1,0.5\n",
+                &["friction.k"][..],
+                "no line names the 2 columns; write a first line that does, e.g. t,theta (deg)",
+            ),
+            (
+                "no times",
+                "full-coulomb",
+                "frame,theta\n0,0.5\n",
+                &["friction.k"],
+                "name it with time, or add one",
+            ),
+            (
+                "two columns of times",
+                "full-coulomb",
+                "Run 1: Time (s),Run 2: Time (s),theta\n0,0,0.5\n",
+                &["friction.k"],
+                "call one of them t, or choose with time",
+            ),
+            (
+                "no field",
+                "full-coulomb",
+                "t,Winkel (°)\n0,0.5\n",
+                &["friction.k"],
+                "name the columns, e.g. signal = theta=Winkel (°)",
+            ),
+            (
+                "degrees",
+                "full-coulomb",
+                &degrees,
+                &["friction.k"],
+                "signal = theta=tilt (deg); if they are in rad, signal = theta=tilt (rad)",
+            ),
+            (
+                "frames",
+                "full-coulomb",
+                &times,
+                &["friction.k"],
+                "write the unit after the name: time = t (ms), time = t (us) or time = t (s); divide",
+            ),
+            (
+                "no noise",
+                "full-coulomb",
+                &constant,
+                &["friction.k"],
+                "leave theta out, or give σ: signal = /top/state.theta=theta:SIGMA",
+            ),
+            (
+                "a wrong time",
+                "full-coulomb",
+                "t,theta\n0,0.5\n0.1,0.4\n0.2,0.5\n0.3,0.4\n900,0.5\n",
+                &["friction.k"],
+                "remove it, or leave it out with until = 0.35",
+            ),
+            (
+                "not determined",
+                "full-coulomb",
+                "t,theta\n0,0.5\n0.1,0.4\n0.2,0.5\n0.3,0.4\n0.4,0.5\n",
+                &["friction.k", "top.peg_radius"],
+                "fix friction.k or top.peg_radius (leave out of free what is known)",
+            ),
+            (
+                "no friction",
+                "frictionless",
+                "t,theta\n0,0.5\n0.1,0.4\n",
+                &["friction.k"],
+                "choose a law with set, e.g. friction.law = coulomb",
+            ),
+        ] {
+            let message = error_of(preset, text, free).to_string();
+            assert!(message.contains(expected), "{name}: {message}");
         }
     }
 }

@@ -1,17 +1,18 @@
 //! The first fit of a request: of the scenario's law, or of another if that has no complete motion.
 
 use super::error::FitError;
+use super::failure::Failure;
 use super::fitted::{Fitted, Split};
 use super::law::Refused;
 use super::model::Problem;
 use super::monitor::Monitor;
+use super::note::Note;
 use super::prepare::{Prepared, prepare};
 use super::request::Request;
 use super::solve::{Solution, grow_window, refused_step};
 use super::spin_guess::start_with_measured_spin;
 use super::step_limit::MAX_MOTIONS;
 use super::{law, modes, offset, sigma};
-use crate::words::number::rounded;
 
 /// χ² per value above which a minimum may be that of another phase of the nutation; wrong models and standard deviations
 /// give less, as a rule.
@@ -23,7 +24,7 @@ const NEAR_MOTIONS: u64 = MAX_MOTIONS / 2;
 /// The first law that can be fitted.
 pub(super) struct First {
     pub fitted: Fitted,
-    pub notes: Vec<String>,
+    pub notes: Vec<Note>,
     /// Time in the data at which the scenario starts, s.
     pub origin: f64,
     /// The laws that were tried before it.
@@ -45,7 +46,7 @@ pub(super) fn first(request: &Request, monitor: &Monitor<'_>) -> Result<First, F
     if let Some(law) = law::find(own) {
         refused.push(Refused {
             law: law.name,
-            reason: failure.to_string(),
+            reason: Failure::from(&failure),
         });
     }
     for law in laws.into_iter().filter(|law| law.name != own) {
@@ -54,7 +55,7 @@ pub(super) fn first(request: &Request, monitor: &Monitor<'_>) -> Result<First, F
             Ok(first) => return Ok(First { refused, ..first }),
             Err(error) if error.is_of_motion() => refused.push(Refused {
                 law: law.name,
-                reason: error.to_string(),
+                reason: Failure::from(&error),
             }),
             Err(error) => return Err(error),
         }
@@ -71,9 +72,9 @@ fn fit_law(request: &Request, monitor: &Monitor<'_>) -> Result<First, FitError> 
     } = prepare(request)?;
     let (solution, split) = solve_from_any(&mut problem, &mut notes, request, monitor)?;
     if problem.step_limit.is_exceeded() && !solution.is_converged {
-        notes.push(format!(
-            "The search was given up after {MAX_MOTIONS} times the steps of the motion at the start."
-        ));
+        notes.push(Note::GivenUp {
+            motions: MAX_MOTIONS,
+        });
     }
     if !solution.is_converged
         && let Some(refusal) = refused_step(&problem, &split.fitted, &solution)
@@ -118,7 +119,7 @@ fn is_better(other: &Solution, found: &Result<(Solution, Split), FitError>) -> b
 /// Fits all signals, from the start of the request or, if that leads nowhere, with the spin that the precession shows.
 fn solve_from_any(
     problem: &mut Problem,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Note>,
     request: &Request,
     monitor: &Monitor<'_>,
 ) -> Result<(Solution, Split), FitError> {
@@ -136,10 +137,7 @@ fn solve_from_any(
     match solve_all(&mut again, request, &start.values, NEAR_MOTIONS, monitor) {
         Ok((solution, split)) if solution.is_converged && is_better(&solution, &solved) => {
             *problem = again;
-            notes.push(format!(
-                "From the start no minimum near the data was found. The search began again with initial.psi_dot = {} rad/s, the spin that belongs to the precession at the beginning of the data.",
-                rounded(start.spin, 4)
-            ));
+            notes.push(Note::Restarted { spin: start.spin });
             Ok((solution, split))
         }
         Err(error) if !error.is_of_motion() => Err(error),

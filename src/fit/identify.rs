@@ -1,15 +1,15 @@
 //! What the data can determine, found before anything is fitted: from the sensitivities at the start.
 
-use super::degeneracy::{Combination, Degeneracy, join_names, pronoun};
+use super::degeneracy::{Combination, Degeneracy};
 use super::error::FitError;
 use super::model::{Effort, Point, Problem, Refusal};
+use super::note::Note;
 use super::parameter::{Parameter, SelectedParameter, Target};
 use super::plausibility::check_units;
 use super::signal::Signal;
 use super::statistics::{NULL_EIGENVALUE, ScaledGram};
 use crate::physics::kinematics::Tilt;
 use crate::run::scenario::Scenario;
-use crate::words::plural;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 
@@ -24,8 +24,8 @@ const NO_COMPONENT: f64 = 1e-3;
 pub(super) struct Identified {
     /// The parameters that the data show.
     pub parameters: Vec<Parameter>,
-    /// Sentences on parameters of a group that were left out.
-    pub notes: Vec<String>,
+    /// Remarks on parameters of a group that were left out.
+    pub notes: Vec<Note>,
 }
 
 /// Checks which parameters the data can determine. Parameters that belong to a group are left out if nothing shows
@@ -115,19 +115,14 @@ pub(super) fn identify(
     }
     let mut notes = Vec::new();
     if !left_out.is_empty() {
-        notes.push(format!(
-            "No signal depends on {}: kept at the scenario's {}.",
-            left_out.join(" or "),
-            plural(left_out.len() as u64, "value"),
-        ));
+        notes.push(Note::Unseen {
+            parameters: left_out,
+        });
     }
     if !hardly_shown.is_empty() {
-        notes.push(format!(
-            "The signals hardly depend on {}: kept at the scenario's {}, so the other estimates presuppose {}.",
-            join_names(&hardly_shown),
-            plural(hardly_shown.len() as u64, "value"),
-            pronoun(hardly_shown.len()),
-        ));
+        notes.push(Note::HardlySeen {
+            parameters: hardly_shown,
+        });
     }
     Ok(Identified {
         parameters: free,
@@ -387,17 +382,16 @@ fn degeneracy(parameters: &[Parameter], changes: &[f64]) -> Degeneracy {
     }
 }
 
-/// A sentence if a signal is sampled too slowly for the nutation of this motion.
-pub(super) fn aliasing(signals: &[Signal], motion: &Scenario) -> Option<String> {
+/// A remark if a signal is sampled too slowly for the nutation of this motion.
+pub(super) fn aliasing(signals: &[Signal], motion: &Scenario) -> Option<Note> {
     let tilt = Tilt::from_rates(motion.angles.theta, motion.rates);
     let top = &motion.model.top;
     let nutation = top.nutation_frequency(tilt.axial_rate()).abs() / TAU;
     let periods = signals.iter().filter_map(Signal::period);
     let rate = 1.0 / periods.fold(0.0, f64::max);
-    (rate < 2.0 * nutation).then(|| {
-        format!(
-            "The nutation at {nutation:.1} Hz is sampled at {rate:.1} Hz: it appears at other frequencies, and there may be several solutions."
-        )
+    (rate < 2.0 * nutation).then_some(Note::Aliased {
+        nutation,
+        sampling: rate,
     })
 }
 

@@ -1,6 +1,7 @@
 //! Other friction laws for the same data.
 
 use super::error::FitError;
+use super::failure::Failure;
 use super::fitted::Fitted;
 use super::model::Problem;
 use super::parameter::{self, INITIAL, Parameter, Target};
@@ -18,7 +19,7 @@ const TYPICAL_K: f64 = 0.03;
 /// A law that has no complete motion near its minimum, or can't be fitted, and why.
 pub(super) struct Refused {
     pub law: &'static str,
-    pub reason: String,
+    pub reason: Failure,
 }
 
 /// The sliding law of this name.

@@ -168,7 +168,7 @@ impl From<Refusal> for FitError {
                 needed,
             } => Self::ModelEnds {
                 end: time,
-                reason: reason.sentence().to_owned(),
+                reason,
                 needed,
             },
         }

@@ -6,6 +6,7 @@ use super::fitted::Fitted;
 use super::identify::{measures_more_than_theta, spin_rate};
 use super::model::{Point, Problem};
 use super::monitor::Monitor;
+use super::note::Note;
 use super::offset::{self, Rivals};
 use super::report::Mode;
 use super::solve::{DRAFT_ERROR, Draft, Solution, complete, draft, minimise, promising_draft};
@@ -55,11 +56,8 @@ fn highest(count: usize) -> f64 {
     2.0 * ln(count as f64 / EXCLUDED)
 }
 
-/// Moves a fit to its best minimum and lists the others. Returns what was looked at, in a sentence.
-pub(super) fn settle(
-    fitted: &mut Fitted,
-    monitor: &Monitor<'_>,
-) -> Result<Option<String>, FitError> {
+/// Moves a fit to its best minimum and lists the others. Returns a remark on the spins that were tried.
+pub(super) fn settle(fitted: &mut Fitted, monitor: &Monitor<'_>) -> Result<Option<Note>, FitError> {
     let mut found = find(fitted, Listed::AllButBest, monitor)?;
     for moves in 1..=MAX_MOVES {
         let Some(better) = found.better else { break };
@@ -70,7 +68,10 @@ pub(super) fn settle(
         }
         found = find(fitted, Listed::AllButBest, monitor)?;
     }
-    Ok(found.scanned.map(|scanned| scanned.sentence()))
+    Ok(found.scanned.map(|scanned| Note::SpinsTried {
+        range: scanned.range,
+        is_complete: scanned.is_complete,
+    }))
 }
 
 /// The minima of an offset that are listed as the others.
@@ -95,20 +96,6 @@ struct Scanned {
     range: [f64; 2],
     /// Whether no minimum beyond them was left untried that the data may not exclude.
     is_complete: bool,
-}
-
-impl Scanned {
-    fn sentence(&self) -> String {
-        let [low, high] = self.range;
-        let beyond = if self.is_complete {
-            ""
-        } else {
-            "; spins beyond may describe the data as well"
-        };
-        format!(
-            "Without φ or ψ, the phase of the nutation is all that shows the spin: other spins that describe the data were looked for, with initial.psi_dot from {low:.1} to {high:.1} rad/s{beyond}."
-        )
-    }
 }
 
 /// A minimum of an offset that is better than the one that was found, for the points that both bring into the motion.

@@ -2,6 +2,7 @@
 
 use super::error::{Cut, FitError};
 use super::model::Problem;
+use super::note::Note;
 use super::parameter::{PROFILE, SelectedParameter, Target};
 use super::place::Place;
 use super::plausibility::{check_signals, check_span, check_steps};
@@ -14,7 +15,7 @@ use crate::telemetry::fields::state;
 pub(super) struct Prepared {
     pub problem: Problem,
     /// Remarks on the data and on what they determine.
-    pub notes: Vec<String>,
+    pub notes: Vec<Note>,
     /// Time in the data at which the scenario starts, s.
     pub origin: f64,
 }
@@ -76,8 +77,8 @@ pub(super) fn prepare(request: &Request) -> Result<Prepared, FitError> {
     })
 }
 
-/// Sentences on files with several columns that are named like times.
-fn notes_on_clocks(signals: &[Signal]) -> Vec<String> {
+/// Remarks on files with several columns that are named like times.
+fn notes_on_clocks(signals: &[Signal]) -> Vec<Note> {
     let mut notes = Vec::new();
     for (at, signal) in signals.iter().enumerate() {
         // Signals of one file share its clock.
@@ -86,11 +87,10 @@ fn notes_on_clocks(signals: &[Signal]) -> Vec<String> {
             && is_first
             && !clock.others.is_empty()
         {
-            notes.push(format!(
-                "The times are those of column {}, not of {}.",
-                clock.name,
-                clock.others.join(" or ")
-            ));
+            notes.push(Note::Clock {
+                column: clock.name.clone(),
+                others: clock.others.clone(),
+            });
         }
     }
     notes
@@ -243,7 +243,6 @@ fn check_duration(problem: &Problem, origin: f64) -> Result<(), FitError> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::remedy::Interface;
     use super::*;
 
     #[test]
@@ -260,16 +259,16 @@ mod tests {
         let lost_frames = [hundredths(0..497), hundredths(590..593)].concat();
         for (name, times, until, expected) in [
             ("none", all, None, None),
-            ("an early row", early, None, Some("--start 0")),
-            ("a late row", late.clone(), None, Some("--until 4.995")),
+            ("an early row", early, None, Some("start = 0")),
+            ("a late row", late.clone(), None, Some("until = 4.995")),
             ("a late row that is left out", late, Some(6.0), None),
-            ("a row in the far future", far, None, Some("--until 4.995")),
+            ("a row in the far future", far, None, Some("until = 4.995")),
             ("a pause", paused, None, None),
             (
                 "a pause longer than the data",
                 far_apart,
                 None,
-                Some("--until 2.995"),
+                Some("until = 2.995"),
             ),
             ("lost frames before the end", lost_frames, None, None),
             ("few values", vec![0.0, 1.0, 50.0], None, None),
@@ -278,7 +277,7 @@ mod tests {
             let signal = Signal::from_values(state::THETA, &times, &values, Some(1e-3)).unwrap();
             let origin = signal.times[0];
             let error = check_gaps(&[signal], origin, until).err();
-            let message = error.map(|error| error.message(Interface::Terminal));
+            let message = error.map(|error| error.to_string());
             match (&message, expected) {
                 (None, None) => {}
                 (Some(message), Some(part)) => {

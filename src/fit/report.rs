@@ -1,6 +1,9 @@
 //! The report of a fit.
 
+use super::conclusion::ComparisonReport;
+use super::failure::{self, Failure};
 use super::model::Loss;
+use super::note::{self, Note};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -39,7 +42,13 @@ pub struct Report {
     /// Parts of recordings that could not be read.
     pub losses: Vec<String>,
     /// Remarks on the data and on what they determine.
-    pub notes: Vec<String>,
+    #[serde(
+        flatten,
+        serialize_with = "note::Members::serialize",
+        deserialize_with = "note::Members::deserialize"
+    )]
+    #[schemars(with = "note::Members")]
+    pub notes: Vec<Note>,
     /// The parameters.
     pub parameters: Vec<Estimate>,
     /// Correlations between parameters that are above 0.9.
@@ -223,14 +232,11 @@ pub struct Profile {
 }
 
 /// Comparison of laws.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "ComparisonReport")]
 pub struct Comparison {
     /// The laws by BIC, lowest first. If it is decided, the first one is preferred.
     pub laws: Vec<LawFit>,
-    /// Whether one law is clearly best and describes the data.
-    pub is_decided: bool,
-    /// The verdict in a sentence.
-    pub sentence: String,
     /// Extensions of the data that are expected to decide between the two best laws, if undecided; none if no small one
     /// does.
     pub extensions: Vec<Extension>,
@@ -260,8 +266,13 @@ pub struct LawFit {
     /// The parameters of the law, and the others.
     pub parameters: Vec<Estimate>,
     /// Why there is no fit; other members are then meaningless.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub failure: Option<String>,
+    #[serde(
+        flatten,
+        serialize_with = "failure::Members::serialize",
+        deserialize_with = "failure::Members::deserialize"
+    )]
+    #[schemars(with = "failure::Members")]
+    pub failure: Option<Failure>,
 }
 
 /// An extension of the data.
@@ -287,4 +298,71 @@ pub enum ExtensionKind {
     Azimuth,
     /// Measuring θ, too.
     Inclination,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::{Value as Json, json};
+
+    /// A report in which the search was given up, and in which a law could not be fitted.
+    fn report() -> Json {
+        let quality = json!({
+            "chi2": 300.0, "freedom": 297, "p_value": 0.4, "is_converged": true, "aic": 310.0, "bic": 320.0,
+        });
+        let law = |name| {
+            json!({
+                "law": name, "verdict": "fitted", "quality": quality, "delta_aic": 0.0, "delta_bic": 0.0, "sigmas": [0.001],
+                "parameters": [],
+            })
+        };
+        let mut failed = law("viscous");
+        failed["verdict"] = json!("not_converged");
+        failed["failure"] =
+            json!("the model ends at t = 1.0000 s (it falls), the data at 2.0000 s");
+        json!({
+            "verdict": "fitted", "scenario": "paper", "law": "coulomb", "origin": 0.0, "loss": "squares", "until": 5.0,
+            "signals": [], "losses": [], "notes": ["The search was given up."], "parameters": [], "correlations": [],
+            "quality": quality, "modes": [], "profiles": [], "evaluations": 1,
+            "comparison": {
+                "laws": [law("coulomb"), failed], "is_decided": true, "sentence": "coulomb describes the data.",
+                "extensions": [],
+            },
+        })
+    }
+
+    #[test]
+    fn reports_without_facts_keep_their_sentences() {
+        let old = report();
+        let report: Report = serde_json::from_value(old.clone()).unwrap();
+        let new = serde_json::to_value(&report).unwrap();
+        assert_eq!(new["notes"], old["notes"]);
+        let [before, after] = [&old, &new].map(|report| &report["comparison"]);
+        assert_eq!(after["sentence"], before["sentence"]);
+        assert_eq!(after["is_decided"], before["is_decided"]);
+        assert_eq!(after["laws"][1]["failure"], before["laws"][1]["failure"]);
+        assert_eq!(after["laws"][0].get("failure"), None);
+    }
+
+    #[test]
+    fn facts_are_read_back() {
+        let mut report: Report = serde_json::from_value(report()).unwrap();
+        report.notes = vec![Note::SpinsTried {
+            range: [120.0, 300.5],
+            is_complete: false,
+        }];
+        if let Some(comparison) = &mut report.comparison {
+            comparison.laws[1].failure = Some(Failure::TooManySteps);
+        }
+        let json = serde_json::to_value(&report).unwrap();
+        assert_eq!(
+            json["remarks"],
+            json!([{ "spins_tried": { "range": [120.0, 300.5], "is_complete": false } }])
+        );
+        assert_eq!(
+            json["comparison"]["conclusion"]["decided"]["law"],
+            "coulomb"
+        );
+        assert_eq!(serde_json::from_value::<Report>(json).unwrap(), report);
+    }
 }

@@ -4,7 +4,7 @@
 macro_rules! listed {
     ($(#[$of_enum:meta])* pub enum $Name:ident { $($(#[$of_variant:meta])* $Variant:ident = $name:literal,)+ }) => {
         $(#[$of_enum])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, schemars::JsonSchema)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
         pub enum $Name { $($(#[$of_variant])* #[serde(rename = $name)] $Variant,)+ }
 
         impl $Name {

@@ -186,7 +186,7 @@ fn refuses_offsets_that_leave_a_file_outside_the_motion() {
             "bounds",
             100.0,
             Some([5.0, 6.0]),
-            "offset: no offset from 5 to 6 s brings its file into the motion (0 to 2 s), but those from -1 to 1 s do: change its bounds",
+            "offset: no offset from 5 to 6 s brings its file into the motion (0 to 2 s), but those from −1 to 1 s do: change its bounds",
         ),
         (
             "milliseconds taken for seconds",

@@ -3,8 +3,12 @@
 use super::super::estimate::TWO_SIDED;
 use super::super::parameter::is_offset;
 use super::super::report::{Estimate, Report};
-use super::{estimate_cell, interval_cell, label};
-use crate::words::number::{decimals_of_error, fixed};
+use super::parameters::{estimate_cell, interval_cell, label, name, with_sd};
+use crate::words::number::decimals_of_error;
+use crate::words::{Piece, Section, Sentence, Table, Tone, sentence};
+
+/// Number of other minima that are shown unless all are wanted.
+const MAX_MODES: usize = 8;
 
 /// Distance of an interval's end from the estimate, in standard deviations, beyond which the estimate of the best minimum
 /// would mislead: the interval of a single one ends at 1.96, and is hardly wider if the others agree with it.
@@ -31,24 +35,24 @@ fn number(report: &Report) -> u64 {
 }
 
 /// What the title says of several minima; empty if there is only one.
-pub(super) fn in_title(report: &Report) -> String {
-    let minima = number(report);
+pub(super) fn in_title(report: &Report) -> Sentence {
+    let minima = number(report).to_string();
     match Ambiguity::all(report).first() {
-        Some(Ambiguity::Spin) => format!(" with {minima} different spins"),
-        Some(Ambiguity::Clock(_)) => format!(" with {minima} different offsets"),
-        None => String::new(),
+        Some(Ambiguity::Spin) => sentence!(" with {} different spins", minima),
+        Some(Ambiguity::Clock(_)) => sentence!(" with {} different offsets", minima),
+        None => Sentence::default(),
     }
 }
 
 /// What the fit says of its first parameter, in a sentence; empty without parameters.
-pub(super) fn headline(report: &Report) -> String {
+pub(super) fn headline(report: &Report) -> Sentence {
     // Where there is no minimum, there is no estimate either.
     let Some(first) = report
         .parameters
         .first()
         .filter(|_| report.quality.is_converged)
     else {
-        return String::new();
+        return Sentence::default();
     };
     let (name, interval) = (label(first), interval_cell(first));
     if first.is_over_minima() {
@@ -56,19 +60,51 @@ pub(super) fn headline(report: &Report) -> String {
             Some(Ambiguity::Spin) => "because θ alone does not show the spin",
             Some(Ambiguity::Clock(_)) | None => "because several values describe the data",
         };
-        format!("{name}: {interval} (95 %), {reason}")
+        sentence!("{}: {} (95 %), {}", name, interval, reason)
     } else if first.limit.is_some() {
-        format!("{name}: {interval}")
+        sentence!("{}: {}", name, interval)
     } else {
         let estimate = estimate_cell(first, false);
-        format!("{name} = {estimate}, 95 % interval {interval}")
+        sentence!("{} = {}, 95 % interval {}", name, estimate, interval)
     }
 }
 
-/// The ends of an interval over several minima, with the digits that its width leaves.
-pub(super) fn ends(low: f64, high: f64) -> [String; 2] {
-    let digits = decimals_of_error((high - low) / (2.0 * TWO_SIDED));
-    [low, high].map(|end| fixed(end, digits))
+/// The decimals that the width of an interval over several minima leaves its ends.
+pub(super) fn decimals(low: f64, high: f64) -> usize {
+    decimals_of_error((high - low) / (2.0 * TWO_SIDED))
+}
+
+/// The other minima. A long list is cut after the best ones unless `all` are wanted.
+pub(super) fn section(report: &Report, all: bool) -> Section {
+    let modes = &report.modes;
+    let mut header = vec![Sentence::from("Δχ²")];
+    header.extend(report.parameters.iter().map(name));
+    let mut rows = Vec::new();
+    let shown = if all { modes.len() } else { MAX_MODES };
+    for mode in modes.iter().take(shown) {
+        let mut row = vec![Piece::fixed(mode.delta_chi2, 2, "").into()];
+        let values = mode.values.iter().zip(&mode.sds);
+        for ((value, sd), parameter) in values.zip(&report.parameters) {
+            row.push(with_sd(*value, *sd, parameter));
+        }
+        rows.push(row);
+    }
+    let hidden = modes.len().saturating_sub(shown);
+    if hidden > 0 {
+        let mut row = vec![sentence!("{} more", hidden.to_string())];
+        row.resize(header.len(), "…".into());
+        rows.push(row);
+    }
+    let mut section = Section::with_tone(Tone::Weak, "What describes the data as well");
+    section.note = sentence!(
+        "within the noise, with χ² higher by Δχ²: the 95 % intervals contain all of these"
+    );
+    section.table(Table {
+        header,
+        rows,
+        left: 0,
+    });
+    section
 }
 
 /// What the data show only up to whole nutations.
@@ -98,16 +134,19 @@ impl<'a> Ambiguity<'a> {
 }
 
 /// Why there is no single estimate, and what would give one.
-pub(super) fn remarks(report: &Report) -> Vec<String> {
-    let minima = number(report);
+pub(super) fn remarks(report: &Report) -> Vec<Sentence> {
+    let minima = number(report).to_string();
     let mut remarks = Vec::new();
     for ambiguity in Ambiguity::all(report) {
         remarks.push(match ambiguity {
-            Ambiguity::Spin => format!(
-                "θ alone does not show the spin: {minima} different spins describe the data, each with its own values of the others, and the intervals contain them all. Measure φ, too, or hold {SPIN} at a known value."
+            Ambiguity::Spin => sentence!(
+                "θ alone does not show the spin: {} different spins describe the data, each with its own values of the others, and the intervals contain them all. Measure φ, too, or hold {} at a known value.",
+                &minima,
+                Piece::key(SPIN)
             ),
-            Ambiguity::Clock(name) => format!(
-                "Several values of {name} describe the data, each with its own values of the others, and the intervals contain them all. A longer overlap of the files, or a signal that does not repeat with the nutation, such as φ or ω·n, would show more."
+            Ambiguity::Clock(name) => sentence!(
+                "Several values of {} describe the data, each with its own values of the others, and the intervals contain them all. A longer overlap of the files, or a signal that does not repeat with the nutation, such as φ or ω·n, would show more.",
+                Piece::key(name.to_owned())
             ),
         });
     }
@@ -117,7 +156,7 @@ pub(super) fn remarks(report: &Report) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::Interface;
+    use crate::words::Part;
     use serde_json::{Value as Json, json};
 
     /// A report on the friction and another parameter with this name and interval, which has the value 199.4 ± 0.5.
@@ -135,87 +174,68 @@ mod tests {
         .unwrap()
     }
 
+    /// The title of a report, its headline, the first remark, and the estimates in its table.
+    fn words(report: &Report) -> (String, String, String, Vec<String>) {
+        let words = report.words(false);
+        let mut remark = String::new();
+        let mut estimates = Vec::new();
+        for section in &words.sections {
+            match (section.title.to_string().as_str(), &section.parts[0]) {
+                ("Remarks", Part::Line(line)) => remark = line.to_string(),
+                ("Parameters", Part::Table(table)) => {
+                    estimates.extend(table.rows.iter().map(|row| row[1].to_string()));
+                }
+                _ => {}
+            }
+        }
+        let title = words.sections[0].title.to_string();
+        (title, words.headline.to_string(), remark, estimates)
+    }
+
     #[test]
     fn several_minima_have_no_single_estimate() {
         let far = json!({"delta_chi2": 2.0, "values": [0.03, 140.0], "sds": [0.0004, 0.5]});
         let near = json!({"delta_chi2": 5.9, "values": [0.0496, 168.9], "sds": [0.0004, 0.5]});
         let report = report(&[far, near], [0.0291, 0.0596], SPIN, [139.3, 200.4]);
-        let words = report.words(Interface::Terminal, false);
+        let (title, headline, remark, estimates) = words(&report);
         assert_eq!(
-            words.title,
+            title,
             "paper (coulomb): describes the data with 3 different spins"
         );
         assert_eq!(
-            words.headline,
+            headline,
             "friction.k: 0.0291 to 0.0596 (95 %), because θ alone does not show the spin"
         );
-        assert_eq!(words.parameters.rows[0][1], "several values");
-        assert_eq!(words.parameters.rows[1][1], "several values");
-        assert!(words.remarks[0].starts_with("θ alone does not show the spin: 3 different spins"));
-    }
-
-    #[test]
-    fn page_has_degrees() {
-        let other = json!({"delta_chi2": 2.0, "values": [0.0587, 0.6], "sds": [0.00044, 0.001]});
-        let mut report = report(
-            &[other],
-            [0.05784, 0.05956],
-            "initial.theta",
-            [0.498, 0.602],
-        );
-        "rad".clone_into(&mut report.parameters[1].unit);
-        (report.parameters[1].start, report.parameters[1].value) = (0.5, 0.5);
-        report.parameters[1].sd = Some(0.001);
-        let terminal = report.words(Interface::Terminal, false);
-        let page = report.words(Interface::Page, false);
-        assert_eq!(
-            terminal.parameters.rows[1],
-            [
-                "initial.theta [rad]",
-                "several values",
-                "0.498 to 0.602",
-                "0.5"
-            ]
-        );
-        assert_eq!(
-            page.parameters.rows[1],
-            [
-                "initial.theta [°]",
-                "several values",
-                "28.5 to 34.5",
-                "28.65"
-            ]
-        );
-        assert_eq!(page.modes.header[2], "initial.theta [°]");
-        assert_eq!(page.modes.rows[0][2], "34.377 ± 0.057");
+        assert_eq!(estimates, ["several values", "several values"]);
+        assert!(remark.starts_with("θ alone does not show the spin: 3 different spins"));
     }
 
     #[test]
     fn several_offsets_leave_the_other_estimates() {
         let other = json!({"delta_chi2": 1.4, "values": [0.0587, 202.0], "sds": [0.00044, 0.5]});
         let report = report(&[other], [0.05784, 0.05956], "offset", [198.4, 202.6]);
-        let words = report.words(Interface::Terminal, false);
+        let (title, headline, remark, estimates) = words(&report);
         assert_eq!(
-            words.title,
+            title,
             "paper (coulomb): describes the data with 2 different offsets"
         );
         assert_eq!(
-            words.headline,
+            headline,
             "friction.k = 0.05870 ± 0.00044, 95 % interval 0.05784 to 0.05956"
         );
-        assert_eq!(words.parameters.rows[1][1], "several values");
-        assert!(words.remarks[0].starts_with("Several values of offset describe the data, "));
+        assert_eq!(estimates[1], "several values");
+        assert!(remark.starts_with("Several values of offset describe the data, "));
     }
 
     #[test]
     fn a_single_minimum_has_an_estimate() {
         let report = report(&[], [0.05784, 0.05956], SPIN, [198.42, 200.38]);
-        let words = report.words(Interface::Terminal, false);
-        assert_eq!(words.title, "paper (coulomb): describes the data");
+        let (title, headline, remark, _) = words(&report);
+        assert_eq!(title, "paper (coulomb): describes the data");
         assert_eq!(
-            words.headline,
+            headline,
             "friction.k = 0.05870 ± 0.00044, 95 % interval 0.05784 to 0.05956"
         );
-        assert!(words.remarks.is_empty());
+        assert_eq!(remark, "");
     }
 }
