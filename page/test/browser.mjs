@@ -585,9 +585,9 @@ const tests = {
   async "angles are told in degrees, too, in Why, the events and the comparison"() {
     const other = await open("#drop&vs=paper");
     await other.waitForSelector('#compared[aria-busy="false"] td');
-    assert.match(await other.textContent("#explanation"), /θ = 0\.5000\u00a0rad \(28\.6°\).* between 0\.3855 \(22\.1°\) and 0\.3868\u00a0rad \(22\.2°\)/);
-    assert.match(await other.textContent("#events"), /starts at θ = 0\.5000\u00a0rad \(28\.6°\)/);
-    assert.match(await other.textContent("#comparison"), /crosses 0\.392\u00a0rad \(22\.5°\) \[s\].*mean θ at [\d.]+\u00a0s \[rad\]0\.489902 \(28\.1°\)0\.385561 \(22\.1°\)−0\.104/);
+    assert.match(await other.textContent("#explanation"), /θ = 0\.5000\u00a0rad \(28\.65°\).* between 0\.3855 \(22\.\d\d°\) and 0\.3868\u00a0rad \(22\.\d\d°\)/);
+    assert.match(await other.textContent("#events"), /starts at θ = 0\.5000\u00a0rad \(28\.65°\)/);
+    assert.match(await other.textContent("#comparison"), /crosses 0\.392\u00a0rad \(22\.5°\) \[s\].*mean θ at [\d.]+\u00a0s \[rad\]0\.489902 \(28\.\d{4}°\)0\.385561 \(22\.\d{4}°\)−0\.104/);
     assert.doesNotMatch(await other.textContent("#comparison"), /– \(/);
     await other.close();
   },

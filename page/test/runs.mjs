@@ -15,6 +15,7 @@ import { degrees, fixed, imagined, prefixed, revolutions, typed, written } from 
 import { Labels, besideArrow, commonArea, lengthInside } from "../labels.mjs";
 import { isHidden, spinRing } from "../ring.mjs";
 import { Scenario, linkOf, parseLink, scenarioFrom } from "../scenario.mjs";
+import { sentenceText } from "../sentence.mjs";
 import { orientationOf, stripeContrast, turned, visibleFaces } from "../shape.mjs";
 import { load, simulated } from "../toprise.mjs";
 import { RISE_TIMES } from "../worksheet.mjs";
@@ -130,7 +131,7 @@ const tests = {
       assert.equal((k * end).toFixed(3), "0.742");
     }
     assert.ok(Math.abs((await runOf("full-coulomb&friction.k=0.01&stop.duration=100")).end - 74) < 0.5);
-    assert.match((await runOf("full-coulomb&friction.k=0.01")).outcome, /^after 60\.00 s still spinning, tilted by/);
+    assert.match((await runOf("full-coulomb&friction.k=0.01")).outcome, /^after 60\.00\u00a0s still spinning, tilted by/);
   },
   async "arrows have round scales, and stay in the picture in every preset"() {
     for (const { name: preset } of tables.presets) {
@@ -169,12 +170,12 @@ const tests = {
   },
   async "runs that the time limit ends say what the top does then"() {
     for (const [link, outcome] of [
-      ["frictionless&stop.duration=25", "after 25.00 s still spinning, tilted by 28.6°"],
-      ["drop", /^after 2\.00 s still spinning, tilted by 2\d\.\d°, rolling since 0\.6\d+ s$/],
-      ["tippe-top", /^turns over at 5\.49 s; after 12\.00 s still spinning, tilted by 17\d\.\d°$/],
-      ["tippe-top-hangs", /^does not turn over; after 5\.00 s still spinning, tilted by \d\.\d°, rolling since 0\.022 s$/],
-      ["frictionless&initial.psi_dot=0", /^passes the horizontal at 0\.119 s; after 20\.00 s tilted by 1\d\d\.\d°$/],
-      ["frictionless&initial.psi_dot=0&initial.phi_dot=0&initial.theta_dot=0&stop.duration=0.01", /^after 0\.010 s tilted by/],
+      ["frictionless&stop.duration=25", "after 25.00\u00a0s still spinning, tilted by 28.6°"],
+      ["drop", /^after 2\.00\u00a0s still spinning, tilted by 2\d\.\d°, rolling since 0\.6\d+\u00a0s$/],
+      ["tippe-top", /^turns over at 5\.49\u00a0s; after 12\.00\u00a0s still spinning, tilted by 17\d\.\d°$/],
+      ["tippe-top-hangs", /^does not turn over; after 5\.00\u00a0s still spinning, tilted by \d\.\d°, rolling since 0\.022\u00a0s$/],
+      ["frictionless&initial.psi_dot=0", /^passes the horizontal at 0\.119\u00a0s; after 20\.00\u00a0s tilted by 1\d\d\.\d°$/],
+      ["frictionless&initial.psi_dot=0&initial.phi_dot=0&initial.theta_dot=0&stop.duration=0.01", /^after 0\.010\u00a0s tilted by/],
     ]) {
       const run = await runOf(link);
       if (typeof outcome === "string") assert.equal(run.outcome, outcome);
@@ -262,6 +263,24 @@ const tests = {
       assert.ok(high - low < 1.2 * Math.abs(value), value);
     }
     assert.deepEqual(rangeOf(0), [-1, 1]);
+  },
+  "sentences have degrees next to radians and words for keys"() {
+    const angle = (has_unit) => ({ number: { text: "0.5000", value: 0.5, unit: "rad", has_unit } });
+    for (const [pieces, expected] of [
+      [[{ text: "θ = " }, angle(true), { text: "." }], "θ = 0.5000\u00a0rad (28.65°)."],
+      [[{ text: "from " }, angle(false), { text: " on" }], "from 0.5000 (28.65°) on"],
+      [[{ time: { text: "2.5000", value: 2.5, unit: "s", has_unit: true } }], "2.5000\u00a0s"],
+      [[{ count: { count: 1234, noun: "entry" } }], "1,234\u00a0entries"],
+      [[{ key: "initial.psi_dot" }], "spin ψ̇"],
+    ]) {
+      assert.equal(sentenceText(pieces), expected);
+    }
+  },
+  async "no text of the program is searched"() {
+    for (const name of ["reading", "fit", "measured", "page", "worksheet", "worker"]) {
+      const source = await readFile(new URL(`../${name}.mjs`, import.meta.url), "utf8");
+      assert.doesNotMatch(source, /\.(?:replace|replaceAll|match|matchAll|split|search)\(\s*\/|\/\.test\(/, name);
+    }
   },
   "numbers are written as people write them"() {
     for (const [made, expected] of [
