@@ -37,6 +37,8 @@ pub struct ReadEnd {
     pub losses: Vec<String>,
     /// Messages that the run has according to its end record, but the recording lacks.
     pub missing: Vec<Missing>,
+    /// State of the file, with all that reading it has shown; absent for a simulation.
+    pub state: Option<Condition>,
 }
 
 impl Subject<'_> {
@@ -116,16 +118,15 @@ fn read(
     topics: &Topics,
     take: &mut dyn FnMut(&Message<'_>, u64) -> bool,
 ) -> ReadEnd {
-    let recorded = recording.topics();
     let wanted: Vec<Topic> = match topics {
-        Topics::All => recorded.clone(),
+        Topics::All => recording.topics(),
         Topics::Only(topics) => topics.clone(),
     };
     let selection = Selection {
         topics: Topics::Only(wanted.iter().map(ToString::to_string).collect()),
         ..Selection::default()
     };
-    let mut check = ContentCheck::default();
+    let mut check = ContentCheck::new(recording, topics);
     let mut is_stopped = false;
     let mut reader = recording.reader(selection).in_order_of_time();
     loop {
@@ -142,17 +143,17 @@ fn read(
         }
     }
     let mut sentences = losses(recording, &reader);
-    // A channel that the recording doesn't have is not incomplete.
-    let mut counted = wanted;
-    counted.retain(|topic| recorded.contains(topic));
     // The rest of a recording that is read in part isn't missing.
     let end = recording.end().filter(|_| !is_stopped);
-    let faults = check.finish(&counted, end);
-    sentences.extend(faults.sentences(!reader.all_losses().is_empty()));
+    let faults = check.finish(end);
+    let found = faults.sentences(!reader.all_losses().is_empty());
+    let state = reader.condition(!found.is_empty());
+    sentences.extend(found);
     ReadEnd {
         end: recording.end().cloned(),
         losses: sentences,
         missing: faults.missing,
+        state: Some(state),
     }
 }
 
@@ -199,6 +200,6 @@ fn simulate(
         // The same entries as in a recording, so that no reader has to tell the two apart.
         end: Some(end_entries(&run.end())),
         losses,
-        missing: Vec::new(),
+        ..ReadEnd::default()
     }
 }

@@ -210,7 +210,10 @@ fn compare(
     if is_damaged {
         report.state = Condition::Damaged;
     }
-    let is_part = report.state != Condition::Whole || compared.missing > 0;
+    if report.state == Condition::Whole && compared.missing > 0 {
+        report.state = Condition::Altered;
+    }
+    let is_part = report.state != Condition::Whole;
     let is_exact = scope == Scope::Bytes && !is_part;
     report.difference = compared
         .difference

@@ -11,6 +11,9 @@ use toprise::archive::recording::{Condition, Overview, Recording};
 use toprise::archive::verify::{Equality, Verdict};
 use toprise::archive::writer::Form;
 
+/// The sentence about messages that are not those of the end record.
+const ALTERED: &str = "altered messages: their digest is not the one in the end record";
+
 /// A recording of 0.3 s that can be changed.
 fn original() -> Forgery {
     let scenario = scenario("paper", &[("stop.duration", "0.3")]);
@@ -131,19 +134,82 @@ fn commands_agree_on_changed_messages() {
     }
 }
 
+/// A channel that other software left out, with its number of samples or without: not every sample has a precession.
 #[test]
-fn info_reports_dropped_topics() {
+fn commands_report_dropped_topics() {
+    let folder = Folder::new();
+    for (topic, fault) in [
+        ("/top/pose", "missing 301 of 301 samples of /top/pose"),
+        ("/top/precession", ALTERED),
+    ] {
+        let mut forgery = original();
+        forgery.leave_out(topic);
+        let path = folder.write("a.mcap", forgery.bytes());
+        assert_reports_fault(&folder, fault);
+        let report = verified(&path);
+        assert_eq!(report.verdict, Verdict::Incomplete, "{topic}");
+        assert_eq!(report.state, Condition::Altered, "{topic}");
+        let printed = folder.toprise("verify a.mcap", 3);
+        assert_contains(&printed.stdout, "altered");
+    }
+}
+
+/// One byte, which no number of messages shows.
+#[test]
+fn commands_report_an_altered_value() {
     let mut forgery = original();
-    forgery.leave_out("/top/energy");
+    forgery.pack("", <[u8]>::to_vec);
+    forgery.edit("/top/energy", 7, |text| {
+        text.replacen("\"kinetic\":1", "\"kinetic\":2", 1)
+    });
     let folder = Folder::new();
     let path = folder.write("a.mcap", forgery.bytes());
-    let overview = Overview::read(&path).unwrap();
-    assert_eq!(overview.condition, Condition::Altered);
-    assert_eq!(
-        overview.faults,
-        ["missing 301 of 301 samples of /top/energy"]
-    );
-    assert_eq!(verified(&path).verdict, Verdict::Incomplete);
+    assert_reports_fault(&folder, ALTERED);
+    assert_eq!(verified(&path).verdict, Verdict::Different);
+}
+
+/// The content digest without its sequence numbers, which other software may give anew, is that of the same data.
+#[test]
+fn renumbered_and_partial_recordings_are_complete() {
+    let scenario = scenario("paper", &[("stop.duration", "0.3004")]);
+    let folder = Folder::new();
+    for topics in [&[][..], &["/top/precession", "/events"]] {
+        let whole = recorded(&scenario, topics, Form::default());
+        let mut forgery = Forgery::of(&whole);
+        forgery.each(|record| {
+            if let Record::Message(header, _) = record {
+                header.sequence = header.sequence * 3 + 1;
+            }
+        });
+        for bytes in [whole, forgery.bytes()] {
+            let path = folder.write("a.mcap", bytes);
+            let overview = Overview::read(&path).unwrap();
+            assert_eq!(overview.faults, Vec::<String>::new(), "{topics:?}");
+            assert_eq!(overview.condition, Condition::Whole, "{topics:?}");
+        }
+    }
+}
+
+/// Asserts that the commands that read `a.mcap` report a fault of it, and look for no causes.
+fn assert_reports_fault(folder: &Folder, fault: &str) {
+    let info = folder.toprise("info a.mcap", 3).stdout;
+    assert_contains(&info, "altered");
+    for command in [
+        "info a.mcap",
+        "explain a.mcap",
+        "diff a.mcap a.mcap --no-integration-error",
+    ] {
+        assert_contains(&folder.toprise(command, 3).stdout, fault);
+    }
+    let recording = Recording::open(&folder.at("a.mcap")).unwrap();
+    assert_eq!(explain(&recording).unwrap().story.claims.len(), 0);
+    let options = Options {
+        integration_error: false,
+        ..Options::default()
+    };
+    let compared = compare(&recording, &recording, &options).unwrap();
+    assert_eq!(compared.a.state, Some(Condition::Altered));
+    assert!(!compared.is_complete);
 }
 
 /// Two publishers: each topic has two channels, which have every other message.

@@ -15,6 +15,7 @@ use crate::analysis::history::RunHistory;
 use crate::analysis::history::energy::Energies;
 use crate::analysis::subject::{ReadEnd, Subject};
 use crate::archive::memory::Owned;
+use crate::archive::recording::Condition;
 use crate::run::simulation::StopReason;
 use crate::run::time::seconds;
 use crate::telemetry::fields::{ENERGY, NUTATION};
@@ -53,6 +54,8 @@ pub(super) struct PairedRun {
     pub(super) history: RunHistory,
     /// Parts that could not be read.
     pub(super) losses: Vec<String>,
+    /// State of the file; `None` for a simulation.
+    pub(super) state: Option<Condition>,
     pub(super) is_ended: bool,
 }
 
@@ -259,6 +262,7 @@ impl<'o> Pairing<'o> {
         let run = &mut self.paired.runs[side.index()];
         run.is_ended = true;
         run.losses = ended.losses;
+        run.state = ended.state;
         run.history.finish(ended.end, ended.missing);
         // The end record has the time of the rise even if the events are missing.
         let is_rise = run.history.stop_reason() == Some(StopReason::Risen);

@@ -118,9 +118,13 @@ impl Report {
             .map(|integrations| &integrations.errors);
         let [a, b] = Side::BOTH.map(|side| {
             let PairedRun {
-                history, losses, ..
+                history,
+                losses,
+                state,
+                ..
             } = &paired.runs[side.index()];
             ComparedRun {
+                state: *state,
                 messages: history.messages,
                 last: history.last_ns.map_or(0.0, seconds),
                 summary: Some(history.summary()),

@@ -9,7 +9,7 @@ listed! {
         Foreign = "not a toprise recording",
         /// A recording with its end record, readable throughout.
         Whole = "complete",
-        /// A complete file with other numbers of messages or records than its end record or its statistics state.
+        /// A complete file with other messages than its end record or its statistics state.
         Altered = "altered",
         /// A recording of a run that was ended before its end, or a file without its end; without other damage.
         Interrupted = "interrupted",

@@ -2,12 +2,17 @@
 //!
 //! Everything that reads a recording reports these faults, in the same words.
 
+use super::digest::DigestCheck;
+use super::file::Recording;
 use super::missing::{Excess, MessageCounts, Missing};
 use crate::archive::error::MessageError;
 use crate::archive::format::Entries;
-use crate::telemetry::{Message, Topic};
+use crate::telemetry::{Message, Topic, Topics};
 use crate::words::counted;
 use std::fmt;
+
+/// The sentence about messages that are not those of the end record.
+const ALTERED: &str = "altered messages: their digest is not the one in the end record";
 
 /// Messages that can't be decoded.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -28,9 +33,13 @@ impl fmt::Display for Undecodable {
 }
 
 /// The messages of a recording that have been read.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct ContentCheck {
+    /// The topics that are read and that the recording should have.
+    topics: Vec<Topic>,
     counts: MessageCounts,
+    /// The digest of all messages; `None` if it can't be compared.
+    digest: Option<DigestCheck>,
     undecodable: Option<Undecodable>,
 }
 
@@ -41,13 +50,36 @@ pub(crate) struct ContentFaults {
     /// Messages that the run has according to its end record, but the recording lacks.
     pub(crate) missing: Vec<Missing>,
     pub(crate) excess: Option<Excess>,
+    /// Whether the digest of the messages is not the one in the end record.
+    pub(crate) is_altered: bool,
 }
 
 impl ContentCheck {
+    /// A check of the messages of some topics.
+    pub(crate) fn new(recording: &Recording, topics: &Topics) -> Self {
+        let mut expected = recording.expected_topics();
+        expected.retain(|topic| topics.include(topic));
+        Self {
+            topics: expected,
+            counts: MessageCounts::default(),
+            // The digest is that of all topics.
+            digest: match topics {
+                Topics::All => DigestCheck::new(recording),
+                Topics::Only(_) => None,
+            },
+            undecodable: None,
+        }
+    }
+
     /// Takes a message that was read, or the reason why it can't be decoded.
     pub(crate) fn take(&mut self, message: &Result<Message<'_>, MessageError>) {
         let error = match message {
-            Ok(message) => return self.counts.take(message),
+            Ok(message) => {
+                if let Some(digest) = &mut self.digest {
+                    digest.take(message, self.counts.number(message.topic()));
+                }
+                return self.counts.take(message);
+            }
             Err(error) => error,
         };
         if let Some(topic) = Topic::find(error.topic) {
@@ -65,28 +97,34 @@ impl ContentCheck {
         }
     }
 
-    /// The faults, once all messages of the topics have been read. Without an end record no numbers are known.
-    pub(crate) fn finish(self, topics: &[Topic], end: Option<&Entries>) -> ContentFaults {
-        let Self {
-            counts,
-            undecodable,
-        } = self;
-        ContentFaults {
-            undecodable,
-            missing: end.map_or_else(Vec::new, |end| counts.missing(topics, end)),
-            excess: end.and_then(|end| counts.excess(topics, end)),
+    /// The faults, once all messages of the topics have been read. Without an end record neither numbers nor a digest
+    /// are known.
+    pub(crate) fn finish(self, end: Option<&Entries>) -> ContentFaults {
+        let mut faults = ContentFaults {
+            undecodable: self.undecodable,
+            ..ContentFaults::default()
+        };
+        if let Some(end) = end {
+            faults.missing = self.counts.missing(&self.topics, end);
+            faults.excess = self.counts.excess(&self.topics, end);
+            faults.is_altered = self.digest.is_some_and(|digest| !digest.is_of(end));
         }
+        faults
     }
 }
 
 impl ContentFaults {
-    /// The faults in sentences. Wrong numbers of messages are left out where damage explains them.
+    /// The faults in sentences. Wrong numbers of messages are left out where damage explains them, and a wrong digest
+    /// where anything else does.
     pub(crate) fn sentences(&self, is_damaged: bool) -> Vec<String> {
         let mut sentences = Vec::new();
         sentences.extend(self.undecodable.as_ref().map(ToString::to_string));
         if !is_damaged {
             sentences.extend(self.missing.iter().map(|part| format!("missing {part}")));
             sentences.extend(self.excess.as_ref().map(ToString::to_string));
+            if self.is_altered && sentences.is_empty() {
+                sentences.push(ALTERED.to_owned());
+            }
         }
         sentences
     }

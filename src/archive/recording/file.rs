@@ -8,12 +8,13 @@ use crate::archive::container::loss::Loss;
 use crate::archive::container::source::Source;
 use crate::archive::error::RecordingError;
 use crate::archive::format::{
-    END_RECORD, Entries, Form, RUN_RECORD, SCENARIO_ATTACHMENT, STOP_REASON, recorded_form,
+    END_RECORD, Entries, Form, RUN_RECORD, SCENARIO_ATTACHMENT, STOP_REASON, TELEMETRY,
+    recorded_form,
 };
 use crate::run::scenario::Scenario;
 use crate::run::simulation::StopReason;
 use crate::telemetry::encoding::{Encoding, FieldDifferences};
-use crate::telemetry::{Topic, Topics};
+use crate::telemetry::{Topic, Topics, table};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -262,6 +263,25 @@ impl Recording {
             }
         }
         topics
+    }
+
+    /// Whether it was recorded with the telemetry of this version.
+    pub(crate) fn has_this_telemetry(&self) -> bool {
+        let telemetry = self.run().and_then(|run| run.get(TELEMETRY));
+        telemetry.is_some_and(|number| *number == table::VERSION.to_string())
+    }
+
+    /// The topics of the table that it should have: those that its run was recorded with, or else those of its channels.
+    pub(super) fn expected_topics(&self) -> Vec<Topic> {
+        match (self.form(), self.scenario()) {
+            // Other telemetry may lack topics of today's.
+            (Some((_, topics)), Ok(scenario)) if self.has_this_telemetry() => {
+                Topic::all_with(scenario.model.support)
+                    .filter(|topic| topics.include(topic))
+                    .collect()
+            }
+            _ => self.topics(),
+        }
     }
 
     /// Damage found on opening: the first parts. [`Reader::all_losses`](super::Reader::all_losses) also has what is

@@ -168,7 +168,7 @@ impl MessageCounts {
     }
 
     /// Number of messages of a topic.
-    fn number(&self, topic: Topic) -> u64 {
+    pub(super) fn number(&self, topic: Topic) -> u64 {
         self.counts.get(&topic.index()).copied().unwrap_or(0)
     }
 

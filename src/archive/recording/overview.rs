@@ -13,7 +13,7 @@ use crate::archive::error::RecordingError;
 use crate::archive::format::Entries;
 use crate::physics::top::Top;
 use crate::telemetry::fields::{EVENTS, events};
-use crate::telemetry::{Message, Topic, event_sentence};
+use crate::telemetry::{Message, Topics, event_sentence};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
@@ -159,7 +159,7 @@ impl Overview {
             .map(ChannelOverview::new)
             .collect();
         let top = recording.scenario().ok().map(|scenario| scenario.model.top);
-        let (mut events, mut check) = (Vec::new(), ContentCheck::default());
+        let (mut events, mut check) = (Vec::new(), ContentCheck::new(recording, &Topics::All));
         let is_ours = recording.is_ours();
         let mut reader = recording.reader(Selection::default());
         if is_ours {
@@ -186,15 +186,8 @@ impl Overview {
         } else {
             Vec::new()
         };
-        // Damage that opening the file doesn't find.
-        let is_damaged = !reader.losses().is_empty();
-        let is_altered = statistics_fault.is_some() || !faults.is_empty();
         Self {
-            condition: match recording.condition() {
-                _ if is_damaged => Condition::Damaged,
-                Condition::Whole | Condition::Foreign if is_altered => Condition::Altered,
-                condition => condition,
-            },
+            condition: reader.condition(!faults.is_empty()),
             library: recording.library().to_owned(),
             is_ours,
             run: recording.run().cloned(),
@@ -244,20 +237,9 @@ fn content_faults(recording: &Recording, reader: &Reader<'_>, check: ContentChec
         .map(ToString::to_string)
         .into_iter()
         .collect();
-    let faults = check.finish(&expected_topics(recording), recording.end());
+    let faults = check.finish(recording.end());
     sentences.extend(faults.sentences(!reader.all_losses().is_empty()));
     sentences
-}
-
-/// The topics of the table that a recording should have: those that its run was recorded with, or else those of its
-/// channels.
-fn expected_topics(recording: &Recording) -> Vec<Topic> {
-    match (recording.form(), recording.scenario()) {
-        (Some((_, topics)), Ok(scenario)) => Topic::all_with(scenario.model.support)
-            .filter(|topic| topics.include(topic))
-            .collect(),
-        _ => recording.topics(),
-    }
 }
 
 fn event(message: &Message<'_>, top: Option<&Top>) -> EventOverview {

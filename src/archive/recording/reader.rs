@@ -1,5 +1,6 @@
 //! Reading messages in the order of the file or in order of time.
 
+use super::condition::Condition;
 use super::file::Recording;
 use super::loader::{FoundMessage, Loader};
 use super::order::{Misplaced, Order};
@@ -193,6 +194,20 @@ impl<'r> Reader<'r> {
             return None;
         }
         find_fault(&self.recording.layout, &self.loader.tally)
+    }
+
+    /// State of the file after reading it: unlike [`Recording::condition`] also with damage that opening it does not find.
+    /// `has_faults` tells whether a check of its messages has found any.
+    pub(crate) fn condition(&self, has_faults: bool) -> Condition {
+        if !self.losses().is_empty() {
+            return Condition::Damaged;
+        }
+        let is_altered =
+            has_faults || self.left_out().is_some() || self.statistics_fault().is_some();
+        match self.recording.condition() {
+            Condition::Whole | Condition::Foreign if is_altered => Condition::Altered,
+            condition => condition,
+        }
     }
 
     /// The next message of a channel of the table, decoded; messages of other channels are skipped.

@@ -3,11 +3,11 @@
 use super::difference::Difference;
 use super::rerun::{Expected, Rerun};
 use super::scope::Scope;
-use crate::archive::format::{Entries, TELEMETRY};
+use crate::archive::format::Entries;
 use crate::archive::recording::{Losses, Recording, Selection, Undecoded};
 use crate::run::time::seconds;
+use crate::telemetry::Topic;
 use crate::telemetry::encoding::{DecodeError, Decoder, Row};
-use crate::telemetry::{Topic, table};
 use crate::words::plural;
 use std::collections::VecDeque;
 
@@ -180,11 +180,11 @@ impl<'r> RerunComparison<'r> {
     /// Whether an expected message should be in the file.
     fn is_expected(&self, expected: &Expected) -> bool {
         let topic = self.rerun.header.channels[expected.channel].topic;
-        let telemetry = self.recording.run().and_then(|run| run.get(TELEMETRY));
-        let is_of_today = telemetry.is_some_and(|number| *number == table::VERSION.to_string());
         // Recordings of another telemetry may lack topics of today's.
         self.scope == Scope::Bytes
-            || Topic::find(topic).is_some_and(|topic| is_of_today || self.recording.has(topic))
+            || Topic::find(topic).is_some_and(|topic| {
+                self.recording.has_this_telemetry() || self.recording.has(topic)
+            })
     }
 
     /// Simulates to the end and counts missing messages.
