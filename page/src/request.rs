@@ -8,7 +8,7 @@ use crate::tables::tables;
 use serde::Deserialize;
 use serde_json::{Value as Json, json};
 use std::error::Error;
-use toprise::analysis::diff::{Finding, Options, compare};
+use toprise::analysis::diff::{Agreement, Finding, Options, compare};
 use toprise::analysis::explain::{Chapter, explain};
 use toprise::fit::FitError;
 use toprise::run::scenario::{Preset, Scenario, ScenarioError};
@@ -103,7 +103,7 @@ impl Page {
                 let report = compare(&a.scenario()?, &b.scenario()?, &Options::default())?;
                 let findings = report.findings.iter().filter(|finding| finding.differs());
                 let findings: Vec<_> = findings.map(Finding::cells).collect();
-                let agreement = report.agreement.map(|agreement| agreement.sentence());
+                let agreement = report.agreement.map(Agreement::sentence);
                 Ok(json!({
                     "verdict": report.verdict.title(),
                     "agreement": agreement,

@@ -355,7 +355,7 @@ fn wrong_data_checksum_keeps_all_messages() {
 }
 
 #[test]
-fn deeply_nested_json_is_compared_by_bytes() {
+fn deeply_nested_json_differs_unless_bytes_are_equal() {
     let folder = Folder::new();
     for (name, space) in [("a.mcap", ""), ("b.mcap", " ")] {
         let data = format!("{}{space}{}", "[".repeat(200), "]".repeat(200));
@@ -367,11 +367,7 @@ fn deeply_nested_json_is_compared_by_bytes() {
         folder.write(name, bytes);
     }
     folder.toprise("diff a.mcap a.mcap", 0);
-    let printed = folder.toprise("diff a.mcap b.mcap", 1).stdout;
-    assert_contains(
-        &printed,
-        "JSON with more than 127 levels is not compared by its values in 1 message of /a.",
-    );
+    folder.toprise("diff a.mcap b.mcap", 1);
 }
 
 #[test]
