@@ -704,7 +704,7 @@ fn reads_scenarios_from_standard_input() {
     };
     piped("run - -o a.mcap", 0);
     assert_eq!(piped("verify a.mcap", 0).stderr, "");
-    assert_contains(&piped("explain -", 0).stdout, "The top starts with");
+    assert_contains(&piped("explain -", 0).stdout, "The top started with");
     piped("diff - a.mcap", 0);
     assert_contains(&piped("diff - -", 2).stderr, "it can be read only once");
     let mut program = folder.program("run - -o b.mcap");
