@@ -486,13 +486,13 @@ fn suggests_units_that_data_seem_to_have() {
             "azimuth in degrees",
             "t,theta,phi",
             [1.0, 180.0 / PI],
-            "write the unit into the header, or --signal phi=\"phi (deg)\"",
+            "write the unit after the name: --signal phi=\"phi (deg)\"",
         ),
         (
             "rate in rpm",
             "t,theta,gyro_z",
             [1.0, 30.0 / PI],
-            "write the unit into the header, or --signal omega_body.z=\"gyro_z (rpm)\"",
+            "write the unit after the name: --signal omega_body.z=\"gyro_z (rpm)\"",
         ),
     ] {
         let second = if header.contains("phi") { 1 } else { 2 };
@@ -1495,7 +1495,8 @@ fn sampling_note_uses_the_fitted_motion() {
         remarks.extend(
             notes
                 .into_iter()
-                .filter(|note| matches!(note, Note::Aliased { .. })),
+                .filter(|note| matches!(note, Note::Aliased { .. }))
+                .map(|note| note.sentence().to_string()),
         );
     }
     assert_eq!(remarks.len(), 2);
