@@ -1,7 +1,8 @@
 //! Comparison of friction laws.
 
+use super::conclusion::{Conclusion, Flaw, Rival};
 use super::error::FitError;
-use super::estimate::{PointResiduals, estimates, lowest_p, signals, verdict};
+use super::estimate::{PointResiduals, REJECTED, estimates, lowest_p, signals, verdict};
 use super::extension::extensions;
 use super::failure::Failure;
 use super::fitted::Fitted;
@@ -16,6 +17,9 @@ use super::solve::{Solution, complete, grow_window, minimise, refused_step};
 use super::statistics::{median_size, rms};
 use crate::run::scenario::Law;
 use rayon::prelude::*;
+
+/// A law is clearly better if AIC and BIC are both lower by this: the other is 20 times less likely (Burnham & Anderson).
+const DECISIVE: f64 = 6.0;
 
 /// χ² of a law, relative to that of the scenario's own, above which another start is tried if it has not converged.
 const MUCH_WORSE: f64 = 1.5;
@@ -106,6 +110,104 @@ fn set_differences(fits: &mut [LawFit]) {
     for fit in fits {
         fit.delta_aic = fit.quality.aic - lowest_aic;
         fit.delta_bic = fit.quality.bic - lowest_bic;
+    }
+}
+
+impl Comparison {
+    /// The conclusion from the fits of all laws.
+    pub fn conclusion(&self) -> Conclusion {
+        let fits: Vec<&LawFit> = self
+            .laws
+            .iter()
+            .filter(|law| law.failure.is_none())
+            .collect();
+        let [first, others @ ..] = &fits[..] else {
+            return Conclusion::NothingFitted;
+        };
+        let Some(best) = fits.iter().find(|fit| fit.verdict == Verdict::Fitted) else {
+            return Conclusion::NothingDescribes {
+                law: first.law.clone(),
+                flaw: first.flaw(),
+            };
+        };
+        if best.law == first.law {
+            return first.compared_with(others);
+        }
+        Conclusion::NotLowest {
+            law: best.law.clone(),
+            lowest: first.law.clone(),
+            flaw: first.flaw(),
+        }
+    }
+
+    /// Whether one law is clearly best and describes the data.
+    pub fn is_decided(&self) -> bool {
+        matches!(self.conclusion(), Conclusion::Decided { .. })
+    }
+
+    /// The verdict on all laws together.
+    pub(super) fn verdict(&self) -> Verdict {
+        let describes = self.laws.iter().any(|law| law.verdict == Verdict::Fitted);
+        if self.is_decided() {
+            Verdict::Fitted
+        } else if describes {
+            Verdict::Undecided
+        } else {
+            // A law that is ahead without a minimum might describe the data.
+            let first = self.laws.first().map(|law| law.verdict);
+            first.unwrap_or(Verdict::NotConverged)
+        }
+    }
+}
+
+impl LawFit {
+    /// The conclusion if this law has the lowest BIC and describes the data.
+    fn compared_with(&self, others: &[&Self]) -> Conclusion {
+        let law = self.law.clone();
+        let (mut alike, mut unfinished) = (Vec::new(), Vec::new());
+        let mut is_open = false;
+        for other in others {
+            // Both criteria: AIC favours laws with more parameters, BIC those with fewer.
+            let is_alike =
+                other.delta_aic - self.delta_aic < DECISIVE || other.delta_bic < DECISIVE;
+            is_open |= is_alike;
+            if other.verdict == Verdict::NotConverged {
+                unfinished.push(other.law.clone());
+            } else if is_alike {
+                alike.push(other.law.clone());
+            }
+        }
+        if is_open {
+            return Conclusion::Undecided {
+                law,
+                alike,
+                unfinished,
+            };
+        }
+        Conclusion::Decided {
+            law,
+            next: others.first().map(|next| Rival {
+                law: next.law.clone(),
+                delta_aic: next.delta_aic - self.delta_aic,
+                delta_bic: next.delta_bic,
+            }),
+            unfinished,
+        }
+    }
+
+    /// Why the law does not describe the data.
+    fn flaw(&self) -> Flaw {
+        if !self.quality.is_converged {
+            Flaw::NoMinimum
+        } else if self.quality.p_value.is_some_and(|p| p < REJECTED) {
+            Flaw::Size {
+                reduced_chi2: self.quality.chi2 / self.quality.freedom as f64,
+            }
+        } else if self.residual_p_value.is_some_and(|p| p < REJECTED) {
+            Flaw::Residuals
+        } else {
+            Flaw::Sigma
+        }
     }
 }
 

@@ -1,14 +1,8 @@
 //! What a comparison of laws has shown.
 
-use super::estimate::REJECTED;
-use super::report::{Comparison, Extension, LawFit, Verdict};
 use crate::words::{Piece, Sentence, and, sentence};
-use schemars::{JsonSchema, Schema, SchemaGenerator};
+use schemars::JsonSchema;
 use serde::Serialize;
-use std::borrow::Cow;
-
-/// A law is clearly better if AIC and BIC are both lower by this: the other is 20 times less likely (Burnham & Anderson).
-const DECISIVE: f64 = 6.0;
 
 /// What a comparison of laws has shown.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -78,104 +72,6 @@ pub enum Flaw {
     Residuals,
     /// The estimated standard deviations have no meaning.
     Sigma,
-}
-
-impl Comparison {
-    /// The conclusion from the fits of all laws.
-    pub fn conclusion(&self) -> Conclusion {
-        let fits: Vec<&LawFit> = self
-            .laws
-            .iter()
-            .filter(|law| law.failure.is_none())
-            .collect();
-        let [first, others @ ..] = &fits[..] else {
-            return Conclusion::NothingFitted;
-        };
-        let Some(best) = fits.iter().find(|fit| fit.verdict == Verdict::Fitted) else {
-            return Conclusion::NothingDescribes {
-                law: first.law.clone(),
-                flaw: first.flaw(),
-            };
-        };
-        if best.law == first.law {
-            return first.compared_with(others);
-        }
-        Conclusion::NotLowest {
-            law: best.law.clone(),
-            lowest: first.law.clone(),
-            flaw: first.flaw(),
-        }
-    }
-
-    /// Whether one law is clearly best and describes the data.
-    pub fn is_decided(&self) -> bool {
-        matches!(self.conclusion(), Conclusion::Decided { .. })
-    }
-
-    /// The verdict on all laws together.
-    pub(super) fn verdict(&self) -> Verdict {
-        let describes = self.laws.iter().any(|law| law.verdict == Verdict::Fitted);
-        if self.is_decided() {
-            Verdict::Fitted
-        } else if describes {
-            Verdict::Undecided
-        } else {
-            // A law that is ahead without a minimum might describe the data.
-            let first = self.laws.first().map(|law| law.verdict);
-            first.unwrap_or(Verdict::NotConverged)
-        }
-    }
-}
-
-impl LawFit {
-    /// The conclusion if this law has the lowest BIC and describes the data.
-    fn compared_with(&self, others: &[&Self]) -> Conclusion {
-        let law = self.law.clone();
-        let (mut alike, mut unfinished) = (Vec::new(), Vec::new());
-        let mut is_open = false;
-        for other in others {
-            // Both criteria: AIC favours laws with more parameters, BIC those with fewer.
-            let is_alike =
-                other.delta_aic - self.delta_aic < DECISIVE || other.delta_bic < DECISIVE;
-            is_open |= is_alike;
-            if other.verdict == Verdict::NotConverged {
-                unfinished.push(other.law.clone());
-            } else if is_alike {
-                alike.push(other.law.clone());
-            }
-        }
-        if is_open {
-            return Conclusion::Undecided {
-                law,
-                alike,
-                unfinished,
-            };
-        }
-        Conclusion::Decided {
-            law,
-            next: others.first().map(|next| Rival {
-                law: next.law.clone(),
-                delta_aic: next.delta_aic - self.delta_aic,
-                delta_bic: next.delta_bic,
-            }),
-            unfinished,
-        }
-    }
-
-    /// Why the law does not describe the data.
-    fn flaw(&self) -> Flaw {
-        if !self.quality.is_converged {
-            Flaw::NoMinimum
-        } else if self.quality.p_value.is_some_and(|p| p < REJECTED) {
-            Flaw::Size {
-                reduced_chi2: self.quality.chi2 / self.quality.freedom as f64,
-            }
-        } else if self.residual_p_value.is_some_and(|p| p < REJECTED) {
-            Flaw::Residuals
-        } else {
-            Flaw::Sigma
-        }
-    }
 }
 
 impl Conclusion {
@@ -273,44 +169,4 @@ fn caveat(unfinished: &[String]) -> Sentence {
 
 fn list(laws: &[String]) -> Sentence {
     and(laws.iter().map(Sentence::from).collect())
-}
-
-/// Comparison of laws.
-#[derive(Serialize, JsonSchema)]
-pub(super) struct ComparisonReport {
-    /// The laws by BIC, lowest first. If it is decided, the first one is preferred.
-    laws: Vec<LawFit>,
-    /// Whether one law is clearly best and describes the data.
-    is_decided: bool,
-    /// The verdict in a sentence.
-    sentence: String,
-    /// The verdict with its numbers.
-    conclusion: Conclusion,
-    /// Extensions of the data that are expected to decide between the two best laws, if undecided; none if no small one
-    /// does.
-    extensions: Vec<Extension>,
-}
-
-impl From<Comparison> for ComparisonReport {
-    fn from(comparison: Comparison) -> Self {
-        let conclusion = comparison.conclusion();
-        Self {
-            is_decided: comparison.is_decided(),
-            sentence: conclusion.sentence().to_string(),
-            conclusion,
-            laws: comparison.laws,
-            extensions: comparison.extensions,
-        }
-    }
-}
-
-/// As it is serialized: with the conclusion.
-impl JsonSchema for Comparison {
-    fn schema_name() -> Cow<'static, str> {
-        "Comparison".into()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        ComparisonReport::json_schema(generator)
-    }
 }

@@ -1,6 +1,5 @@
 //! Errors of measured data.
 
-use super::column::is_time;
 use super::unit::split_header;
 use crate::archive::recording::RecordingError;
 use crate::run::suggestion::{did_you_mean, most_similar, similarity};
@@ -148,6 +147,8 @@ pub enum DataError {
         path: PathBuf,
         /// The columns of the file.
         columns: Vec<String>,
+        /// The first column that is not named like times.
+        example: String,
     },
     /// A recording has all fields: some must be chosen.
     #[error("{}: no fields to fit are chosen", path.display())]
@@ -313,12 +314,10 @@ impl DataError {
                 "call one of them t, or choose with {}",
                 Piece::argument("time")
             ),
-            Self::NoSignals { columns, .. } => {
-                let other = columns.iter().find(|column| !is_time(column));
-                let column = other.map_or("COLUMN", String::as_str);
-                let example = Piece::argument_with("signal", format!("theta={column}"));
-                sentence!("name the columns, e.g. {}", example)
-            }
+            Self::NoSignals { example, .. } => sentence!(
+                "name the columns, e.g. {}",
+                Piece::argument_with("signal", format!("theta={example}"))
+            ),
             Self::UnusedFile(_) => sentence!(
                 "leave it out, or name its signals with {}",
                 Piece::argument("signal")

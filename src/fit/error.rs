@@ -463,6 +463,24 @@ impl FitError {
     }
 }
 
+impl From<&FitError> for Failure {
+    fn from(error: &FitError) -> Self {
+        match error {
+            FitError::ModelEnds {
+                end,
+                reason,
+                needed,
+            } => Self::ModelEnds {
+                end: *end,
+                reason: *reason,
+                needed: *needed,
+            },
+            FitError::TooManySteps => Self::TooManySteps,
+            other => Self::Error(other.to_string()),
+        }
+    }
+}
+
 /// A parameter: a key of the scenario, or the offset of a clock.
 fn key(name: &str) -> Piece {
     Piece::key(name.to_owned())

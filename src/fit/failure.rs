@@ -1,6 +1,5 @@
 //! Why a law has no fit.
 
-use super::error::FitError;
 use super::step_limit::MAX_RATIO;
 use crate::run::simulation::StopReason;
 use crate::words::{Piece, Sentence, sentence};
@@ -24,24 +23,6 @@ pub enum Failure {
     TooManySteps,
     /// Another error, or one of a report without facts, in words.
     Error(String),
-}
-
-impl From<&FitError> for Failure {
-    fn from(error: &FitError) -> Self {
-        match error {
-            FitError::ModelEnds {
-                end,
-                reason,
-                needed,
-            } => Self::ModelEnds {
-                end: *end,
-                reason: *reason,
-                needed: *needed,
-            },
-            FitError::TooManySteps => Self::TooManySteps,
-            other => Self::Error(other.to_string()),
-        }
-    }
 }
 
 impl Failure {

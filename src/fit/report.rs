@@ -1,11 +1,12 @@
 //! The report of a fit.
 
-use super::conclusion::ComparisonReport;
+use super::conclusion::Conclusion;
 use super::failure::{self, Failure};
 use super::model::Loss;
 use super::note::{self, Note};
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// The result of a fit as a whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -240,6 +241,46 @@ pub struct Comparison {
     /// Extensions of the data that are expected to decide between the two best laws, if undecided; none if no small one
     /// does.
     pub extensions: Vec<Extension>,
+}
+
+/// Comparison of laws.
+#[derive(Serialize, JsonSchema)]
+struct ComparisonReport {
+    /// The laws by BIC, lowest first. If it is decided, the first one is preferred.
+    laws: Vec<LawFit>,
+    /// Whether one law is clearly best and describes the data.
+    is_decided: bool,
+    /// The verdict in a sentence.
+    sentence: String,
+    /// The verdict with its numbers.
+    conclusion: Conclusion,
+    /// Extensions of the data that are expected to decide between the two best laws, if undecided; none if no small one
+    /// does.
+    extensions: Vec<Extension>,
+}
+
+impl From<Comparison> for ComparisonReport {
+    fn from(comparison: Comparison) -> Self {
+        let conclusion = comparison.conclusion();
+        Self {
+            is_decided: comparison.is_decided(),
+            sentence: conclusion.sentence().to_string(),
+            conclusion,
+            laws: comparison.laws,
+            extensions: comparison.extensions,
+        }
+    }
+}
+
+/// As it is serialized: with the conclusion.
+impl JsonSchema for Comparison {
+    fn schema_name() -> Cow<'static, str> {
+        "Comparison".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        ComparisonReport::json_schema(generator)
+    }
 }
 
 /// The fit of one law.

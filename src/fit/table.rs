@@ -103,8 +103,10 @@ impl Table<'_> {
             specs.iter().filter_map(|spec| self.find(spec)).collect()
         };
         if named.is_empty() && specs.is_empty() {
+            let other = self.columns.iter().find(|column| !column::is_time(column));
             return Err(DataError::NoSignals {
                 path: self.path.to_owned(),
+                example: other.map_or("COLUMN", String::as_str).to_owned(),
                 columns: self.columns,
             });
         }

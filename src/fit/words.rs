@@ -1,5 +1,6 @@
 //! A report in words, for all who show it.
 
+mod cells;
 mod correlations;
 mod laws;
 mod minima;
@@ -12,8 +13,9 @@ use super::model::Loss;
 use super::modes::MAX_TRIALS;
 use super::monitor::Progress;
 use super::report::{Quality, Report, Verdict};
-use crate::words::number::{Digits, MIN_PROBABILITY, rounded};
-use crate::words::{Number, Piece, Section, Sentence, Tone, sentence};
+use crate::words::number::rounded;
+use crate::words::{Piece, Section, Sentence, Tone, sentence};
+use cells::{labelled_probability, time};
 use serde::Serialize;
 use std::fmt::{self, Display, Formatter};
 
@@ -107,11 +109,6 @@ fn summary(report: &Report) -> Section {
     section
 }
 
-/// A time on the clock of the data to the microsecond, s.
-fn time(seconds: f64) -> Piece {
-    Piece::Number(Number::new(seconds, Digits::AtMostDecimals(6), "s"))
-}
-
 fn title(report: &Report) -> Sentence {
     let Report { scenario, law, .. } = report;
     if is_about_laws(report) {
@@ -170,18 +167,4 @@ fn goodness(quality: &Quality) -> Sentence {
         quality.freedom.to_string(),
         p
     )
-}
-
-/// A probability with its symbol.
-fn labelled_probability(p: f64) -> Sentence {
-    if p < MIN_PROBABILITY {
-        sentence!("p {}", Piece::probability(p))
-    } else {
-        sentence!("p = {}", Piece::probability(p))
-    }
-}
-
-/// A number in a table, or a dash where there is none.
-fn or_dash(cell: Option<impl Into<Sentence>>) -> Sentence {
-    cell.map_or_else(|| "–".into(), Into::into)
 }

@@ -1,7 +1,7 @@
 //! The comparison of laws in words.
 
 use super::super::report::{Comparison, Extension, ExtensionKind, LawFit, Report, Verdict};
-use super::or_dash;
+use super::cells::or_dash;
 use super::parameters::estimates;
 use crate::words::{Piece, Section, Sentence, Table, Tone, sentence};
 

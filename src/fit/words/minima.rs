@@ -1,10 +1,8 @@
 //! What a report says where the data allow several minima, and one estimate would mislead.
 
-use super::super::estimate::TWO_SIDED;
 use super::super::parameter::is_offset;
 use super::super::report::{Estimate, Report};
 use super::parameters::{estimate_cell, interval_cell, label, name, with_sd};
-use crate::words::number::decimals_of_error;
 use crate::words::{Piece, Section, Sentence, Table, Tone, sentence};
 
 /// Number of other minima that are shown unless all are wanted.
@@ -67,11 +65,6 @@ pub(super) fn headline(report: &Report) -> Sentence {
         let estimate = estimate_cell(first, false);
         sentence!("{} = {}, 95 % interval {}", name, estimate, interval)
     }
-}
-
-/// The decimals that the width of an interval over several minima leaves its ends.
-pub(super) fn decimals(low: f64, high: f64) -> usize {
-    decimals_of_error((high - low) / (2.0 * TWO_SIDED))
 }
 
 /// The other minima. A long list is cut after the best ones unless `all` are wanted.

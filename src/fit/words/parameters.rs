@@ -1,8 +1,9 @@
 //! Parameters in words: their estimates and limits.
 
+use super::super::estimate::TWO_SIDED;
 use super::super::parameter::is_offset;
 use super::super::report::{Estimate, Limit, Report};
-use super::{correlations, minima};
+use super::correlations;
 use crate::words::number::{decimals_of_error, rounded};
 use crate::words::{Piece, Section, Sentence, Table, sentence};
 
@@ -111,7 +112,7 @@ pub(super) fn interval_cell(estimate: &Estimate) -> Sentence {
         (_, Some(Limit::None)) => "not determined".into(),
         (Some([low, high]), None) => {
             let decimals = if estimate.is_over_minima() {
-                minima::decimals(low, high)
+                decimals_of_interval(low, high)
             } else {
                 // As many as the estimate next to it has.
                 decimals_of_error(estimate.sd.unwrap_or_default())
@@ -124,6 +125,11 @@ pub(super) fn interval_cell(estimate: &Estimate) -> Sentence {
         }
         (None, None) => "–".into(),
     }
+}
+
+/// The decimals that the width of an interval over several minima leaves its ends.
+fn decimals_of_interval(low: f64, high: f64) -> usize {
+    decimals_of_error((high - low) / (2.0 * TWO_SIDED))
 }
 
 fn at_bound(estimate: &Estimate) -> Sentence {

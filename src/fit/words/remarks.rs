@@ -5,7 +5,8 @@ use super::super::model::Loss;
 use super::super::note::Note;
 use super::super::parameter::is_offset;
 use super::super::report::{Oddity, Quality, Report, SignalReport, Verdict};
-use super::{minima, time};
+use super::cells::time;
+use super::minima;
 use crate::words::{Piece, Sentence, grouped, sentence};
 
 /// Probability of a smaller χ² below which σ was too large.

@@ -1,7 +1,7 @@
 //! Signals in words.
 
 use super::super::report::SignalReport;
-use super::{labelled_probability, or_dash};
+use super::cells::{labelled_probability, or_dash};
 use crate::words::{Piece, Section, Sentence, Table, grouped, sentence};
 
 /// The signals and their residuals.
