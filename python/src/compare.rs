@@ -10,7 +10,7 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::sync::Arc;
 use toprise::analysis::diff::{Observer, Options, Tolerance, Tolerances, compare_observed};
-use toprise::analysis::explain::{Fact, explain_while};
+use toprise::analysis::explain::explain_while;
 use toprise::analysis::subject::Subject;
 use toprise::archive::input::Input;
 use toprise::archive::recording::Recording;
