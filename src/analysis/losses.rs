@@ -49,13 +49,13 @@ impl Losses {
         }
     }
 
-    /// Their names; friction if none acts.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Absent | Self::Friction => "friction",
-            Self::AirDrag => "air drag",
-            Self::Both => "friction and air drag",
-        }
+    /// Their names, and impacts if there are any; friction if nothing acts.
+    pub(crate) fn names(self, has_impacts: bool) -> Sentence {
+        let LossFlags {
+            has_friction,
+            has_air_drag,
+        } = self.into();
+        acting([has_friction, has_air_drag, has_impacts])
     }
 }
 
@@ -77,6 +77,17 @@ pub(crate) fn acting(acts: [bool; 3]) -> Sentence {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_only_what_acts() {
+        for (losses, has_impacts, expected) in [
+            (Losses::Absent, true, "impacts"),
+            (Losses::AirDrag, true, "air drag and impacts"),
+            (Losses::Both, false, "friction and air drag"),
+        ] {
+            assert_eq!(losses.names(has_impacts).to_string(), expected);
+        }
+    }
 
     #[test]
     fn lists_what_acts() {

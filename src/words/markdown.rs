@@ -66,7 +66,7 @@ impl Writer {
 }
 
 /// A sanitised single line without characters that would be markup. Between letters, `_` is not markup.
-pub fn line(text: &str) -> String {
+fn line(text: &str) -> String {
     let line = sanitized(text);
     let mut escaped = String::with_capacity(line.len());
     let mut characters = line.chars().peekable();

@@ -33,11 +33,6 @@ impl Sentence {
         }
     }
 
-    /// The pieces.
-    pub fn pieces(&self) -> &[Piece] {
-        &self.pieces
-    }
-
     /// Whether it has no text.
     pub fn is_empty(&self) -> bool {
         self.pieces.is_empty()

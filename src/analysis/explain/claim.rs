@@ -130,7 +130,7 @@ pub enum Claim {
         mean_theta: [f64; 2],
         /// Inclination without nutation, rad, with the angular momenta at these times.
         regular_theta: [f64; 2],
-        /// Whether the peg hits the table.
+        /// Whether the peg hits the table meanwhile, as far as impacts are recorded.
         has_impacts: bool,
         /// The losses that act.
         #[serde(flatten)]

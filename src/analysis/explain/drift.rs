@@ -3,6 +3,7 @@
 use super::claim::Claim;
 use super::evidence::Evidence;
 use super::momentum::MomentumState;
+use super::observations::MotionState;
 use crate::analysis::losses::Losses;
 
 /// Part of the range of the mean inclination by which it may turn back and still change in one sense.
@@ -14,6 +15,19 @@ struct MeanMotion {
     /// Mean inclination, rad.
     theta: f64,
     momentum: MomentumState,
+    /// Number of impacts up to then.
+    impacts: u64,
+}
+
+impl MeanMotion {
+    /// `None` without angular momenta.
+    fn new(theta: f64, state: MotionState) -> Option<Self> {
+        Some(Self {
+            theta,
+            momentum: state.momentum?,
+            impacts: state.impacts,
+        })
+    }
 }
 
 /// Each rise and fall of the mean inclination while the contact point slips.
@@ -36,7 +50,7 @@ pub(super) fn drifts(evidence: &Evidence) -> Vec<Claim> {
             regular_theta: ends.map(|motion| {
                 top.regular_inclination(motion.momentum.vertical, motion.momentum.axial)
             }),
-            has_impacts: evidence.may_have_impacts(),
+            has_impacts: last.impacts > first.impacts,
             losses: Losses::new(&evidence.scenario.model.friction),
         });
     }
@@ -48,24 +62,21 @@ pub(super) fn drifts(evidence: &Evidence) -> Vec<Claim> {
 fn mean_motions(evidence: &Evidence) -> Option<Vec<MeanMotion>> {
     let observations = &evidence.observations;
     let whole = observations.momentum.whole()?;
-    let (end, theta, momentum) = match observations.grip {
-        Some(grip) => (grip.from, grip.theta_at_start, grip.momentum_before?),
-        None => (f64::INFINITY, whole.to.theta, whole.to),
+    let (end, theta, last_state) = match observations.grip {
+        Some(grip) => (grip.from, grip.theta_at_start, grip.before),
+        None => (f64::INFINITY, whole.to.theta, observations.latest()),
     };
     let mut motions = Vec::new();
     let mut last = None;
     let cycles = &evidence.history.cycles;
-    for (cycle, momentum) in cycles.iter().zip(&observations.momentum_in_nutations) {
+    for (cycle, state) in cycles.iter().zip(&observations.nutation_ends) {
         if cycle.end() <= end {
-            motions.push(MeanMotion {
-                theta: cycle.means[0],
-                momentum: (*momentum)?,
-            });
+            motions.push(MeanMotion::new(cycle.means[0], *state)?);
             last = Some(cycle);
         }
     }
     if last.is_some_and(|last| last.is_last_before(end.min(whole.to.time))) {
-        motions.push(MeanMotion { theta, momentum });
+        motions.push(MeanMotion::new(theta, last_state)?);
     }
     Some(motions)
 }

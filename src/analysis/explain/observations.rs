@@ -1,7 +1,7 @@
 //! Quantities of a run that only an explanation needs.
 
 use super::momentum::{MomentumHistory, MomentumState};
-use crate::run::simulation::EventKind;
+use crate::run::simulation::{EventKind, Regime};
 use crate::run::time::seconds;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{
@@ -33,17 +33,28 @@ pub(super) struct GripSpan {
     pub(super) from: f64,
     /// Inclination then, rad.
     pub(super) theta_at_start: f64,
-    /// Angular momenta in the last sample before.
-    pub(super) momentum_before: Option<MomentumState>,
+    /// The motion before.
+    pub(super) before: MotionState,
     /// The least and the greatest inclination in the samples since then, rad; absent if there are none.
     pub(super) theta_range: Option<[f64; 2]>,
     /// Energy in these samples, J.
     pub(super) energy: Option<Ends>,
 }
 
+/// Angular momenta and number of impacts at an instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct MotionState {
+    /// Angular momenta in the last complete sample; absent without one.
+    pub(super) momentum: Option<MomentumState>,
+    /// Number of impacts up to then.
+    pub(super) impacts: u64,
+}
+
 /// The times of the impacts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ImpactTimes {
+    /// Number of impacts.
+    pub(super) count: u64,
     /// Time of the last impact, s.
     pub(super) last: f64,
     /// The longest time between successive impacts, s; 0 if there is only one.
@@ -54,6 +65,7 @@ impl ImpactTimes {
     fn take(times: &mut Option<Self>, time: f64) {
         let longest_gap = times.map_or(0.0, |known| known.longest_gap.max(time - known.last));
         *times = Some(Self {
+            count: times.map_or(1, |known| known.count + 1),
             last: time,
             longest_gap,
         });
@@ -64,8 +76,8 @@ impl ImpactTimes {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Observations {
     pub(super) momentum: MomentumHistory,
-    /// Angular momenta at the end of each nutation.
-    pub(super) momentum_in_nutations: Vec<Option<MomentumState>>,
+    /// The motion at the end of each nutation.
+    pub(super) nutation_ends: Vec<MotionState>,
     /// Kinetic energy, J.
     pub(super) kinetic: Option<Ends>,
     /// Height of a free top's centre of mass above the table, m.
@@ -73,7 +85,7 @@ pub(super) struct Observations {
     /// The samples since the contact point stopped slipping; absent if it slips or is in the air at the end.
     pub(super) grip: Option<GripSpan>,
     pub(super) impacts: Option<ImpactTimes>,
-    /// Slip speed in the last sample, m/s.
+    /// Slip speed in the last sample, m/s; absent if the contact point does not slip then.
     pub(super) slip_speed: Option<f64>,
 }
 
@@ -107,19 +119,28 @@ impl Observations {
                 Ends::take(&mut self.center_height, height);
             }
             NUTATION => {
-                let latest = self.latest_momentum();
-                self.momentum_in_nutations.push(latest);
+                let end = self.latest();
+                self.nutation_ends.push(end);
             }
-            CONTACT => self.slip_speed = Some(contact::SLIP_SPEED.of(message)),
+            CONTACT => {
+                let regime = Regime::from_code(contact::REGIME.of(message));
+                let speed = contact::SLIP_SPEED.of(message);
+                // That of a peg in the air is no slip.
+                self.slip_speed =
+                    Some(speed).filter(|speed| regime == Some(Regime::Slipping) && *speed > 0.0);
+            }
             EVENTS => self.take_event(message),
             IMPACTS => ImpactTimes::take(&mut self.impacts, seconds(message.time_ns)),
             _ => {}
         }
     }
 
-    /// Angular momenta in the latest complete sample.
-    fn latest_momentum(&self) -> Option<MomentumState> {
-        self.momentum.whole().map(|span| span.to)
+    /// The motion now.
+    pub(super) fn latest(&self) -> MotionState {
+        MotionState {
+            momentum: self.momentum.whole().map(|span| span.to),
+            impacts: self.impacts.map_or(0, |impacts| impacts.count),
+        }
     }
 
     fn take_event(&mut self, message: &Message<'_>) {
@@ -128,7 +149,7 @@ impl Observations {
                 self.grip = Some(GripSpan {
                     from: events::TIME.of(message),
                     theta_at_start: events::THETA.of(message),
-                    momentum_before: self.latest_momentum(),
+                    before: self.latest(),
                     ..GripSpan::default()
                 });
             }

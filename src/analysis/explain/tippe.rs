@@ -152,10 +152,7 @@ pub(super) fn not_inverted(evidence: &Evidence) -> Option<Claim> {
         });
     }
     // A contact point that does not slip turns nothing over.
-    let slip_speed = evidence
-        .observations
-        .slip_speed
-        .filter(|speed| *speed > 0.0)?;
+    let slip_speed = evidence.observations.slip_speed?;
     (stop == StopReason::Duration).then_some(Claim::NotYetInverted {
         energy: energies.last,
         needed: barrier.needed,

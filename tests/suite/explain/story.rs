@@ -231,7 +231,21 @@ fn check(explained: &ExplainedRun, claim: &Claim) {
             ..
         } => {
             check_drift(explained, [*from, *until], *mean_theta, *regular_theta);
-            assert_eq!(*has_impacts, explained.of_topic(IMPACTS).next().is_some());
+            // These are times of samples: a nutation ends up to a period after its last one.
+            let period = explained.scenario.sample_period_ns as f64 / 1e9;
+            let any_within = |from: f64, until: f64| {
+                explained
+                    .of_topic(IMPACTS)
+                    .any(|impact| (from..=until).contains(&(impact.time_ns as f64 / 1e9)))
+            };
+            assert!(
+                !has_impacts || any_within(*from, until + period),
+                "{claim:?}"
+            );
+            assert!(
+                *has_impacts || !any_within(from + period, *until),
+                "{claim:?}"
+            );
         }
         Claim::SwingsDown { theta, time, .. } => {
             assert_eq!(explained.times_of(EventKind::Fallen)[0], *time);
@@ -253,6 +267,7 @@ fn check(explained: &ExplainedRun, claim: &Claim) {
             assert_eq!(*total, explained.ends(energy::TOTAL)[1]);
             assert_eq!(*slip_speed, explained.ends(contact::SLIP_SPEED)[1]);
             assert!(*slip_speed > 0.0);
+            assert_eq!(explained.ends(contact::REGIME)[1], 1.0);
             assert!(explained.times_of(EventKind::Inverts).is_empty());
         }
         Claim::StaysUpright {

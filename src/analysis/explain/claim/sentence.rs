@@ -2,7 +2,7 @@
 
 use super::{Carrier, Claim, Hold, SufficientSpin, Weakness};
 use crate::analysis::explain::fact::times;
-use crate::analysis::losses::{Losses, acting};
+use crate::analysis::losses::Losses;
 use crate::words::{Piece, Sentence, sentence};
 
 impl Claim {
@@ -21,7 +21,7 @@ impl Claim {
             ),
             Self::LossesAlign { losses, .. } => sentence!(
                 "the precession was so fast that the angular momentum was nearly vertical, and {} took energy from the motion. A body whose larger moment of inertia is that about its axis has least energy when it turns about this axis. So the axis turned towards the line of the angular momentum, and the top rose.",
-                losses.name()
+                losses.names(false)
             ),
             Self::WeakTopFalls {
                 weakness, losses, ..
@@ -94,13 +94,13 @@ fn raises(vertical: [f64; 2], is_constant: bool, losses: Losses) -> Sentence {
     };
     sentence!(
         "the top rose because {} turned its angular momentum towards the vertical: the torque shortened the horizontal part of the angular momentum {}. The top spun so fast that its axis stayed close to the line of the angular momentum, and rose with it.",
-        losses.name(),
+        losses.names(false),
         rest
     )
 }
 
 fn weak_top_falls(weakness: Weakness, losses: Losses) -> Sentence {
-    let losses = losses.name();
+    let losses = losses.names(false);
     match weakness {
         Weakness::FromStart => sentence!(
             "the top fell because it was weak from the start: its spin was too slow to hold the axis up against gravity."
@@ -120,7 +120,7 @@ fn lowers(axial: [f64; 2], losses: Losses, falls: bool) -> Sentence {
     let [first, last] = Piece::range(axial.map(f64::abs), 4, "kg m²/s");
     sentence!(
         "{} shortened the part of the angular momentum about the axis, from {} to {}. So the axis turned away from the line of the angular momentum, and the top {}.",
-        losses.name(),
+        losses.names(false),
         first,
         last,
         if falls { "fell" } else { "sank" }
@@ -134,12 +134,6 @@ fn mean_inclination_changes(
     losses: Losses,
     has_impacts: bool,
 ) -> Sentence {
-    let causes = if has_impacts {
-        let flags = [losses != Losses::AirDrag, losses != Losses::Friction, true];
-        acting(flags)
-    } else {
-        losses.name().into()
-    };
     let [first, last] = Piece::range(mean_theta, 4, "rad");
     let by_momenta = regular_theta[1] - regular_theta[0];
     let by_nutation = (mean_theta[1] - mean_theta[0]) - by_momenta;
@@ -148,7 +142,7 @@ fn mean_inclination_changes(
         first,
         last,
         Piece::number(by_momenta, 2, "rad"),
-        causes,
+        losses.names(has_impacts),
         Piece::number(by_nutation, 2, "rad")
     )
 }

@@ -246,9 +246,9 @@ impl Fact {
                 rolls,
             } => {
                 let grip = if *rolls {
-                    "peg rolled"
+                    "peg rolled to the end"
                 } else {
-                    "contact point stuck"
+                    "contact point stuck to the end"
                 };
                 if is_same_angle(*least, *greatest) {
                     sentence!("While the {}, θ stayed at {}.", grip, angle(*least))
