@@ -32,13 +32,20 @@ fn is_plain(character: char) -> bool {
     character.is_alphanumeric() || "_.,:/+-".contains(character)
 }
 
-/// A word, in quotes if a shell may read it otherwise.
+/// A word, in quotes if a shell may read it otherwise. Names of columns come from files: in the quotes, nothing is expanded.
 fn quoted(word: &str) -> Cow<'_, str> {
     if word.chars().all(is_plain) {
-        Cow::Borrowed(word)
-    } else {
-        Cow::Owned(format!("\"{word}\""))
+        return Cow::Borrowed(word);
     }
+    let mut quoted = String::from('"');
+    for character in word.chars() {
+        if matches!(character, '"' | '\\' | '$' | '`') {
+            quoted.push('\\');
+        }
+        quoted.push(character);
+    }
+    quoted.push('"');
+    Cow::Owned(quoted)
 }
 
 /// Renders sections as styled text for a terminal of this width.
@@ -196,6 +203,7 @@ mod tests {
         for (value, expected) in [
             (None, "--signal"),
             (Some("theta=tilt"), "--signal theta=tilt"),
+            (Some("theta=$(a)`\"\\"), r#"--signal theta="\$(a)\`\"\\""#),
             (Some("theta=2 (deg)"), "--signal theta=\"2 (deg)\""),
             (Some("t [s]"), "--signal \"t [s]\""),
         ] {
