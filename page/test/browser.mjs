@@ -774,7 +774,7 @@ const tests = {
   },
   async "the comparison says how far the motions agree, in words of the page"(tab) {
     for (const [link, sentence] of [
-      ["tippe-top&stop.duration=2&vs=tippe-top&stop.duration=3", /^As long as both run, the motions agree: 2,001 samples are identical, bit for bit\. B ends first, at 2\.0000\u00a0s, at the time limit; A ends at 3\.0000\u00a0s, at the time limit\.$/],
+      ["tippe-top&stop.duration=2&vs=tippe-top&stop.duration=3", /^As long as both run, the motions agree: 2,001\u00a0samples are identical, bit for bit\. B ends first, at 2\.0000\u00a0s, at the time limit; A ends at 3\.0000\u00a0s, at the time limit\.$/],
       ["drop&vs=drop&support.restitution=0.3", /^The motions are identical, bit for bit, until 0\.03\d+\u00a0s, when an impact parts them\.$/],
       ["paper&vs=paper&integrator.relative_tolerance=1e-10", /integration error, θ by /],
     ]) {
