@@ -137,7 +137,10 @@ fn data_error(error: DataError) -> PyErr {
 fn fit_error(error: Failed) -> PyErr {
     let text = error.sentence().text(argument);
     match error {
-        Failed::Data(DataError::Io { reason, .. }) => errors::io(&reason, text),
+        Failed::Data(error) => match error.io() {
+            Some(reason) => errors::io(reason, text),
+            None => FitError::new_err(text),
+        },
         Failed::Scenario(error) => errors::scenario(error),
         _ => FitError::new_err(text),
     }

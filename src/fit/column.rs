@@ -1,6 +1,7 @@
 //! Names of columns.
 
 use super::unit::{Dimension, split_header};
+use crate::run::suggestion::{did_you_mean, most_similar, similarity};
 
 /// How a name can stand for a column, the surest first. Names that differ only in case come last, because columns may do so, too.
 const MATCHES: [fn(&str, &str) -> bool; 4] = [
@@ -122,4 +123,28 @@ fn is_column_with_unit(column: &str, name: &str) -> bool {
 /// Whether a name adds a unit to that of a column.
 fn is_column_without_unit(column: &str, name: &str) -> bool {
     column == split_header(name).0
+}
+
+/// Names with their verb: "are: t, theta".
+pub(super) fn listed(names: &[String]) -> String {
+    let verb = if names.len() == 1 { "is" } else { "are" };
+    format!("{verb}: {}", names.join(", "))
+}
+
+/// The hint for the columns or topics that are most like a name, or an empty string. Case and units don't count, and a
+/// topic is compared with that of the name.
+pub(super) fn similar(name: &str, known: &[String]) -> String {
+    let wrong = split_header(name).0.to_lowercase();
+    let topic = wrong.rsplit_once('.').map_or("", |(topic, _)| topic);
+    let mut similarities = Vec::new();
+    for known_name in known {
+        let bare = split_header(known_name).0.to_lowercase();
+        if bare == topic {
+            // The topic is right: no other one is meant.
+            return String::new();
+        }
+        let compared = if bare.starts_with('/') { topic } else { &wrong };
+        similarities.push((similarity(compared, &bare), known_name.as_str()));
+    }
+    did_you_mean(&most_similar(similarities.into_iter()))
 }

@@ -1,7 +1,7 @@
 //! Comparison of friction laws.
 
 use super::conclusion::{Conclusion, Flaw, Rival};
-use super::error::FitError;
+use super::error::{FitError, nothing_free};
 use super::estimate::{PointResiduals, REJECTED, estimates, lowest_p, signals, verdict};
 use super::extension::extensions;
 use super::failure::Failure;
@@ -298,7 +298,7 @@ fn fit_law(
             best = Some((problem, solution));
         }
     }
-    let (mut problem, found) = best.ok_or(FitError::NothingFree)?;
+    let (mut problem, found) = best.ok_or_else(nothing_free)?;
     let solution = settle(&mut problem, &mut split, found, monitor)?;
     if !solution.is_converged
         && let Some(refusal) = refused_step(&problem, &split.fitted, &solution)

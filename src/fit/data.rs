@@ -1,11 +1,13 @@
 //! Measured data from files.
 
-use super::data_error::{Contents, DataError};
+use super::column::{listed, similar};
+use super::data_error::DataError;
 #[cfg(not(feature = "sweep"))]
 use super::signal::FileSignals;
 use super::signal::{Signal, SignalSpec};
 use super::{recorded, text_table};
 use crate::archive::publish::is_same_file;
+use crate::words::{Piece, sentence};
 use std::path::{Path, PathBuf};
 
 /// Measured signals. Each file has a clock of its own; that of the first is the reference.
@@ -65,7 +67,11 @@ pub fn read(
     let mut contents = Vec::new();
     for (index, path) in files.iter().enumerate() {
         if files[..index].iter().any(|known| is_same_file(known, path)) {
-            return Err(DataError::SameFile { path: path.clone() });
+            let name = path.display().to_string();
+            return Err(DataError::new(sentence!(
+                "{} is given twice: each value may count only once",
+                name
+            )));
         }
         let found = match Format::from_name(path) {
             Format::Recording => {
@@ -109,6 +115,12 @@ pub fn read_bytes(name: &Path, bytes: Vec<u8>, specs: &[SignalSpec]) -> Result<D
     Ok(data)
 }
 
+/// The columns that can be read, or the topics, of a file.
+struct Contents {
+    path: PathBuf,
+    known: Vec<String>,
+}
+
 /// Refuses a name of columns of times if no file has columns.
 fn check_time(files: &[PathBuf], time: Option<&str>) -> Result<(), DataError> {
     let has_columns = files.iter().any(|path| match Format::from_name(path) {
@@ -116,9 +128,10 @@ fn check_time(files: &[PathBuf], time: Option<&str>) -> Result<(), DataError> {
         Format::Recording => false,
     });
     match time {
-        Some(name) if !has_columns => Err(DataError::NoTimeColumn {
-            name: name.to_owned(),
-        }),
+        Some(name) if !has_columns => Err(DataError::new(sentence!(
+            "there is no column of times {} in MCAP files: the times are those of their messages; leave the name out",
+            name.to_owned()
+        ))),
         Some(_) | None => Ok(()),
     }
 }
@@ -132,18 +145,51 @@ fn check_found(
     // A file without a signal may be the one that a misspelt signal is in, so these come first.
     for spec in specs {
         if !signals.iter().any(|signal| spec.describes(signal)) {
-            return Err(DataError::NotFound {
-                source_name: spec.source.clone(),
-                files,
-            });
+            return Err(not_found(&spec.source, &files));
         }
     }
     for (index, file) in files.into_iter().enumerate() {
         if !signals.iter().any(|signal| signal.file == index) {
-            return Err(DataError::UnusedFile(file));
+            let problem = sentence!(
+                "none of the signals is in this file; there {}",
+                listed(&file.known)
+            );
+            let remedy = sentence!(
+                "leave it out, or name its signals with {}",
+                Piece::argument("signal")
+            );
+            return Err(DataError::new(problem)
+                .in_file(&file.path)
+                .with_remedy(remedy));
         }
     }
     Ok(())
+}
+
+/// The error of a signal that is in none of the files.
+fn not_found(name: &str, files: &[Contents]) -> DataError {
+    let mut topics = files.iter().flat_map(|file| &file.known);
+    if name.starts_with('/') && topics.any(|topic| topic == name) {
+        return DataError::new(format!(
+            "{name} is a topic: name a value in its messages, {name}.NAME"
+        ));
+    }
+    if let [file] = files {
+        return DataError::new(format!(
+            "no column or topic {name}; there {}{}",
+            listed(&file.known),
+            similar(name, &file.known)
+        ))
+        .in_file(&file.path);
+    }
+    let mut problem = format!("no column or topic {name} in any file");
+    let mut known = Vec::new();
+    for file in files {
+        let path = file.path.display();
+        problem += &format!("; in {path} there {}", listed(&file.known));
+        known.extend(file.known.iter().cloned());
+    }
+    DataError::new(problem + &similar(name, &known))
 }
 
 #[cfg(feature = "sweep")]
@@ -157,9 +203,10 @@ fn read_parquet(
     _specs: &[SignalSpec],
     _time: Option<&str>,
 ) -> Result<FileSignals, DataError> {
-    Err(DataError::NoParquet {
-        path: path.to_owned(),
-    })
+    Err(DataError::new(
+        "this build can't read Parquet files (its feature `sweep` is off): convert it to CSV",
+    )
+    .in_file(path))
 }
 
 /// Format of a file of data.

@@ -4,7 +4,7 @@ use crate::words::{Piece, Sentence, and, sentence};
 
 /// Parameters that the data can't tell apart.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Degeneracy {
+pub(super) enum Degeneracy {
     /// No signal depends on these parameters.
     Unseen {
         /// Names of the parameters.
@@ -39,7 +39,7 @@ pub enum Degeneracy {
 
 /// A combination of two parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Combination {
+pub(super) enum Combination {
     /// The product of both.
     Product,
     /// The quotient of both.

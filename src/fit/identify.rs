@@ -1,7 +1,7 @@
 //! What the data can determine, found before anything is fitted: from the sensitivities at the start.
 
 use super::degeneracy::{Combination, Degeneracy};
-use super::error::FitError;
+use super::error::{FitError, change_start, nothing_free, too_few};
 use super::model::{Effort, Point, Problem, Refusal};
 use super::note::Note;
 use super::parameter::{Parameter, SelectedParameter, Target};
@@ -10,6 +10,7 @@ use super::signal::Signal;
 use super::statistics::{NULL_EIGENVALUE, ScaledGram};
 use crate::physics::kinematics::Tilt;
 use crate::run::scenario::Scenario;
+use crate::words::{Piece, Sentence, sentence};
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 
@@ -53,9 +54,10 @@ pub(super) fn identify(
             .derivative(Effort::Final, *at, &start, &predicted, &points)
             .is_none()
         {
-            return Err(FitError::NoDerivative {
-                name: problem.parameters[*at].name(),
-            });
+            return Err(problem.parameters[*at].error(sentence!(
+                "no motion with a slightly larger or smaller value can be computed; {}",
+                change_start()
+            )));
         }
     }
     if !unseen.is_empty() {
@@ -63,25 +65,20 @@ pub(super) fn identify(
             .iter()
             .map(|at| problem.parameters[*at].name())
             .collect();
-        return Err(FitError::NotIdentifiable {
-            degeneracies: vec![Degeneracy::Unseen { names }],
-        });
+        return Err(not_identifiable(&[Degeneracy::Unseen { names }]));
     }
     if shown.is_empty() {
-        return Err(FitError::NothingFree);
+        return Err(nothing_free());
     }
     // Fewer samples than parameters always leave some undetermined: that says nothing about these parameters.
     let is_too_few = points.len() <= shown.len();
-    let too_few = FitError::TooFew {
-        samples: points.len(),
-        parameters: shown.len(),
-    };
+    let too_few = too_few(points.len(), shown.len());
     let hardly_shown = leave_out_weak(problem, selected, &jacobian, &mut shown);
     if shown.is_empty() && is_too_few {
         return Err(too_few);
     }
     if shown.is_empty() {
-        return Err(FitError::NothingFree);
+        return Err(nothing_free());
     }
     let gram = gram(&jacobian, &shown);
     let mut parameters: Vec<Parameter> = Vec::new();
@@ -111,7 +108,7 @@ pub(super) fn identify(
                 *delta_chi2 = compared.map(|effects| effects.together * effects.together);
             }
         }
-        return Err(FitError::NotIdentifiable { degeneracies });
+        return Err(not_identifiable(&degeneracies));
     }
     let mut notes = Vec::new();
     if !left_out.is_empty() {
@@ -128,6 +125,24 @@ pub(super) fn identify(
         parameters: free,
         notes,
     })
+}
+
+/// The error of parameters that the data can't tell apart.
+fn not_identifiable(degeneracies: &[Degeneracy]) -> FitError {
+    let clauses = Sentence::join(degeneracies.iter().map(Degeneracy::sentence), "; ");
+    let reason = match degeneracies.first() {
+        Some(first) => sentence!(
+            "{}; fix {} (leave out of {} what is known)",
+            clauses,
+            first.fixed(),
+            Piece::argument("free")
+        ),
+        None => clauses,
+    };
+    match degeneracies {
+        [Degeneracy::Unseen { names }] if names.len() == 1 => FitError::of_key(&names[0], reason),
+        _ => FitError::refused(reason),
+    }
 }
 
 /// What the signals show of the parameters: indices, and names of those that are left out.

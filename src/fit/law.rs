@@ -9,6 +9,7 @@ use super::request::Request;
 use super::step_limit::MAX_MOTIONS;
 use crate::run::scenario::{KEYS, LAWS, Law, Scenario, ScenarioError, Values};
 use crate::run::simulation::sample_at;
+use crate::words::sentence;
 
 /// Relative change of χ² that counts as none in a comparison: superfluous parameters run away in many small steps.
 const PRECISION: f64 = 1e-7;
@@ -44,10 +45,11 @@ fn unknown_law(name: &str) -> FitError {
     for law in LAWS.iter().filter(|law| law.is_sliding()) {
         names.push(law.name);
     }
-    FitError::UnknownLaw {
-        name: name.to_owned(),
-        known: names.join(", "),
-    }
+    FitError::refused(sentence!(
+        "unknown law {}; laws: {}",
+        name.to_owned(),
+        names.join(", ")
+    ))
 }
 
 /// The keys of a law that data determine: with viscous friction only k/v_0, whatever the data.

@@ -3,6 +3,7 @@
 use super::error::FitError;
 use super::model::{Effort, Point, Problem};
 use super::monitor::Monitor;
+use crate::words::sentence;
 use rmpfit::{MPConfig, MPError, MPFitter, MPPar, MPResult, MPSide, MPSuccess};
 use std::rc::Rc;
 
@@ -140,7 +141,10 @@ impl<'a> Objective<'a> {
                 self.is_exhausted = true;
                 Ok(self.best.1.clone())
             }
-            Err(error) => Err(FitError::Optimiser(reason(&error))),
+            Err(error) => Err(FitError::refused(sentence!(
+                "the optimiser failed: {}",
+                reason(&error)
+            ))),
         }
     }
 

@@ -1,7 +1,8 @@
 //! Free parameters: keys of the scenario and offsets of clocks.
 
-use super::error::{FitError, KeyError};
+use super::error::{self, FitError};
 use crate::run::scenario::{Key, Kind, Scenario, Value, find_key};
+use crate::words::{Piece, Sentence, sentence};
 use std::f64::consts::PI;
 
 /// What a parameter changes.
@@ -62,16 +63,23 @@ impl Parameter {
         let key = find_key(path)?;
         let section = key.path.split('.').next().unwrap_or_default();
         if key.kind.is_text() || ["integrator", "sampling", "stop"].contains(&section) {
-            return Err(unfit(key, KeyError::NoProperty));
+            return Err(unfit(
+                key.path,
+                sentence!("it is not a property of the top, its friction or its start"),
+            ));
         }
         let start = match value(scenario, key.path) {
             Some(value) => value,
             None if section == "initial" => 0.0,
             None if section == "friction" && scenario.is_frictionless() => {
-                return Err(unfit(key, KeyError::NoFriction));
+                return Err(unfit(key.path, no_friction()));
             }
             None => {
-                return Err(unfit(key, KeyError::NoValue));
+                let set = Piece::argument("set");
+                return Err(unfit(
+                    key.path,
+                    sentence!("the scenario has no value for it; set one with {}", set),
+                ));
             }
         };
         let bounds = match key.kind {
@@ -146,18 +154,30 @@ impl Parameter {
             .any(|keys| keys.contains(&key.path))
     }
 
+    /// The error of this parameter.
+    pub(super) fn error(&self, reason: Sentence) -> FitError {
+        let name = Piece::key(self.name());
+        let reason = sentence!("{}: {}", name, reason);
+        match self.target {
+            Target::Key(key) => FitError::of_key(key.path, reason),
+            // The offset of a clock is no key.
+            Target::Offset(_) => FitError::refused(reason),
+        }
+    }
+
     /// Restricts the parameter to a range that contains its start.
     fn set_bounds(&mut self, [low, high]: [f64; 2]) -> Result<(), FitError> {
         // An offset is scanned: it has no start of its own.
         let is_offset = matches!(self.target, Target::Offset(_));
         let is_within = is_offset || (low..=high).contains(&self.start);
         if !is_within || low >= high {
-            return Err(FitError::Bounds {
-                name: self.name(),
-                low,
-                high,
-                start: self.start,
-            });
+            return Err(self.error(sentence!(
+                "the bounds {} to {} must contain the start, {}; {}",
+                low.to_string(),
+                high.to_string(),
+                self.start.to_string(),
+                error::change_start()
+            )));
         }
         self.bounds = [low.max(self.bounds[0]), high.min(self.bounds[1])];
         if is_offset {
@@ -212,12 +232,34 @@ pub(super) fn is_offset(name: &str) -> bool {
     name.starts_with(OFFSET)
 }
 
-/// The error of a key that can't be a parameter.
-fn unfit(key: &Key, reason: KeyError) -> FitError {
-    FitError::Key {
-        name: key.path.to_owned(),
-        reason,
-    }
+/// The error of a key that can't be fitted.
+fn unfit(path: &str, reason: Sentence) -> FitError {
+    let key = Piece::key(path.to_owned());
+    FitError::of_key(path, sentence!("{} can't be fitted: {}", key, reason))
+}
+
+/// The error of an offset that can't be fitted.
+fn unfit_offset(name: &str, reason: &'static str) -> FitError {
+    let offset = Piece::key(name.to_owned());
+    FitError::refused(sentence!("{} can't be fitted: {}", offset, reason))
+}
+
+/// The error of the offset of a file that there is not.
+fn no_file(name: &str) -> FitError {
+    unfit_offset(
+        name,
+        "there is no file with this number; offset is that of the second file, offset.3 that of the third",
+    )
+}
+
+fn no_friction() -> Sentence {
+    sentence!(
+        "the scenario has no friction; choose a law with {}, e.g. {} = coulomb, {} = 0.03 and {} = full",
+        Piece::argument("set"),
+        Piece::key("friction.law"),
+        Piece::key("friction.k"),
+        Piece::key("friction.dissipation")
+    )
 }
 
 /// The numeric value of a key of a scenario.
@@ -250,10 +292,10 @@ pub(super) fn select(
                 add(&mut all, key, true, scenario)?;
             }
         } else if name == OFFSET && files < 2 {
-            return Err(FitError::Key {
-                name: name.clone(),
-                reason: KeyError::OnlyClock,
-            });
+            return Err(unfit_offset(
+                name,
+                "a time offset of all data together and a free start are the same motion; the offset of a second file is fitted without being named",
+            ));
         } else if !is_offset(name) {
             // Offsets of further files are always free.
             add(&mut all, name, false, scenario)?;
@@ -267,10 +309,7 @@ pub(super) fn select(
     }
     for name in names.iter().filter(|name| is_offset(name)) {
         if !all.iter().any(|one| one.parameter.name() == *name) {
-            return Err(FitError::Key {
-                name: name.clone(),
-                reason: KeyError::NoFile,
-            });
+            return Err(no_file(name));
         }
     }
     for (name, range) in bounds {
@@ -295,17 +334,11 @@ pub(super) fn find_free<'a>(
         return Ok(free);
     }
     if is_offset(name) {
-        return Err(FitError::Key {
-            name: name.to_owned(),
-            reason: KeyError::NoFile,
-        });
+        return Err(no_file(name));
     }
     // A key that there is not can't be freed either.
     Parameter::from_key(name, scenario)?;
-    Err(FitError::NotFree {
-        name: name.to_owned(),
-        what,
-    })
+    Err(error::not_free(name, what))
 }
 
 /// The keys of the group `initial`.

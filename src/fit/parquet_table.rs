@@ -1,8 +1,8 @@
 //! Tables of measured values in Parquet files.
 
-use super::data_error::{DataError, ParquetError};
+use super::data_error::DataError;
 use super::signal::{FileSignals, SignalSpec};
-use super::table::{MAX_ROWS, NumberColumn, Rows, Table, is_needed};
+use super::table::{MAX_ROWS, NumberColumn, Rows, Table, is_needed, too_long};
 use crate::archive::caught::catch;
 use crate::archive::input::open_file;
 use arrow_array::cast::AsArray as _;
@@ -22,25 +22,16 @@ pub(super) fn read(
     specs: &[SignalSpec],
     time: Option<&str>,
 ) -> Result<FileSignals, DataError> {
-    let source = open_file(path).map_err(|reason| DataError::Io {
-        path: path.to_owned(),
-        reason,
-    })?;
+    let source = open_file(path).map_err(|reason| DataError::unreadable(path, reason))?;
     // The crate `parquet` panics on some damaged files, where it should return an error.
-    let table = catch(|| read_columns(source, specs, time)).unwrap_or(Err(ParquetError::Damaged));
+    let table = catch(|| read_columns(source, specs, time)).unwrap_or_else(|_| Err(damaged()));
     let Numbers {
         names,
         columns,
         count,
-    } = table.map_err(|reason| DataError::Parquet {
-        path: path.to_owned(),
-        reason,
-    })?;
+    } = table.map_err(|error| error.in_file(path))?;
     if count == 0 {
-        return Err(DataError::Empty {
-            path: path.to_owned(),
-            refused: None,
-        });
+        return Err(DataError::new("no rows of numbers").in_file(path));
     }
     let table = Table {
         path,
@@ -62,12 +53,12 @@ fn read_columns(
     source: File,
     specs: &[SignalSpec],
     time: Option<&str>,
-) -> Result<Numbers, ParquetError> {
-    let opened = ParquetRecordBatchReaderBuilder::try_new(source)?;
+) -> Result<Numbers, DataError> {
+    let opened = ParquetRecordBatchReaderBuilder::try_new(source).map_err(DataError::because)?;
     let rows = opened.metadata().file_metadata().num_rows();
-    let count = usize::try_from(rows).map_err(|_| ParquetError::Damaged)?;
+    let count = usize::try_from(rows).map_err(|_| damaged())?;
     if count > MAX_ROWS {
-        return Err(ParquetError::TooLong { limit: MAX_ROWS });
+        return Err(too_long());
     }
     let (mut names, mut columns) = (Vec::new(), Vec::new());
     let (mut needed, mut roots) = (Vec::new(), Vec::new());
@@ -87,14 +78,16 @@ fn read_columns(
     }
     let projection = ProjectionMask::roots(opened.parquet_schema(), roots);
     let mut epochs = vec![None; needed.len()];
-    for batch in opened.with_projection(projection).build()? {
-        let batch: RecordBatch = batch?;
+    let selected = opened.with_projection(projection);
+    for read in selected.build().map_err(DataError::because)? {
+        let batch: RecordBatch = read.map_err(DataError::because)?;
         for (at, column) in needed.iter().enumerate() {
             append(
                 &mut columns[*column].cells,
                 batch.column(at),
                 &mut epochs[at],
-            )?;
+            )
+            .map_err(DataError::because)?;
         }
     }
     Ok(Numbers {
@@ -102,6 +95,10 @@ fn read_columns(
         columns,
         count,
     })
+}
+
+fn damaged() -> DataError {
+    DataError::new("the file is damaged")
 }
 
 /// Whether the values of a type are numbers or times.
@@ -243,9 +240,9 @@ mod tests {
             "{error}"
         );
         std::fs::write(file.path(), b"PAR1, but no more").unwrap();
-        assert!(matches!(
-            read(file.path(), 0, &[], None),
-            Err(DataError::Parquet { .. })
-        ));
+        // Every error of the file names it, whatever the crate says of its damage.
+        let damaged = read(file.path(), 0, &[], None).err().unwrap().to_string();
+        let name = format!("{}: ", file.path().display());
+        assert!(damaged.starts_with(&name), "{damaged}");
     }
 }

@@ -1,39 +1,34 @@
-//! Places of measured values in their files, for errors.
+//! Places in measured data, for errors.
 
 use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
 
-/// A line of a text file, or a row of a table.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// A place in measured data, as far as it is known: a file, a line of it, and a column.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Place {
-    /// The file.
-    pub path: PathBuf,
-    /// Line or row, from 1.
-    pub line: u64,
+    /// The file; `None` for arrays.
+    pub path: Option<PathBuf>,
+    /// Line of a text file or row of a table, from 1.
+    pub line: Option<u64>,
+    /// Name of the column, or topic and path.
+    pub column: Option<String>,
 }
 
+/// Writes `a.csv:12: column theta`.
 impl Display for Place {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}", self.path.display(), self.line)
-    }
-}
-
-/// The value of a signal: its place and column, or its field where there are no lines.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ValuePlace {
-    /// The line; `None` for recordings and arrays.
-    pub place: Option<Place>,
-    /// Name of the column, or topic and path.
-    pub column: String,
-    /// The field.
-    pub field: String,
-}
-
-impl Display for ValuePlace {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        match &self.place {
-            Some(place) => write!(f, "{place}: column {}", self.column),
-            None => f.write_str(&self.field),
+        let mut separator = "";
+        if let Some(path) = &self.path {
+            write!(f, "{}", path.display())?;
+            separator = ": ";
+        }
+        if let Some(line) = self.line {
+            write!(f, ":{line}")?;
+            separator = ": ";
+        }
+        match &self.column {
+            Some(column) => write!(f, "{separator}column {column}"),
+            None => Ok(()),
         }
     }
 }

@@ -1,11 +1,12 @@
 //! Signals that can't be what they are taken for: values in another unit, and values without noise.
 
-use super::error::FitError;
+use super::error::{FitError, time};
 use super::model::{Point, Problem};
 use super::signal::{Signal, is_turning, unwrap};
 use super::statistics::{median_size, rms};
 use super::unit::{Dimension, split_header};
 use crate::telemetry::fields::state;
+use crate::words::{Piece, Sentence, sentence};
 use std::f64::consts::PI;
 
 /// The least number of values from which a standard deviation is judged.
@@ -21,12 +22,7 @@ pub(super) fn check_signals(problem: &Problem) -> Result<(), FitError> {
         }
         check_inclination(signal, &values)?;
         if signal.is_sigma_estimated && values.len() >= FEWEST && is_constant(&values) {
-            return Err(FitError::NoNoise {
-                field: signal.field.to_string(),
-                source_name: signal.name.clone(),
-                value: values[0],
-                unit: signal.field.unit(),
-            });
+            return Err(FitError::refused(no_noise(signal, values[0])));
         }
     }
     Ok(())
@@ -43,10 +39,13 @@ fn check_inclination(signal: &Signal, values: &[f64]) -> Result<(), FitError> {
     const MAX_MEDIAN: f64 = 1.2 * PI;
     let median = median_size(values);
     if signal.field == state::THETA && !signal.is_unit_known && median > MAX_MEDIAN {
-        return Err(FitError::Inclination {
-            median,
-            name: split_header(&signal.name).0.to_owned(),
-        });
+        let name = split_header(&signal.name).0;
+        return Err(FitError::refused(sentence!(
+            "most values of {} are above π (median {}), but an inclination in rad is not; {}",
+            name.to_owned(),
+            Piece::fixed(median, 4, ""),
+            state_unit(state::THETA.path(), name, "deg", "rad")
+        )));
     }
     Ok(())
 }
@@ -100,18 +99,76 @@ fn times_of_file(problem: &Problem, file: usize) -> Vec<f64> {
     times
 }
 
+/// The error of times without a unit that are too long or too rare in seconds.
 fn likely_time_unit(signal: &Signal, times: &[f64]) -> FitError {
     let clock = signal.clock.as_ref().map_or("", |clock| &clock.name);
-    FitError::LikelyTimeUnit {
-        path: signal.lines.as_ref().map(|lines| lines.path.clone()),
-        name: split_header(clock).0.to_owned(),
-        duration: match times {
-            [first, .., last] => last - first,
-            [_] | [] => 0.0,
-        },
-        step: median_step(times),
-        may_be_frames: signal.times.iter().all(|time| time.fract() == 0.0),
-    }
+    let name = split_header(clock).0;
+    let duration = match times {
+        [first, .., last] => last - first,
+        [_] | [] => 0.0,
+    };
+    let may_be_frames = signal.times.iter().all(|time| time.fract() == 0.0);
+    let (frames, divide) = if may_be_frames {
+        let divide = "; divide frame numbers by the frame rate";
+        (duration_of_frames(duration), divide)
+    } else {
+        (Sentence::default(), "")
+    };
+    let path = match &signal.lines {
+        Some(lines) => format!("{}: ", lines.path.display()),
+        None => String::new(),
+    };
+    let [ms, us, s] =
+        ["ms", "us", "s"].map(|unit| Piece::argument_with("time", format!("{name} ({unit})")));
+    FitError::refused(sentence!(
+        "{}the times in column {} have no unit: in s they span {} with a value every {}, in ms {}{}; write the unit after the name: {}, {} or {}{}",
+        path,
+        name.to_owned(),
+        time(duration),
+        time(median_step(times)),
+        time(duration / 1e3),
+        frames,
+        ms,
+        us,
+        s,
+        divide
+    ))
+}
+
+/// How long data last whose times are frame numbers.
+fn duration_of_frames(frames: f64) -> Sentence {
+    /// Frames per second of usual cameras.
+    const FRAME_RATE: f64 = 30.0;
+    sentence!(
+        "; if they are frame numbers, at {} frames per second they span {}",
+        FRAME_RATE.to_string(),
+        Piece::rounded(frames / FRAME_RATE, 3, "s")
+    )
+}
+
+/// How to state the unit of a column: the likely one, or the SI unit.
+fn state_unit(path: &str, name: &str, unit: &str, si: &str) -> Sentence {
+    let [likely, other] =
+        [unit, si].map(|unit| Piece::argument_with("signal", format!("{path}={name} ({unit})")));
+    sentence!(
+        "write the unit after the name: {}; if they are in {}, {}",
+        likely,
+        si.to_owned(),
+        other
+    )
+}
+
+/// What is wrong with a signal all values of which are equal.
+fn no_noise(signal: &Signal, value: f64) -> Sentence {
+    let (field, name) = (signal.field.to_string(), &signal.name);
+    let with_sigma = format!("{field}={name}:SIGMA");
+    sentence!(
+        "{}: all values are {}: they have no noise from which a standard deviation could be estimated; check the sensor, leave {} out, or give σ: {}",
+        Piece::field(field),
+        Piece::rounded(value, 6, signal.field.unit()),
+        name,
+        Piece::argument_with("signal", with_sigma)
+    )
 }
 
 /// Median of the steps between ascending times; 0 for fewer than two.
@@ -142,14 +199,15 @@ pub(super) fn check_units(
         let dimension = Dimension::from_si(signal.field.unit());
         for (unit, factor) in dimension.mistakable() {
             if is_in_unit(&values, &motion, *factor, is_turning(signal.field)) {
-                return Err(FitError::LikelyUnit {
-                    field: signal.field.to_string(),
-                    path: signal.field.path(),
-                    ratio: rms(&values) / rms(&motion),
-                    unit,
-                    si: signal.field.unit(),
-                    name: split_header(&signal.name).0.to_owned(),
-                });
+                let field = signal.field;
+                let name = split_header(&signal.name).0;
+                return Err(FitError::refused(sentence!(
+                    "{}: the values are about {} times those of the motion at the start; in {} they would agree with it; {}",
+                    Piece::field(field.to_string()),
+                    Piece::fixed(rms(&values) / rms(&motion), 0, ""),
+                    *unit,
+                    state_unit(field.path(), name, unit, field.unit())
+                )));
             }
         }
     }

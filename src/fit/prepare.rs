@@ -1,6 +1,7 @@
 //! From a request to a problem, with the checks that come before a fit.
 
-use super::error::{Cut, FitError};
+use super::degeneracy::pronoun;
+use super::error::{FitError, bare_time, nothing_free, time, too_few};
 use super::model::Problem;
 use super::note::Note;
 use super::parameter::{PROFILE, SelectedParameter, Target};
@@ -10,6 +11,7 @@ use super::request::Request;
 use super::signal::Signal;
 use super::{identify, parameter};
 use crate::telemetry::fields::state;
+use crate::words::{Piece, Sentence, sentence};
 
 /// A problem whose data determine its parameters.
 pub(super) struct Prepared {
@@ -58,15 +60,12 @@ pub(super) fn prepare(request: &Request) -> Result<Prepared, FitError> {
     check_span(&problem)?;
     check_signals(&problem)?;
     if selected.is_empty() {
-        return Err(FitError::NothingFree);
+        return Err(nothing_free());
     }
     let identified = identify::identify(&problem, &selected)?;
     problem.parameters = identified.parameters;
     if problem.points.len() <= problem.parameters.len() {
-        return Err(FitError::TooFew {
-            samples: problem.points.len(),
-            parameters: problem.parameters.len(),
-        });
+        return Err(too_few(problem.points.len(), problem.parameters.len()));
     }
     let mut notes = notes_on_clocks(&problem.signals);
     notes.extend(identified.notes);
@@ -124,12 +123,13 @@ fn check_values(signals: &[Signal]) -> Result<(), FitError> {
         for (at, value) in signal.values.iter().enumerate() {
             let size = value.abs().max((value / signal.sigmas[at]).abs());
             if size.is_nan() || size > MAX_SIZE {
-                return Err(FitError::Size {
-                    place: signal.value_place(at),
-                    time: signal.times[at],
-                    value: *value,
-                    sigma: signal.sigmas[at],
-                });
+                return Err(FitError::refused(sentence!(
+                    "{}: the value {} at t = {}, with the standard deviation {}, is too large to be fitted: remove it",
+                    signal.value_place(at),
+                    format!("{value:e}"),
+                    time(signal.times[at]),
+                    format!("{:e}", signal.sigmas[at])
+                )));
             }
         }
     }
@@ -174,19 +174,38 @@ fn check_gaps(signals: &[Signal], origin: f64, until: Option<f64>) -> Result<(),
         return Ok(());
     }
     let is_stray_first = before < after;
-    Err(FitError::Gap {
-        from,
-        to,
-        rest,
-        stray: before.min(after),
-        place: find_time(signals, if is_stray_first { from } else { to }),
-        cut: if is_stray_first {
-            Cut::Start(to)
-        } else {
-            // Half of a usual step: a decimal fraction may be rounded.
-            Cut::Until(rounded(from - origin + usual / 2.0))
-        },
-    })
+    let (nearest, side, cut) = if is_stray_first {
+        let start = Piece::argument_with("start", to.to_string());
+        (from, "before it", start)
+    } else {
+        // Half of a usual step: a decimal fraction may be rounded.
+        let until = rounded(from - origin + usual / 2.0);
+        let until = Piece::argument_with("until", until.to_string());
+        (to, "after it", until)
+    };
+    let stray = before.min(after);
+    let them = pronoun(stray);
+    Err(FitError::refused(sentence!(
+        "the data have no values from t = {} to {}, and are only {} long without this gap; a time may be wrong ({} {}{}); remove {}, or leave {} out with {}",
+        bare_time(from),
+        time(to),
+        time(rest),
+        Piece::count(stray as u64, "row"),
+        side,
+        stray_place(stray, find_time(signals, nearest)),
+        them,
+        them,
+        cut
+    )))
+}
+
+/// Where stray rows are, after their number; `place` is that of the one next to the gap.
+fn stray_place(stray: usize, place: Option<Place>) -> Sentence {
+    match place {
+        Some(place) if stray == 1 => sentence!(": {}", place.to_string()),
+        Some(place) => sentence!(", next to it {}", place.to_string()),
+        None => Sentence::default(),
+    }
 }
 
 /// The line of a time of the first file.
@@ -211,13 +230,21 @@ fn check_range(problem: &Problem, origin: f64, until: Option<f64>) -> Result<(),
     for (index, signal) in problem.signals.iter().enumerate() {
         let mut points = problem.points.iter();
         if signal.file == 0 && !points.any(|point| point.signal == index) {
-            return Err(FitError::OutOfRange {
-                field: signal.field.to_string(),
-                first: signal.times.first().copied().unwrap_or(f64::NAN),
-                last: signal.times.last().copied().unwrap_or(f64::NAN),
-                origin,
-                until: until.map(|until| origin + until),
-            });
+            let [first, last] = [signal.times.first(), signal.times.last()]
+                .map(|time| time.copied().unwrap_or(f64::NAN));
+            return Err(FitError::refused(sentence!(
+                "{} has no value from t = {}{}: its times are {} to {}; see {} and {}",
+                Piece::field(signal.field.to_string()),
+                time(origin),
+                match until {
+                    Some(until) => sentence!(" to {}", time(origin + until)),
+                    None => Sentence::default(),
+                },
+                bare_time(first),
+                time(last),
+                Piece::argument("start"),
+                Piece::argument("until")
+            )));
         }
     }
     Ok(())
@@ -235,10 +262,14 @@ fn check_duration(problem: &Problem, origin: f64) -> Result<(), FitError> {
         }
         samples += 1;
     }
-    Err(FitError::OnlyStart {
-        samples,
-        time: origin,
-    })
+    Err(FitError::refused(sentence!(
+        "{} at t = {}, where the scenario starts, can't determine a motion: measure at several times",
+        match samples {
+            1 => Piece::from("a single sample"),
+            _ => Piece::count(samples, "sample"),
+        },
+        time(origin)
+    )))
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Profile likelihoods: χ² as a function of one parameter, minimised over all others.
 
-use super::error::FitError;
+use super::error::{FitError, not_free};
 use super::estimate::ONE_SIDED;
 use super::model::{Point, Problem};
 use super::monitor::Monitor;
@@ -37,10 +37,7 @@ pub(super) fn profile(
 ) -> Result<Profile, FitError> {
     let mut parameters = problem.parameters.iter();
     let Some(at) = parameters.position(|parameter| parameter.name() == name) else {
-        return Err(FitError::NotFree {
-            name: name.to_owned(),
-            what: PROFILE,
-        });
+        return Err(not_free(name, PROFILE));
     };
     let parameter = &problem.parameters[at];
     let best = solution.values[at];

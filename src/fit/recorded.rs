@@ -1,16 +1,17 @@
 //! Measured values from MCAP files: recordings of toprise, and JSON messages of other software.
 
-use super::data_error::{DataError, MemberError, SignalError};
-use super::signal::{FileSignals, Row, SigmaSpec, Signal, SignalSpec};
-use super::table::{MAX_ROWS, MAX_SHOWN};
+use super::data_error::DataError;
+use super::signal::{FileSignals, Flaw, Row, SigmaSpec, Signal, SignalSpec};
+use super::table::{MAX_ROWS, MAX_SHOWN, read_twice, too_long};
 use super::unit::{Dimension, split_header};
 use crate::archive::recording::{Condition, FileChannel, Recording, Selection};
 use crate::run::time::seconds;
-use crate::telemetry::fields::NumberField;
+use crate::telemetry::fields::{NumberField, state};
 use crate::telemetry::{Numbers as _, Topic, Topics};
-use crate::words::counted;
+use crate::words::{Piece, counted, sentence};
 use serde_json::Value as Json;
 use std::path::Path;
+use thiserror::Error;
 
 /// The signals of an MCAP file.
 pub(super) struct Read {
@@ -58,14 +59,17 @@ fn without_unit(names: &[String]) -> Option<(&str, &[String])> {
 
 /// Reads signals whose sources are `TOPIC.PATH`.
 pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Read, DataError> {
-    let recording = Recording::open(path).map_err(|reason| DataError::Recording {
-        path: path.to_owned(),
-        reason,
-    })?;
+    let recording =
+        Recording::open(path).map_err(|reason| DataError::because(reason).in_file(path))?;
     if specs.is_empty() {
-        return Err(DataError::ChooseSignals {
-            path: path.to_owned(),
-        });
+        let example = format!("{}:1mrad", state::THETA);
+        let remedy = sentence!(
+            "choose the fields to fit, e.g. {}",
+            Piece::argument_with("signal", example)
+        );
+        return Err(DataError::new("no fields to fit are chosen")
+            .in_file(path)
+            .with_remedy(remedy));
     }
     let mut places = Vec::new();
     for spec in specs {
@@ -80,16 +84,10 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
         };
         // Messages have no columns: the text after the colon can only be meant as a number.
         if let SigmaSpec::Column(sigma) = &spec.sigma {
-            return Err(DataError::Signal {
-                text: spec.source.clone(),
-                reason: SignalError::Sigma(sigma.clone()),
-            });
+            return Err(Flaw::Sigma(sigma.clone()).in_signal(&spec.source));
         }
         if places.iter().any(|(_, known)| place.has_values_of(known)) {
-            return Err(DataError::Duplicate {
-                path: path.to_owned(),
-                source_name: spec.source.clone(),
-            });
+            return Err(read_twice(&spec.source).in_file(path));
         }
         places.push((spec, place));
     }
@@ -137,21 +135,32 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
     })
 }
 
-fn no_values(path: &Path, source: &str, place: &Place, lack: Option<MemberError>) -> DataError {
-    let (path, name) = (path.to_owned(), source.to_owned());
-    match (place, lack) {
-        (Place::Json(..), Some(reason)) => DataError::NoMember { path, name, reason },
-        (Place::Json(..), None) => DataError::NoValues {
-            path,
-            what: "member",
-            name,
-        },
-        (Place::Field(_), _) => DataError::NoValues {
-            path,
-            what: "field",
-            name,
-        },
-    }
+fn no_values(path: &Path, source: &str, place: &Place, lack: Option<Lack>) -> DataError {
+    let (what, reason) = match (place, lack) {
+        (Place::Json(..), Some(lack)) => ("member", format!(": {lack}")),
+        (Place::Json(..), None) => ("member", String::new()),
+        (Place::Field(_), _) => ("field", String::new()),
+    };
+    DataError::new(format!("{what} {source} has no values{reason}")).in_file(path)
+}
+
+/// Why a member of a JSON message is no number.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+enum Lack {
+    /// There is no such member, or it has members itself.
+    #[error("the messages have: {}", known.join(", "))]
+    Absent {
+        /// Paths of the members where it should be.
+        known: Vec<String>,
+    },
+    #[error("they are texts, e.g. {0:?}, not numbers")]
+    Text(String),
+    #[error("they are null")]
+    Null,
+    #[error("the messages are no JSON")]
+    NoJson,
+    #[error("they are true or false, not numbers")]
+    Boolean,
 }
 
 /// The place that a source names, if the file has it.
@@ -209,7 +218,7 @@ struct PlaceRows {
     /// Times (s) and values; no value where it is missing or not a number.
     rows: Vec<(f64, Option<f64>)>,
     /// Why the first JSON message without a value has none.
-    lack: Option<MemberError>,
+    lack: Option<Lack>,
 }
 
 /// Reads the messages of a place.
@@ -266,16 +275,13 @@ fn rows(
             },
         };
         if rows.len() == MAX_ROWS {
-            return Err(DataError::TooLong {
-                path: path.to_owned(),
-                limit: MAX_ROWS,
-            });
+            return Err(too_long().in_file(path));
         }
         rows.push(row);
     }
     if undecodable > 0 {
         if rows.is_empty() {
-            lack = Some(MemberError::NoJson);
+            lack = Some(Lack::NoJson);
         }
         let messages = counted(undecodable, "message");
         add_once(losses, format!("{messages} of {topic}, no JSON"));
@@ -297,7 +303,7 @@ fn add_once(losses: &mut Vec<String>, loss: String) {
 }
 
 /// The number at a path in a JSON message. A name that no member has may be that of one with a unit added.
-fn member(mut value: Json, names: &[String]) -> Result<f64, MemberError> {
+fn member(mut value: Json, names: &[String]) -> Result<f64, Lack> {
     for (depth, name) in names.iter().enumerate() {
         let bare = split_header(name).0;
         let found = match &mut value {
@@ -316,16 +322,16 @@ fn member(mut value: Json, names: &[String]) -> Result<f64, MemberError> {
                 .map(Json::take),
             Json::Null | Json::Bool(_) | Json::Number(_) | Json::String(_) => None,
         };
-        value = found.ok_or_else(|| MemberError::Absent {
+        value = found.ok_or_else(|| Lack::Absent {
             known: member_names(&value, &names[..depth]),
         })?;
     }
     match value {
-        Json::Number(number) => number.as_f64().ok_or(MemberError::Null),
-        Json::Null => Err(MemberError::Null),
-        Json::String(text) => Err(MemberError::Text(text.chars().take(MAX_SHOWN).collect())),
-        Json::Bool(_) => Err(MemberError::Boolean),
-        Json::Object(_) | Json::Array(_) => Err(MemberError::Absent {
+        Json::Number(number) => number.as_f64().ok_or(Lack::Null),
+        Json::Null => Err(Lack::Null),
+        Json::String(text) => Err(Lack::Text(text.chars().take(MAX_SHOWN).collect())),
+        Json::Bool(_) => Err(Lack::Boolean),
+        Json::Object(_) | Json::Array(_) => Err(Lack::Absent {
             known: member_names(&value, names),
         }),
     }

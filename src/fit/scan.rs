@@ -1,7 +1,8 @@
 //! A scan of the offset of a clock: the points of its file, compared with one motion for all offsets.
 
-use super::error::FitError;
+use super::error::{FitError, bare_time, time};
 use super::model::{Point, Problem};
+use crate::words::{Piece, sentence};
 use std::f64::consts::TAU;
 
 /// Samples of the model per cycle of its nutation.
@@ -116,12 +117,12 @@ pub(super) fn scan<'a>(
     compared.sort_by(|a, b| a.time.total_cmp(&b.time));
     let most = most_at_once(&compared, end);
     if most < FEWEST.min(compared.len()) {
-        return Err(FitError::FewWithin {
-            name: parameter.name(),
-            most,
-            samples: compared.len(),
-            end,
-        });
+        return Err(parameter.error(sentence!(
+            "at most {} of the {} of its file are within the motion (0 to {}) at once; are the times of both files in the unit that is stated, or else in s?",
+            most.to_string(),
+            Piece::count(compared.len() as u64, "sample"),
+            time(end)
+        )));
     }
     let stride = most.div_ceil(MAX_POINTS).max(1);
     let compared: Vec<Point> = compared.into_iter().step_by(stride).collect();
@@ -161,12 +162,15 @@ pub(super) fn scan<'a>(
     let equal = minima.partition_point(|cost| cost.loss <= highest);
     minima[..equal].sort_by_key(|cost| std::cmp::Reverse(cost.within));
     if minima.is_empty() {
-        return Err(FitError::OffsetBounds {
-            name: parameter.name(),
-            bounds: [low, high].map(|bound| bound + parameter.shift),
-            end,
-            enough: reach(&compared, end, needed).map(|offset| offset + parameter.shift),
-        });
+        let [first, last] = reach(&compared, end, needed);
+        return Err(parameter.error(sentence!(
+            "no offset from {} to {} brings its file into the motion (0 to {}), but those from {} to {} do: change its bounds",
+            bare_time(low + parameter.shift),
+            time(high + parameter.shift),
+            time(end),
+            bare_time(first + parameter.shift),
+            time(last + parameter.shift)
+        )));
     }
     Ok(Scanned {
         minima,

@@ -1,16 +1,18 @@
 //! Measured signals, and their descriptions on the command line.
 
 use super::column::{plain, without_data_set};
-use super::data_error::{DataError, SignalError};
-use super::place::{Place, ValuePlace};
+use super::data_error::DataError;
+use super::place::Place;
 use super::unit::{Dimension, split_number};
-use crate::run::suggestion::similar_names;
+use crate::run::suggestion::{did_you_mean, similar_names};
 use crate::telemetry::Topic;
 use crate::telemetry::fields::{
     ACCELERATION, CENTER_OF_MASS, FREE_PEG, NumberField, POSE, STATE, pose, state,
 };
+use crate::words::{Piece, sentence};
 use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
+use thiserror::Error;
 
 /// A measured quantity: values of a field at times.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,25 +92,53 @@ pub struct SignalSpec {
     whole: Option<String>,
 }
 
+/// Why the description of a signal can't be used.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub(super) enum Flaw {
+    #[error("unknown field {name}{}", match similar[..] {
+        [] => format!("; fields: {known}"),
+        _ => did_you_mean(similar),
+    })]
+    UnknownField {
+        name: String,
+        /// The paths of similar ones.
+        similar: Vec<&'static str>,
+        /// The fields that can be measured.
+        known: String,
+    },
+    /// The standard deviation is not positive.
+    #[error("the standard deviation {0} is not a positive number")]
+    Sigma(String),
+    #[error("a name is empty")]
+    Empty,
+}
+
+impl Flaw {
+    /// The error of a description.
+    pub(super) fn in_signal(&self, text: &str) -> DataError {
+        DataError::new(format!("{text}: {self}")).with_remedy(sentence!(
+            "describe signals as in {}",
+            Piece::argument_with("signal", "theta=tilt (deg):2mrad")
+        ))
+    }
+}
+
 impl SignalSpec {
     /// Parses `theta="tilt (deg)":2mrad`, `theta:2mrad` or `/top/state.theta`.
     ///
     /// # Errors
-    /// [`DataError::Signal`] for an unknown field or a standard deviation that is not positive.
+    /// [`DataError`] for an unknown field or a standard deviation that is not positive.
     pub fn parse(text: &str) -> Result<Self, DataError> {
-        Self::parse_parts(text).map_err(|reason| DataError::Signal {
-            text: text.to_owned(),
-            reason,
-        })
+        Self::parse_parts(text).map_err(|flaw| flaw.in_signal(text))
     }
 
-    fn parse_parts(text: &str) -> Result<Self, SignalError> {
+    fn parse_parts(text: &str) -> Result<Self, Flaw> {
         let (rest, sigma) = split_sigma(text)?;
         // A name alone is both that of the field and that of the column.
         let (field, column) = rest.split_once('=').unwrap_or((rest, rest));
         let (field, source) = (field.trim(), unquoted(column));
         if field.is_empty() || source.is_empty() {
-            return Err(SignalError::Empty);
+            return Err(Flaw::Empty);
         }
         Ok(Self {
             field: find_field(field)?,
@@ -166,16 +196,16 @@ fn unquoted(name: &str) -> &str {
 }
 
 /// Splits the standard deviation off. A colon within a name stays.
-fn split_sigma(text: &str) -> Result<(&str, SigmaSpec), SignalError> {
+fn split_sigma(text: &str) -> Result<(&str, SigmaSpec), Flaw> {
     let Some((rest, sigma)) = text.rsplit_once(':') else {
         return Ok((text, SigmaSpec::Estimate));
     };
     match split_number(sigma) {
         Some((number, _)) if number.is_nan() || number <= 0.0 || number.is_infinite() => {
-            Err(SignalError::Sigma(sigma.to_owned()))
+            Err(Flaw::Sigma(sigma.to_owned()))
         }
         Some((number, unit)) => Ok((rest, SigmaSpec::Number(number, unit.to_owned()))),
-        None if sigma.is_empty() => Err(SignalError::Sigma(sigma.to_owned())),
+        None if sigma.is_empty() => Err(Flaw::Sigma(sigma.to_owned())),
         None => Ok((rest, SigmaSpec::Column(sigma.trim_matches('"').to_owned()))),
     }
 }
@@ -201,12 +231,12 @@ pub(super) fn field_named(name: &str) -> Option<NumberField> {
 }
 
 /// The field with this name: `theta`, `/top/pose.omega_body.z` or one of [`NAMES`].
-fn find_field(name: &str) -> Result<NumberField, SignalError> {
+fn find_field(name: &str) -> Result<NumberField, Flaw> {
     let known = field_named(name);
     let lower = name.to_lowercase();
     let mut fields = measurable();
     let exact = fields.find(|field| field.to_string() == lower || field.path() == lower);
-    known.or(exact).ok_or_else(|| SignalError::UnknownField {
+    known.or(exact).ok_or_else(|| Flaw::UnknownField {
         name: name.to_owned(),
         similar: similar_names(name, measurable().map(NumberField::path)),
         known: measurable()
@@ -238,7 +268,7 @@ impl Signal {
     /// estimated.
     ///
     /// # Errors
-    /// [`DataError::Signal`] if the standard deviation is not positive.
+    /// [`DataError`] if the standard deviation is not positive.
     pub fn from_values(
         field: NumberField,
         times: &[f64],
@@ -253,9 +283,8 @@ impl Signal {
                     SigmaSpec::Number(sigma, String::new())
                 }
                 Some(sigma) => {
-                    let reason = SignalError::Sigma(sigma.to_string());
-                    let text = field.to_string();
-                    return Err(DataError::Signal { text, reason });
+                    let flaw = Flaw::Sigma(sigma.to_string());
+                    return Err(flaw.in_signal(&field.to_string()));
                 }
                 None => SigmaSpec::Estimate,
             },
@@ -328,21 +357,25 @@ impl Signal {
         })
     }
 
-    /// The line of a value.
+    /// The line of a value; `None` where there are no lines.
     pub(super) fn place(&self, at: usize) -> Option<Place> {
         let lines = self.lines.as_ref()?;
         Some(Place {
-            path: lines.path.clone(),
-            line: *lines.numbers.get(at)?,
+            path: Some(lines.path.clone()),
+            line: Some(*lines.numbers.get(at)?),
+            column: None,
         })
     }
 
-    /// A value as an error names it.
-    pub(super) fn value_place(&self, at: usize) -> ValuePlace {
-        ValuePlace {
-            place: self.place(at),
-            column: self.name.clone(),
-            field: self.field.to_string(),
+    /// The place of a value in its file, or its field.
+    pub(super) fn value_place(&self, at: usize) -> String {
+        match self.place(at) {
+            Some(place) => Place {
+                column: Some(self.name.clone()),
+                ..place
+            }
+            .to_string(),
+            None => self.field.to_string(),
         }
     }
 

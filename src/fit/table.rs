@@ -5,6 +5,7 @@ use super::column;
 use super::data_error::DataError;
 use super::signal::{Clock, FileSignals, Row, SigmaSpec, Signal, SignalSpec};
 use super::unit::{Dimension, is_unit, split_header};
+use crate::words::{Piece, Sentence, sentence};
 use std::path::Path;
 
 /// Maximum number of rows of a table (held in memory).
@@ -104,11 +105,16 @@ impl Table<'_> {
         };
         if named.is_empty() && specs.is_empty() {
             let other = self.columns.iter().find(|column| !column::is_time(column));
-            return Err(DataError::NoSignals {
-                path: self.path.to_owned(),
-                example: other.map_or("COLUMN", String::as_str).to_owned(),
-                columns: self.columns,
-            });
+            let example = other.map_or("COLUMN", String::as_str);
+            let problem = sentence!(
+                "no column is named like a field of the top; there {}",
+                column::listed(&self.columns)
+            );
+            let remedy = sentence!(
+                "name the columns, e.g. {}",
+                Piece::argument_with("signal", format!("theta={example}"))
+            );
+            return Err(self.error(problem).with_remedy(remedy));
         }
         self.check_duplicates(&named, specs.is_empty())?;
         let mut signals = Vec::new();
@@ -153,37 +159,62 @@ impl Table<'_> {
     ) -> Result<(), DataError> {
         for (at, spec) in specs.iter().enumerate() {
             if self.positions(&spec.source).len() > 1 {
-                return Err(DataError::Ambiguous {
-                    path: self.path.to_owned(),
-                    name: spec.source.clone(),
-                });
+                return Err(self.error(sentence!(
+                    "several columns are called {}: rename them",
+                    &spec.source
+                )));
             }
             for other in &specs[..at] {
                 if self.position(&other.source) == self.position(&spec.source) {
-                    return Err(DataError::Duplicate {
-                        path: self.path.to_owned(),
-                        source_name: spec.source.clone(),
-                    });
+                    return Err(read_twice(&spec.source).in_file(self.path));
                 }
                 if is_found_by_name && other.field == spec.field {
-                    return Err(DataError::SameField {
-                        path: self.path.to_owned(),
-                        field: spec.field.to_string(),
-                        columns: [other.source.clone(), spec.source.clone()],
-                    });
+                    return Err(self.measured_twice(spec, other));
                 }
             }
         }
         Ok(())
     }
 
+    /// The error of the file.
+    fn error(&self, problem: impl Into<Sentence>) -> DataError {
+        DataError::new(problem).in_file(self.path)
+    }
+
+    /// The error of a cell.
+    fn cell_error(
+        &self,
+        column: &Cells<'_>,
+        row: usize,
+        problem: impl Into<Sentence>,
+    ) -> DataError {
+        self.error(problem)
+            .in_line(self.rows.line(row))
+            .in_column(column.name)
+    }
+
+    /// The error of two columns that were found by their names and measure the same field.
+    fn measured_twice(&self, spec: &SignalSpec, other: &SignalSpec) -> DataError {
+        let field = spec.field.to_string();
+        let choice = format!("{field}={}", other.source);
+        let problem = sentence!(
+            "the columns {} and {} both measure {}",
+            &other.source,
+            &spec.source,
+            field
+        );
+        self.error(problem).with_remedy(sentence!(
+            "choose one, e.g. {}",
+            Piece::argument_with("signal", choice)
+        ))
+    }
+
     fn missing(&self, name: &str) -> DataError {
-        DataError::Missing {
-            path: self.path.to_owned(),
-            what: "column",
-            name: name.to_owned(),
-            known: self.columns.clone(),
-        }
+        self.error(format!(
+            "no column {name}; there {}{}",
+            column::listed(&self.columns),
+            column::similar(name, &self.columns)
+        ))
     }
 
     /// The column of times.
@@ -193,19 +224,41 @@ impl Table<'_> {
         }
         match column::clocks(&self.columns, None)[..] {
             [at] => self.cells_at(at, &self.columns[at], Dimension::Time),
-            [] if !self.is_named => Err(DataError::NoHeader {
-                path: self.path.to_owned(),
-                columns: self.columns.len(),
-            }),
-            [] => Err(DataError::NoTimes {
-                path: self.path.to_owned(),
-                columns: self.columns.clone(),
-            }),
-            ref several => Err(DataError::SeveralTimes {
-                path: self.path.to_owned(),
-                columns: several.iter().map(|at| self.columns[*at].clone()).collect(),
-            }),
+            [] if !self.is_named => Err(self.no_header()),
+            [] => {
+                let problem = sentence!(
+                    "no column of times; there {}",
+                    column::listed(&self.columns)
+                );
+                Err(self.error(problem).with_remedy(sentence!(
+                    "name it with {}, or add one: the number of the frame divided by the frame rate",
+                    Piece::argument("time")
+                )))
+            }
+            ref several => {
+                let names: Vec<&str> = several.iter().map(|at| &*self.columns[*at]).collect();
+                let problem =
+                    sentence!("several columns are named like times: {}", names.join(", "));
+                Err(self.error(problem).with_remedy(sentence!(
+                    "call one of them t, or choose with {}",
+                    Piece::argument("time")
+                )))
+            }
         }
+    }
+
+    /// The error of a table in which no line names the columns.
+    fn no_header(&self) -> DataError {
+        let columns = self.columns.len();
+        if columns == 1 {
+            return self.error("a single column").with_remedy(sentence!(
+                "write the times beside the values, e.g. t,theta (deg)"
+            ));
+        }
+        let problem = sentence!("no line names the {} columns", columns.to_string());
+        self.error(problem).with_remedy(sentence!(
+            "write a first line that does, e.g. t,theta (deg) or t,theta (deg),phi (deg)"
+        ))
     }
 
     /// The columns that are named like fields, or else those that are within a data set.
@@ -254,11 +307,7 @@ impl Table<'_> {
             }
         }
         if rows.is_empty() {
-            return Err(DataError::NoValues {
-                path: self.path.to_owned(),
-                what: "column",
-                name: spec.source.clone(),
-            });
+            return Err(self.error(sentence!("column {} has no values", &spec.source)));
         }
         let signal = Signal::new(spec, file, rows, missing, Some(self.path))
             .map_err(|error| error.in_file(self.path))?;
@@ -285,11 +334,11 @@ impl Table<'_> {
         if self.rows.is_typed_time(at) {
             // A unit in the name can be that of the ticks, which the type has already turned into seconds.
             if dimension != Dimension::Time {
-                return Err(DataError::Timestamps {
-                    path: self.path.to_owned(),
-                    column: column.clone(),
-                    quantity: dimension.meaning(),
-                });
+                return Err(self.error(sentence!(
+                    "column {} has times, by its type; expected: {}",
+                    column,
+                    dimension.meaning()
+                )));
             }
             return Ok(Cells {
                 at,
@@ -342,12 +391,8 @@ impl Table<'_> {
                     }
                     Cell::Grouped => return Err(self.thousands(column, row, text, None)),
                     Cell::Text => {
-                        return Err(DataError::NotANumber {
-                            path: self.path.to_owned(),
-                            line: self.rows.line(row),
-                            column: column.name.to_owned(),
-                            text: text.chars().take(MAX_SHOWN).collect(),
-                        });
+                        let problem = format!("{:?} is not a number", shown(text));
+                        return Err(self.cell_error(column, row, problem));
                     }
                 }
             }
@@ -364,26 +409,41 @@ impl Table<'_> {
         text: &str,
         decimal: Option<f64>,
     ) -> DataError {
-        DataError::Thousands {
-            path: self.path.to_owned(),
-            line: self.rows.line(row),
-            column: column.name.to_owned(),
-            text: text.chars().take(MAX_SHOWN).collect(),
-            decimal,
-        }
+        let meaning = match decimal {
+            Some(number) => format!("can be {number} or {}", 1e3 * number),
+            None => "has separators of thousands".to_owned(),
+        };
+        let text = shown(text);
+        let problem = format!("{text:?} {meaning}: write numbers without separators of thousands");
+        self.cell_error(column, row, problem)
     }
 
     fn check_sigma(&self, column: &Cells<'_>, row: usize, value: f64) -> Result<f64, DataError> {
         if value > 0.0 {
             return Ok(value);
         }
-        Err(DataError::Sigma {
-            path: self.path.to_owned(),
-            line: self.rows.line(row),
-            column: column.name.to_owned(),
-            value,
-        })
+        let problem = format!("the standard deviation {value} is not positive");
+        Err(self.cell_error(column, row, problem))
     }
+}
+
+/// A text, cut for an error.
+fn shown(text: &str) -> String {
+    text.chars().take(MAX_SHOWN).collect()
+}
+
+/// The error of more rows than are held in memory.
+pub(super) fn too_long() -> DataError {
+    let limit = MAX_ROWS.to_string();
+    DataError::new(sentence!("more than {} rows: thin out the data", limit))
+}
+
+/// The error of a column, or topic and path, that would count twice.
+pub(super) fn read_twice(source: &str) -> DataError {
+    DataError::new(sentence!(
+        "{} is read twice as a signal: each value may count only once",
+        source.to_owned()
+    ))
 }
 
 /// A column: index, name, unit (may be empty), and size of the unit.

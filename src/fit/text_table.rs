@@ -5,8 +5,9 @@ use super::data_error::DataError;
 use super::delimiter::Delimiter;
 use super::header::{self, Header, is_blank, is_comment, is_row_name};
 use super::signal::{FileSignals, SignalSpec};
-use super::table::{Line, MAX_ROWS, Rows, Table};
+use super::table::{Line, MAX_ROWS, Rows, Table, too_long};
 use crate::archive::input::{read_file, text_of};
+use crate::words::{Piece, sentence};
 use csv::StringRecord;
 use std::path::Path;
 
@@ -23,19 +24,15 @@ pub(super) fn read(
     // A file that can't be examined can't be read either, and is reported below.
     let size = std::fs::metadata(path).map_or(0, |file| file.len());
     check_size(path, size)?;
-    let text = read_file(path).map_err(|reason| DataError::Io {
-        path: path.to_owned(),
-        reason,
-    })?;
+    let text = read_file(path).map_err(|reason| DataError::unreadable(path, reason))?;
     read_text(path, &text, file, specs, time)
 }
 
 fn check_size(path: &Path, bytes: u64) -> Result<(), DataError> {
     if bytes > MAX_BYTES {
-        return Err(DataError::TooLarge {
-            path: path.to_owned(),
-            limit: MAX_BYTES,
-        });
+        let limit = (MAX_BYTES >> 20).to_string();
+        let problem = sentence!("larger than {} MB: thin out the data", limit);
+        return Err(DataError::new(problem).in_file(path));
     }
     Ok(())
 }
@@ -58,10 +55,7 @@ pub(super) fn read_bytes(
     specs: &[SignalSpec],
 ) -> Result<FileSignals, DataError> {
     check_size(path, bytes.len() as u64)?;
-    let text = text_of(bytes).map_err(|reason| DataError::Io {
-        path: path.to_owned(),
-        reason,
-    })?;
+    let text = text_of(bytes).map_err(|reason| DataError::unreadable(path, reason))?;
     read_text(path, &text, 0, specs, None)
 }
 
@@ -83,10 +77,7 @@ fn parse<'a>(path: &'a Path, text: &str, time: Option<&str>) -> Result<Table<'a>
             continue;
         }
         if lines.len() == MAX_ROWS {
-            return Err(DataError::TooLong {
-                path: path.to_owned(),
-                limit: MAX_ROWS,
-            });
+            return Err(too_long().in_file(path));
         }
         let number = line_of(&record);
         if width == 0 {
@@ -94,23 +85,17 @@ fn parse<'a>(path: &'a Path, text: &str, time: Option<&str>) -> Result<Table<'a>
         }
         // A row without a name shows that the first one had a cell too many.
         if has_row_names && !is_row_name(&record) {
-            return Err(DataError::Width {
-                path: path.to_owned(),
-                line: number,
-                cells: record.len(),
-                columns: width - 1,
-                has_commas: false,
-            });
+            return Err(wrong_width(&record, width - 1).in_file(path));
         }
         // Where spaces separate cells, a missing one can't be seen.
         let has_lost_cells = delimiter == Delimiter::Blanks && record.len() < width;
         if has_lost_cells || record.iter().skip(width).any(|cell| !cell.is_empty()) {
-            return Err(DataError::Width {
-                path: path.to_owned(),
-                line: number,
-                cells: record.len(),
-                columns: width,
-                has_commas: delimiter == Delimiter::Comma,
+            let error = wrong_width(&record, width).in_file(path);
+            return Err(match delimiter {
+                Delimiter::Comma => error.with_remedy(sentence!(
+                    "if numbers have decimal commas, separate the columns with semicolons or tabs"
+                )),
+                _ => error,
             });
         }
         marks.resize(width, Marks::default());
@@ -120,10 +105,7 @@ fn parse<'a>(path: &'a Path, text: &str, time: Option<&str>) -> Result<Table<'a>
         lines.push(Line { number, record });
     }
     if lines.is_empty() {
-        return Err(DataError::Empty {
-            path: path.to_owned(),
-            refused: None,
-        });
+        return Err(DataError::new("no rows of numbers").in_file(path));
     }
     let unnamed = names.len() + 1..=width;
     Ok(Table {
@@ -141,10 +123,17 @@ fn parse<'a>(path: &'a Path, text: &str, time: Option<&str>) -> Result<Table<'a>
 }
 
 fn unreadable(path: &Path, error: csv::Error) -> DataError {
-    DataError::Io {
-        path: path.to_owned(),
-        reason: error.into(),
-    }
+    DataError::unreadable(path, error.into())
+}
+
+/// The error of a row with another number of cells than there are columns.
+fn wrong_width(record: &StringRecord, columns: usize) -> DataError {
+    let problem = sentence!(
+        "{}, but {}",
+        Piece::count(record.len() as u64, "cell"),
+        Piece::count(columns as u64, "column")
+    );
+    DataError::new(problem).in_line(line_of(record))
 }
 
 /// The line of a record in the file, from 1.

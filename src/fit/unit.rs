@@ -1,6 +1,7 @@
 //! Units of measured columns.
 
 use super::data_error::DataError;
+use crate::words::sentence;
 use std::f64::consts::{PI, TAU};
 
 /// What a column measures, as far as units are concerned.
@@ -92,16 +93,17 @@ impl Dimension {
         }
         match find(unit) {
             Some((_, dimension, factor)) if *dimension == self => Ok(*factor),
-            Some(_) | None => Err(DataError::Unit {
-                column: column.to_owned(),
-                unit: unit.to_owned(),
-                quantity: self.meaning(),
-                allowed: UNITS
-                    .iter()
-                    .filter(|(_, dimension, _)| *dimension == self)
-                    .map(|(names, ..)| names[0])
-                    .collect(),
-            }),
+            Some(_) | None => {
+                let units = UNITS.iter().filter(|(_, dimension, _)| *dimension == self);
+                let allowed: Vec<&str> = units.map(|(names, ..)| names[0]).collect();
+                let problem = sentence!(
+                    "{} is not a unit of {}; allowed: {}",
+                    format!("{unit:?}"),
+                    self.meaning(),
+                    allowed.join(", ")
+                );
+                Err(DataError::new(problem).in_column(column))
+            }
         }
     }
 }
