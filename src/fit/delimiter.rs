@@ -1,7 +1,6 @@
 //! What separates the cells of a text table.
 
-use super::cell::Cell;
-use super::header::{is_blank, is_comment};
+use super::cell::{Cell, is_missing, is_spreadsheet_error};
 use super::unit::is_bracketed_unit;
 use csv::StringRecord;
 
@@ -104,6 +103,16 @@ pub(super) fn without_runs(record: &StringRecord) -> StringRecord {
     let mut joined = StringRecord::from(cells);
     joined.set_position(record.position().cloned());
     joined
+}
+
+/// Whether a line is a comment. `#N/A` is a missing value, `#REF!` a cell to complain about.
+pub(super) fn is_comment(record: &StringRecord) -> bool {
+    let first = record.get(0).unwrap_or_default();
+    first.starts_with(['#', '%']) && !is_missing(first) && !is_spreadsheet_error(first)
+}
+
+pub(super) fn is_blank(record: &StringRecord) -> bool {
+    record.iter().all(str::is_empty)
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! The header of a text table: the line that names the columns, and the first row below it.
 
-use super::cell::{Cell, is_missing, is_spreadsheet_error};
+use super::cell::{Cell, is_missing};
 use super::column::clocks;
-use super::delimiter::{Delimiter, without_runs};
+use super::delimiter::{Delimiter, is_blank, is_comment, without_runs};
 use super::unit::{bare_unit, is_unit};
 use csv::StringRecord;
 
@@ -298,16 +298,6 @@ fn add_units(names: &mut [String], units: &StringRecord) {
             *name = format!("{name} ({})", bare_unit(unit));
         }
     }
-}
-
-/// Whether a line is a comment. `#N/A` is a missing value, `#REF!` a cell to complain about.
-pub(super) fn is_comment(record: &StringRecord) -> bool {
-    let first = record.get(0).unwrap_or_default();
-    first.starts_with(['#', '%']) && !is_missing(first) && !is_spreadsheet_error(first)
-}
-
-pub(super) fn is_blank(record: &StringRecord) -> bool {
-    record.iter().all(str::is_empty)
 }
 
 #[cfg(test)]

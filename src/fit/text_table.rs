@@ -2,8 +2,8 @@
 
 use super::cell::{Cell, Mark, Marks};
 use super::data_error::DataError;
-use super::delimiter::Delimiter;
-use super::header::{self, Header, is_blank, is_comment, is_row_name};
+use super::delimiter::{Delimiter, is_blank, is_comment};
+use super::header::{self, Header, is_row_name};
 use super::signal::{FileSignals, SignalSpec};
 use super::table::{Line, MAX_ROWS, Rows, Table, too_long};
 use crate::archive::input::{read_file, text_of};
