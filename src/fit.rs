@@ -3,78 +3,44 @@
 //! The model is the simulation itself, sampled at the times of the data. Residuals are (model − data)/σ. [`fit`] first
 //! checks what the data can determine, then lets the window of data grow from 0.1 s to all of them.
 
-mod cell;
-mod column;
 mod compare;
 mod conclusion;
-mod data;
-mod data_error;
-mod degeneracy;
-mod delimiter;
-mod derivatives;
 mod error;
 mod estimate;
-mod extension;
 mod failure;
-mod first;
-mod fitted;
-mod header;
-mod identify;
-mod law;
-mod model;
-mod modes;
-mod monitor;
 mod note;
-mod objective;
-mod offset;
-mod parameter;
-#[cfg(feature = "sweep")]
-mod parquet_table;
-mod place;
-mod plausibility;
-mod prepare;
+mod problem;
 mod profile;
 mod record;
-mod recorded;
 pub mod report;
-mod request;
-mod scan;
-mod sigma;
-mod signal;
-mod solve;
-mod spin_guess;
+mod search;
 mod statistics;
-mod step_limit;
-mod table;
-mod text_table;
-mod unit;
 pub mod words;
 
 pub use conclusion::{Conclusion, Flaw, Rival};
-pub use data::{Data, read, read_bytes};
-pub use data_error::DataError;
 pub use error::FitError;
 pub use failure::Failure;
-pub use law::usual_parameters;
-pub use model::{Loss, Problem};
-pub use monitor::Progress;
 pub use note::Note;
-pub use parameter::{Parameter, Target};
-pub use place::Place;
+pub use problem::law::usual_parameters;
+pub use problem::model::{Loss, Problem};
+pub use problem::parameter::{Parameter, Target};
+pub use problem::request::Request;
 pub use record::{RecordError, record};
 pub use report::{Report, Verdict};
-pub use request::Request;
-pub use signal::{Lines, Signal, SignalSpec};
+pub use search::monitor::Progress;
+
+pub use crate::measured::{Data, DataError, Lines, Place, Signal, SignalSpec, read, read_bytes};
 
 use crate::run::scenario::Scenario;
 use crate::telemetry::fields::NumberField;
 use estimate::{PointResiduals, correlations, estimates, signals, verdict};
-use first::First;
-use fitted::{Fitted, Split};
-use model::Effort;
-use monitor::Monitor;
 use nalgebra::DMatrix;
-use solve::Solution;
+use problem::model::Effort;
+use problem::{identify, parameter};
+use search::first::{self, First};
+use search::fitted::{Fitted, Split};
+use search::monitor::Monitor;
+use search::solve::Solution;
 
 /// A fitted model.
 #[derive(Clone, Debug)]

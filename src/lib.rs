@@ -19,11 +19,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Eleven modules: [`words`] (sentences as values), [`physics`] (mechanics), [`run`] (scenarios, simulation), [`telemetry`] (channels, encodings),
-//! [`archive`] (recordings, verify), [`analysis`] (diff, explain), `sweep` (tables of runs; feature `sweep`), `fit`
-//! (friction from measured motions; feature `fit`), `rerun` (Rerun viewer; feature `rerun`), [`figures`] (drawings for
-//! print), `cli` (the program; feature `cli`). Each uses only those before it; `analysis`, `sweep`, `fit` and `rerun`
-//! don't use each other.
+//! Twelve modules: [`words`] (sentences as values), [`physics`] (mechanics), [`run`] (scenarios, simulation),
+//! [`telemetry`] (channels, encodings), [`archive`] (recordings, verify), [`analysis`] (diff, explain), `sweep` (tables of
+//! runs; feature `sweep`), `measured` (signals of tables and recordings; feature `fit`), `fit` (friction from measured
+//! motions; feature `fit`), `rerun` (Rerun viewer; feature `rerun`), [`figures`] (drawings for print), `cli` (the program;
+//! feature `cli`). Each uses only those before it; `analysis`, `sweep`, `fit` and `rerun` don't use each other.
 //!
 //! On WebAssembly there is no file access: [`archive::writer`] writes to memory.
 
@@ -50,6 +50,8 @@ pub mod cli;
 pub mod figures;
 #[cfg(feature = "fit")]
 pub mod fit;
+#[cfg(feature = "fit")]
+pub mod measured;
 pub mod physics;
 #[cfg(feature = "rerun")]
 pub mod rerun;

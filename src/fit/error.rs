@@ -1,7 +1,7 @@
 //! Errors of fits.
 
-use super::data_error::DataError;
 use super::failure::Failure;
+use crate::measured::DataError;
 use crate::run::scenario::ScenarioError;
 use crate::run::simulation::{SimulationError, StopReason};
 use crate::words::number::Digits;
@@ -163,8 +163,9 @@ pub(super) fn change_start() -> Sentence {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Request, data, fit};
+    use super::super::{Request, fit};
     use super::*;
+    use crate::measured;
     use crate::run::scenario::Preset;
     use std::path::Path;
 
@@ -187,7 +188,7 @@ mod tests {
     fn error_of(preset: &str, text: &str, free: &[&str]) -> FitError {
         let scenario = Preset::find(preset).unwrap().scenario().unwrap();
         let content = text.as_bytes().to_vec();
-        match data::read_bytes(Path::new("a.csv"), content, &[]) {
+        match measured::read_bytes(Path::new("a.csv"), content, &[]) {
             Ok(data) => fit(&Request::new(scenario, data, free), &|_| {}).unwrap_err(),
             Err(error) => error.into(),
         }

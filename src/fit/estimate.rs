@@ -1,10 +1,11 @@
 //! From a minimum to estimates with their uncertainties.
 
-use super::model::{Loss, Point, Problem};
-use super::plausibility::{FEWEST, is_constant};
 use super::report::{Correlation, Estimate, Limit, Mode, Oddity, Quality, SignalReport, Verdict};
-use super::solve::Solution;
-use super::statistics::{chi2_p_value, mean_p_value, median_size, rms, whiteness};
+use super::statistics::{chi2_p_value, mean_p_value, rms, whiteness};
+use crate::fit::problem::model::{Loss, Point, Problem};
+use crate::fit::problem::plausibility::{FEWEST, is_constant};
+use crate::fit::search::solve::Solution;
+use crate::measured::median_size;
 use crate::physics::math::ln;
 
 /// Half width of a 95 % interval, and of a one-sided one, in standard deviations.

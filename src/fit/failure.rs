@@ -1,6 +1,6 @@
 //! Why a law has no fit.
 
-use super::step_limit::MAX_RATIO;
+use crate::fit::search::step_limit::MAX_RATIO;
 use crate::run::simulation::StopReason;
 use crate::words::{Piece, Sentence, sentence};
 use schemars::JsonSchema;

@@ -1,6 +1,6 @@
 //! Remarks on the data of a fit and on what they determine.
 
-use super::degeneracy::{keys, or, pronoun};
+use crate::fit::problem::degeneracy::{keys, or, pronoun};
 use crate::words::{Piece, Sentence, and, plural, sentence};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -2,11 +2,11 @@
 
 use super::error::{FitError, not_free};
 use super::estimate::ONE_SIDED;
-use super::model::{Point, Problem};
-use super::monitor::Monitor;
-use super::parameter::PROFILE;
 use super::report::{Limit, Profile};
-use super::solve::{Solution, minimise};
+use crate::fit::problem::model::{Point, Problem};
+use crate::fit::problem::parameter::PROFILE;
+use crate::fit::search::monitor::Monitor;
+use crate::fit::search::solve::{Solution, minimise};
 
 /// Distance of the values, in standard deviations.
 const STEP: f64 = 0.5;

@@ -1,10 +1,10 @@
 //! The recording of a fit: the run of the best fit, the data and residuals beside it, problem and report attached.
 
 use super::Fit;
-use super::model::Loss;
-use super::request::Request;
 use crate::archive::format::end_entries;
 use crate::archive::writer::{Form, McapWriter};
+use crate::fit::problem::model::Loss;
+use crate::fit::problem::request::Request;
 use crate::run::time::nanoseconds;
 use crate::telemetry::supplement::{FIT_DATA, FIT_RESIDUAL, SUPPLEMENTARY_ATTACHMENTS, Supplement};
 use crate::telemetry::{RunError, RunMessages, Topics};

@@ -2,8 +2,8 @@
 
 use super::conclusion::Conclusion;
 use super::failure::{self, Failure};
-use super::model::Loss;
 use super::note::{self, Note};
+use crate::fit::problem::model::Loss;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;

@@ -66,13 +66,6 @@ pub(super) fn rms(values: &[f64]) -> f64 {
     (sum / values.len() as f64).sqrt()
 }
 
-/// Median of the absolute values; 0 for no values.
-pub(super) fn median_size(values: &[f64]) -> f64 {
-    let mut sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    sizes.get(sizes.len() / 2).copied().unwrap_or_default()
-}
-
 /// A symmetric matrix scaled to unit diagonal: its eigenvalues and eigenvectors. Columns of zeros stay zero.
 pub(super) struct ScaledGram {
     /// Square roots of the diagonal.

@@ -9,10 +9,10 @@ mod profile;
 mod remarks;
 mod signals;
 
-use super::model::Loss;
-use super::modes::MAX_TRIALS;
-use super::monitor::Progress;
 use super::report::{Quality, Report, Verdict};
+use crate::fit::problem::model::Loss;
+use crate::fit::search::modes::MAX_TRIALS;
+use crate::fit::search::monitor::Progress;
 use crate::words::number::rounded;
 use crate::words::{Piece, Section, Sentence, Tone, sentence};
 use cells::{labelled_probability, time};

@@ -8,7 +8,7 @@ use std::path::Path;
 use toprise::telemetry::channels;
 
 /// The rooms from the bottom up, each with those that it may use; `cli` may use all.
-const ROOMS: [(&str, &str); 10] = [
+const ROOMS: [(&str, &str); 11] = [
     ("words", ""),
     ("physics", ""),
     ("run", "words physics"),
@@ -16,10 +16,11 @@ const ROOMS: [(&str, &str); 10] = [
     ("archive", "words physics run telemetry"),
     ("sweep", "words physics run telemetry archive"),
     ("analysis", "words physics run telemetry archive"),
-    ("fit", "words physics run telemetry archive"),
+    ("measured", "words physics run telemetry archive"),
+    ("fit", "words physics run telemetry archive measured"),
     (
         "figures",
-        "words physics run telemetry archive sweep analysis fit",
+        "words physics run telemetry archive sweep analysis measured fit",
     ),
     ("rerun", "words physics run telemetry archive analysis"),
 ];

@@ -1,8 +1,8 @@
 //! What a report says where the data allow several minima, and one estimate would mislead.
 
-use super::super::parameter::is_offset;
 use super::super::report::{Estimate, Report};
 use super::parameters::{estimate_cell, interval_cell, label, name, with_sd};
+use crate::fit::problem::parameter::is_offset;
 use crate::words::{Piece, Section, Sentence, Table, Tone, sentence};
 
 /// Number of other minima that are shown unless all are wanted.

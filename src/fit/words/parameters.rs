@@ -1,9 +1,9 @@
 //! Parameters in words: their estimates and limits.
 
 use super::super::estimate::TWO_SIDED;
-use super::super::parameter::is_offset;
 use super::super::report::{Estimate, Limit, Report};
 use super::correlations;
+use crate::fit::problem::parameter::is_offset;
 use crate::words::number::{decimals_of_error, rounded};
 use crate::words::{Piece, Section, Sentence, Table, sentence};
 

@@ -1,12 +1,12 @@
 //! What the numbers of a fit say about its data and its model.
 
 use super::super::estimate::REJECTED;
-use super::super::model::Loss;
 use super::super::note::Note;
-use super::super::parameter::is_offset;
 use super::super::report::{Oddity, Quality, Report, SignalReport, Verdict};
 use super::cells::time;
 use super::minima;
+use crate::fit::problem::model::Loss;
+use crate::fit::problem::parameter::is_offset;
 use crate::words::{Piece, Sentence, grouped, sentence};
 
 /// Probability of a smaller χ² below which σ was too large.

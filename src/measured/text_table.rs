@@ -1,8 +1,8 @@
 //! Text tables: CSV as video trackers, phones, loggers and spreadsheets write it.
 
 use super::cell::{Cell, Mark, Marks};
-use super::data_error::DataError;
 use super::delimiter::{Delimiter, is_blank, is_comment};
+use super::error::DataError;
 use super::header::{self, Header, is_row_name};
 use super::signal::{FileSignals, SignalSpec};
 use super::table::{Line, MAX_ROWS, Rows, Table, too_long};

@@ -1,11 +1,11 @@
 //! Least squares within bounds.
 
-use super::error::FitError;
-use super::model::{Effort, Loss, Point, Problem, Refusal};
 use super::monitor::Monitor;
 use super::objective::Objective;
-use super::parameter::Target;
-use super::statistics::{NULL_EIGENVALUE, ScaledGram};
+use crate::fit::error::FitError;
+use crate::fit::problem::model::{Effort, Loss, Point, Problem, Refusal};
+use crate::fit::problem::parameter::Target;
+use crate::fit::statistics::{NULL_EIGENVALUE, ScaledGram};
 use nalgebra::{DMatrix, DVector};
 
 /// Maximum number of changes of the set of parameters at bounds.
@@ -32,7 +32,7 @@ const DENSE_POINTS: usize = 20_000;
 
 /// A minimum.
 #[derive(Clone, Debug)]
-pub(super) struct Solution {
+pub(in crate::fit) struct Solution {
     /// Values of the parameters.
     pub values: Vec<f64>,
     /// Loss: the sum of the squared residuals, or Huber's.
@@ -71,7 +71,7 @@ fn approach_minimum(
 
 /// Goes from `start`, whose motion must be complete, towards the minimum, in so many iterations or fewer. `fixed`
 /// parameters keep their values.
-pub(super) fn draft(
+pub(in crate::fit) fn draft(
     problem: &Problem,
     points: &[Point],
     start: &[f64],
@@ -88,17 +88,17 @@ pub(super) fn draft(
 }
 
 /// A minimum for drafts of motions.
-pub(super) struct Draft {
+pub(in crate::fit) struct Draft {
     pub values: Vec<f64>,
     pub loss: f64,
 }
 
 /// χ² of a draft above its minimum.
-pub(super) const DRAFT_ERROR: f64 = 0.5;
+pub(in crate::fit) const DRAFT_ERROR: f64 = 0.5;
 
 /// Goes from `start` to the minimum near it, if its χ² is at most `highest`. Most are given up after a few iterations:
 /// those that are then more than `room` above it.
-pub(super) fn promising_draft(
+pub(in crate::fit) fn promising_draft(
     problem: &Problem,
     points: &[Point],
     start: &[f64],
@@ -127,7 +127,7 @@ pub(super) fn promising_draft(
 }
 
 /// Finds the minimum from `start`, whose motion must be complete. `fixed` parameters keep their values.
-pub(super) fn minimise(
+pub(in crate::fit) fn minimise(
     problem: &Problem,
     points: &[Point],
     start: &[f64],
@@ -254,7 +254,7 @@ fn thinned(points: &[Point]) -> Vec<Point> {
 }
 
 /// The state of a fit at these values: residuals, gradient, curvature and covariance.
-pub(super) fn evaluate(
+pub(in crate::fit) fn evaluate(
     problem: &Problem,
     points: &[Point],
     values: Vec<f64>,
@@ -335,7 +335,7 @@ pub(super) fn evaluate(
 }
 
 /// The end of the motion that stopped the optimiser where it gave up: that of the next step, shortened until it is small.
-pub(super) fn refused_step(
+pub(in crate::fit) fn refused_step(
     problem: &Problem,
     points: &[Point],
     solution: &Solution,
@@ -366,7 +366,7 @@ pub(super) fn refused_step(
 
 /// Lets the window grow from the first tenth of a second to all `points`. Weak priors hold what a short window doesn't
 /// show; the last window has none unless `keeps_priors`.
-pub(super) fn grow_window(
+pub(in crate::fit) fn grow_window(
     problem: &Problem,
     points: &[Point],
     start: &[f64],
@@ -404,7 +404,7 @@ pub(super) fn grow_window(
 }
 
 /// Values whose motion is complete: the friction is halved while the model rises before the data end.
-pub(super) fn complete(
+pub(in crate::fit) fn complete(
     problem: &Problem,
     points: &[Point],
     mut values: Vec<f64>,

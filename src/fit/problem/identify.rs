@@ -1,13 +1,13 @@
 //! What the data can determine, found before anything is fitted: from the sensitivities at the start.
 
 use super::degeneracy::{Combination, Degeneracy};
-use super::error::{FitError, change_start, nothing_free, too_few};
 use super::model::{Effort, Point, Problem, Refusal};
-use super::note::Note;
 use super::parameter::{Parameter, SelectedParameter, Target};
 use super::plausibility::check_units;
-use super::signal::Signal;
-use super::statistics::{NULL_EIGENVALUE, ScaledGram};
+use crate::fit::error::{FitError, change_start, nothing_free, too_few};
+use crate::fit::note::Note;
+use crate::fit::statistics::{NULL_EIGENVALUE, ScaledGram};
+use crate::measured::Signal;
 use crate::physics::kinematics::Tilt;
 use crate::run::scenario::Scenario;
 use crate::words::{Piece, Sentence, sentence};
@@ -22,7 +22,7 @@ const ROUNDING: f64 = 1e-12;
 const NO_COMPONENT: f64 = 1e-3;
 
 /// What the data can determine.
-pub(super) struct Identified {
+pub(in crate::fit) struct Identified {
     /// The parameters that the data show.
     pub parameters: Vec<Parameter>,
     /// Remarks on parameters of a group that were left out.
@@ -31,7 +31,7 @@ pub(super) struct Identified {
 
 /// Checks which parameters the data can determine. Parameters that belong to a group are left out if nothing shows
 /// them.
-pub(super) fn identify(
+pub(in crate::fit) fn identify(
     problem: &Problem,
     selected: &[SelectedParameter],
 ) -> Result<Identified, FitError> {
@@ -398,7 +398,7 @@ fn degeneracy(parameters: &[Parameter], changes: &[f64]) -> Degeneracy {
 }
 
 /// A remark if a signal is sampled too slowly for the nutation of this motion.
-pub(super) fn aliasing(signals: &[Signal], motion: &Scenario) -> Option<Note> {
+pub(in crate::fit) fn aliasing(signals: &[Signal], motion: &Scenario) -> Option<Note> {
     let tilt = Tilt::from_rates(motion.angles.theta, motion.rates);
     let top = &motion.model.top;
     let nutation = top.nutation_frequency(tilt.axial_rate()).abs() / TAU;
@@ -411,14 +411,14 @@ pub(super) fn aliasing(signals: &[Signal], motion: &Scenario) -> Option<Note> {
 }
 
 /// Whether the precession or the spin is measured, and not the inclination alone.
-pub(super) fn measures_more_than_theta(problem: &Problem) -> bool {
+pub(in crate::fit) fn measures_more_than_theta(problem: &Problem) -> bool {
     use crate::telemetry::fields::state;
     let theta = [state::THETA, state::THETA_DOT, state::THETA_DDOT];
     problem.signals.iter().any(|s| !theta.contains(&s.field))
 }
 
 /// The index of the spin rate at the start among the parameters.
-pub(super) fn spin_rate(problem: &Problem) -> Option<usize> {
+pub(in crate::fit) fn spin_rate(problem: &Problem) -> Option<usize> {
     let mut parameters = problem.parameters.iter();
     parameters.position(|p| matches!(p.target, Target::Key(key) if key.path == "initial.psi_dot"))
 }

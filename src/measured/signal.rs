@@ -1,7 +1,7 @@
 //! Measured signals, and their descriptions on the command line.
 
 use super::column::{plain, without_data_set};
-use super::data_error::DataError;
+use super::error::DataError;
 use super::place::Place;
 use super::unit::{Dimension, split_number};
 use crate::run::suggestion::{did_you_mean, similar_names};
@@ -32,9 +32,9 @@ pub struct Signal {
     /// Whether the standard deviation was not given, but has to be estimated.
     pub is_sigma_estimated: bool,
     /// Whether the unit of the values was given, and not only taken for the SI unit.
-    pub(super) is_unit_known: bool,
+    pub(crate) is_unit_known: bool,
     /// The column of times; `None` for recordings and arrays.
-    pub(super) clock: Option<Clock>,
+    pub(crate) clock: Option<Clock>,
     /// Rows without a value.
     pub missing: u64,
     /// Rows earlier than the row before them.
@@ -45,7 +45,7 @@ pub struct Signal {
 
 /// A column of times.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Clock {
+pub(crate) struct Clock {
     pub name: String,
     /// Whether the unit of the times was given, and they were not only taken for seconds.
     pub is_unit_known: bool,
@@ -358,7 +358,7 @@ impl Signal {
     }
 
     /// The line of a value; `None` where there are no lines.
-    pub(super) fn place(&self, at: usize) -> Option<Place> {
+    pub(crate) fn place(&self, at: usize) -> Option<Place> {
         let lines = self.lines.as_ref()?;
         Some(Place {
             path: Some(lines.path.clone()),
@@ -368,7 +368,7 @@ impl Signal {
     }
 
     /// The place of a value in its file, or its field.
-    pub(super) fn value_place(&self, at: usize) -> String {
+    pub(crate) fn value_place(&self, at: usize) -> String {
         match self.place(at) {
             Some(place) => Place {
                 column: Some(self.name.clone()),
@@ -380,17 +380,17 @@ impl Signal {
     }
 
     /// Sets one standard deviation for all values.
-    pub(super) fn set_sigma(&mut self, sigma: f64) {
+    pub(crate) fn set_sigma(&mut self, sigma: f64) {
         self.sigmas.fill(sigma);
     }
 
     /// Whether it is an angle that may turn.
-    pub(super) fn is_turning(&self) -> bool {
+    pub(crate) fn is_turning(&self) -> bool {
         is_turning(self.field)
     }
 
     /// Moves an angle by whole turns, so that its first value is nearest to `start`.
-    pub(super) fn turn_towards(&mut self, start: f64) {
+    pub(crate) fn turn_towards(&mut self, start: f64) {
         if let Some(first) = self.values.first().copied()
             && is_turning(self.field)
         {
@@ -402,7 +402,7 @@ impl Signal {
     }
 
     /// Median time between values, s; `None` for fewer than two.
-    pub(super) fn period(&self) -> Option<f64> {
+    pub(crate) fn period(&self) -> Option<f64> {
         let mut steps: Vec<f64> = self
             .times
             .windows(2)
@@ -418,7 +418,7 @@ impl Signal {
 
     /// The smallest standard deviation that the arithmetic allows: the error of the simulation, relative to the size of
     /// the values.
-    pub(super) fn rounding(&self) -> f64 {
+    pub(crate) fn rounding(&self) -> f64 {
         const RELATIVE_ERROR: f64 = 1e-10;
         let largest = self.values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
         RELATIVE_ERROR * largest.max(f64::MIN_POSITIVE / RELATIVE_ERROR)
@@ -426,13 +426,13 @@ impl Signal {
 }
 
 /// Whether a field is an angle that turns without limit.
-pub(super) fn is_turning(field: NumberField) -> bool {
+pub(crate) fn is_turning(field: NumberField) -> bool {
     [state::PHI, state::PSI].contains(&field)
 }
 
 /// Removes jumps of an angle that was measured within one turn. Values that span more than a turn are continuous
 /// already.
-pub(super) fn unwrap(values: &mut [f64]) {
+pub(crate) fn unwrap(values: &mut [f64]) {
     /// A turn, with room for noise.
     const TURN: f64 = 1.05 * TAU;
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
@@ -456,10 +456,17 @@ fn noise(values: &[f64]) -> f64 {
         .windows(4)
         .map(|v| v[3] - 3.0 * v[2] + 3.0 * v[1] - v[0])
         .collect();
-    let estimate = super::statistics::median_size(&thirds) / MEDIAN_PER_SIGMA;
+    let estimate = median_size(&thirds) / MEDIAN_PER_SIGMA;
     let largest = values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
     // Rounded values may not differ at all.
     estimate.max(1e-6 * largest).max(f64::MIN_POSITIVE)
+}
+
+/// Median of the absolute values; 0 for no values.
+pub(crate) fn median_size(values: &[f64]) -> f64 {
+    let mut sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    sizes.get(sizes.len() / 2).copied().unwrap_or_default()
 }
 
 #[cfg(test)]

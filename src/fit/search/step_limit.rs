@@ -4,10 +4,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Number of motions like that at the start after which no minimum is expected: fits of data that follow a motion take the
 /// steps of 100 to 500, wherever they start.
-pub(super) const MAX_MOTIONS: u64 = 1000;
+pub(in crate::fit) const MAX_MOTIONS: u64 = 1000;
 
 /// Number of motions like that at the start whose steps a single one may take.
-pub(super) const MAX_RATIO: u64 = 50;
+pub(in crate::fit) const MAX_RATIO: u64 = 50;
 
 /// The fewest steps that a motion counts as: a start that is much slower than the data must not end their fit.
 const LEAST_STEPS: u64 = 2500;
@@ -15,7 +15,7 @@ const LEAST_STEPS: u64 = 2500;
 /// The integrator steps that the simulations of a problem took, and how many they may take. Threads add to them in any
 /// order, so they are asked for only where no other thread runs.
 #[derive(Debug)]
-pub(super) struct StepLimit {
+pub(in crate::fit) struct StepLimit {
     taken: AtomicU64,
     most: u64,
     /// Steps of a motion near the start, and the most that a single one may take.
@@ -25,7 +25,7 @@ pub(super) struct StepLimit {
 
 impl StepLimit {
     /// No limit.
-    pub(super) fn none() -> Self {
+    pub(in crate::fit) fn none() -> Self {
         Self {
             taken: AtomicU64::new(0),
             most: u64::MAX,
@@ -35,40 +35,40 @@ impl StepLimit {
     }
 
     /// Adds steps that a simulation took.
-    pub(super) fn add(&self, steps: u64) {
+    pub(in crate::fit) fn add(&self, steps: u64) {
         self.taken.fetch_add(steps, Ordering::Relaxed);
     }
 
     /// Number of steps so far.
-    pub(super) fn taken(&self) -> u64 {
+    pub(in crate::fit) fn taken(&self) -> u64 {
         self.taken.load(Ordering::Relaxed)
     }
 
     /// Allows so many motions with these steps each.
-    pub(super) fn begin(&mut self, motions: u64, steps: u64) {
+    pub(in crate::fit) fn begin(&mut self, motions: u64, steps: u64) {
         self.motion = steps.max(LEAST_STEPS);
         self.most_per_motion = MAX_RATIO.saturating_mul(self.motion);
         self.most = self.after(motions);
     }
 
     /// The number of steps after so many further motions.
-    pub(super) fn after(&self, motions: u64) -> u64 {
+    pub(in crate::fit) fn after(&self, motions: u64) -> u64 {
         self.taken()
             .saturating_add(motions.saturating_mul(self.motion))
     }
 
     /// Number of steps that a single motion may take.
-    pub(super) fn most_per_motion(&self) -> u64 {
+    pub(in crate::fit) fn most_per_motion(&self) -> u64 {
         self.most_per_motion
     }
 
     /// Allows any number of motions.
-    pub(super) fn lift(&mut self) {
+    pub(in crate::fit) fn lift(&mut self) {
         self.most = u64::MAX;
         self.most_per_motion = u64::MAX;
     }
 
-    pub(super) fn is_exceeded(&self) -> bool {
+    pub(in crate::fit) fn is_exceeded(&self) -> bool {
         self.taken() > self.most
     }
 }

@@ -1,10 +1,10 @@
 //! Standard deviations that are estimated from the residuals.
 
-use super::error::FitError;
 use super::fitted::Split;
-use super::model::{Loss, Problem};
 use super::monitor::Monitor;
 use super::solve::{Solution, minimise};
+use crate::fit::error::FitError;
+use crate::fit::problem::model::{Loss, Problem};
 
 /// Maximum number of times that standard deviations are estimated.
 const MAX_ROUNDS: usize = 6;
@@ -14,7 +14,7 @@ const SMALL_CHANGE: f64 = 1e-3;
 
 /// Estimates the standard deviations that were not given from the residuals of a minimum, and minimises again until they
 /// no longer change.
-pub(super) fn settle(
+pub(in crate::fit) fn settle(
     problem: &mut Problem,
     split: &mut Split,
     mut solution: Solution,

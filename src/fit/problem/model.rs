@@ -1,9 +1,9 @@
 //! The problem to solve: data, parameters, and the simulation as their model.
 
-use super::error::FitError;
 use super::parameter::{Parameter, Target};
-use super::signal::Signal;
-use super::step_limit::StepLimit;
+use crate::fit::error::FitError;
+use crate::fit::search::step_limit::StepLimit;
+use crate::measured::Signal;
 use crate::run::scenario::{Scenario, ScenarioError};
 use crate::run::simulation::{Sample, SimulationError, StopReason, sample_at_while};
 use schemars::JsonSchema;
@@ -22,14 +22,14 @@ pub enum Loss {
 }
 
 /// Where Huber's loss becomes linear, in σ: 95 % efficiency for normal noise (Huber 1981).
-pub(super) const HUBER_LIMIT: f64 = 1.345;
+pub(in crate::fit) const HUBER_LIMIT: f64 = 1.345;
 
 /// ∫ min(|z|, c)² φ(z) dz with c = [`HUBER_LIMIT`] and the normal density φ.
 const HUBER_VARIANCE: f64 = 0.710_164_5;
 
 impl Loss {
     /// A residual whose square is the loss.
-    pub(super) fn transformed(self, residual: f64) -> f64 {
+    pub(in crate::fit) fn transformed(self, residual: f64) -> f64 {
         let size = residual.abs();
         match self {
             Self::Huber if size > HUBER_LIMIT => {
@@ -41,7 +41,7 @@ impl Loss {
     }
 
     /// The residual as far as it pulls at the parameters: half the derivative of the loss.
-    pub(super) fn clipped(self, residual: f64) -> f64 {
+    pub(in crate::fit) fn clipped(self, residual: f64) -> f64 {
         match self {
             Self::Huber => residual.clamp(-HUBER_LIMIT, HUBER_LIMIT),
             Self::Squares => residual,
@@ -49,7 +49,7 @@ impl Loss {
     }
 
     /// The mean square of clipped residuals, if they are normal with standard deviation 1.
-    pub(super) fn clipped_variance(self) -> f64 {
+    pub(in crate::fit) fn clipped_variance(self) -> f64 {
         match self {
             Self::Huber => HUBER_VARIANCE,
             Self::Squares => 1.0,
@@ -57,7 +57,7 @@ impl Loss {
     }
 
     /// The derivative of the transformed residual with respect to the residual.
-    pub(super) fn slope(self, residual: f64) -> f64 {
+    pub(in crate::fit) fn slope(self, residual: f64) -> f64 {
         match self {
             Self::Huber if residual.abs() > HUBER_LIMIT => {
                 HUBER_LIMIT / self.transformed(residual).abs()
@@ -69,7 +69,7 @@ impl Loss {
 
 /// A measured value.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Point {
+pub(in crate::fit) struct Point {
     /// Index of the signal.
     pub signal: usize,
     /// Time on the clock of the model, without the offset of its file, s.
@@ -80,7 +80,7 @@ pub(super) struct Point {
 
 /// How exactly motions are simulated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Effort {
+pub(in crate::fit) enum Effort {
     /// On the way to a minimum: 2.4 times fewer steps.
     Draft,
     /// Near the minimum, and for everything that is reported.
@@ -89,7 +89,7 @@ pub(super) enum Effort {
 
 impl Effort {
     /// Number of motions that a derivative takes.
-    pub(super) fn motions(self) -> u64 {
+    pub(in crate::fit) fn motions(self) -> u64 {
         match self {
             Self::Draft => 1,
             Self::Final => 2,
@@ -108,7 +108,7 @@ impl Effort {
     /// Step of the differences, relative to a parameter's scale. Steps of 1e-5 move the phase of the nutation by 0.03 rad
     /// after 24 s, which is too much for five digits, or for two digits of one-sided differences; much smaller ones suffer
     /// from the error of the simulation.
-    pub(super) fn step(self) -> f64 {
+    pub(in crate::fit) fn step(self) -> f64 {
         match self {
             Self::Draft => 3e-6,
             Self::Final => 1e-6,
@@ -134,14 +134,14 @@ pub struct Problem {
     /// How residuals count.
     pub loss: Loss,
     /// Relative change of χ² that counts as none.
-    pub(super) precision: f64,
-    pub(super) points: Vec<Point>,
-    pub(super) step_limit: StepLimit,
+    pub(in crate::fit) precision: f64,
+    pub(in crate::fit) points: Vec<Point>,
+    pub(in crate::fit) step_limit: StepLimit,
 }
 
 /// Why a set of parameters has no complete motion.
 #[derive(Clone, Debug)]
-pub(super) enum Refusal {
+pub(in crate::fit) enum Refusal {
     /// The scenario is invalid.
     Invalid(ScenarioError),
     /// The simulation failed.
@@ -177,7 +177,7 @@ impl From<Refusal> for FitError {
 
 impl Problem {
     /// A problem whose model starts at `origin`, s, on the clock of the first file.
-    pub(super) fn new(
+    pub(in crate::fit) fn new(
         scenario: &Scenario,
         parameters: Vec<Parameter>,
         signals: Vec<Signal>,
@@ -229,7 +229,7 @@ impl Problem {
     }
 
     /// Leaves out the points after a time since the start, s.
-    pub(super) fn keep_until(&mut self, until: Option<f64>) {
+    pub(in crate::fit) fn keep_until(&mut self, until: Option<f64>) {
         if let Some(until) = until {
             let signals = &self.signals;
             self.points
@@ -238,7 +238,7 @@ impl Problem {
     }
 
     /// Limits further simulations to the steps of many motions like that at the start, which is simulated for it.
-    pub(super) fn limit_steps(&mut self, points: &[Point], motions: u64) {
+    pub(in crate::fit) fn limit_steps(&mut self, points: &[Point], motions: u64) {
         self.step_limit.lift();
         let before = self.step_limit.taken();
         let motion = self.predict(&self.start(), points);
@@ -257,7 +257,7 @@ impl Problem {
     }
 
     /// All points of a file.
-    pub(super) fn points_in_file(&self, file: usize) -> Vec<Point> {
+    pub(in crate::fit) fn points_in_file(&self, file: usize) -> Vec<Point> {
         let mut points = Vec::new();
         for point in &self.points {
             if self.signals[point.signal].file == file {
@@ -268,7 +268,7 @@ impl Problem {
     }
 
     /// Copies the standard deviations of the signals to the points after a change. They are the same for all values.
-    pub(super) fn set_sigma(&mut self, signal: usize, sigma: f64) {
+    pub(in crate::fit) fn set_sigma(&mut self, signal: usize, sigma: f64) {
         self.signals[signal].set_sigma(sigma);
         for point in &mut self.points {
             if point.signal == signal {
@@ -278,12 +278,12 @@ impl Problem {
     }
 
     /// The start values.
-    pub(super) fn start(&self) -> Vec<f64> {
+    pub(in crate::fit) fn start(&self) -> Vec<f64> {
         self.parameters.iter().map(|p| p.start).collect()
     }
 
     /// Offset of the clock of a file, s.
-    pub(super) fn offset(&self, values: &[f64], file: usize) -> f64 {
+    pub(in crate::fit) fn offset(&self, values: &[f64], file: usize) -> f64 {
         // The first file has no offset: its clock is that of the model.
         for (parameter, value) in self.parameters.iter().zip(values) {
             if matches!(parameter.target, Target::Offset(known) if known == file) {
@@ -294,12 +294,12 @@ impl Problem {
     }
 
     /// The time of a point on the model's clock, s.
-    pub(super) fn model_time(&self, values: &[f64], point: &Point) -> f64 {
+    pub(in crate::fit) fn model_time(&self, values: &[f64], point: &Point) -> f64 {
         point.time + self.offset(values, self.signals[point.signal].file)
     }
 
     /// The scenario with these values of the parameters, which runs at least to `duration`, s.
-    pub(super) fn scenario_for(
+    pub(in crate::fit) fn scenario_for(
         &self,
         values: &[f64],
         duration: f64,
@@ -332,11 +332,15 @@ impl Problem {
     }
 
     /// The values of the model at these points.
-    pub(super) fn predict(&self, values: &[f64], points: &[Point]) -> Result<Vec<f64>, Refusal> {
+    pub(in crate::fit) fn predict(
+        &self,
+        values: &[f64],
+        points: &[Point],
+    ) -> Result<Vec<f64>, Refusal> {
         self.predict_with(Effort::Final, values, points)
     }
 
-    pub(super) fn predict_with(
+    pub(in crate::fit) fn predict_with(
         &self,
         effort: Effort,
         values: &[f64],
@@ -389,7 +393,7 @@ impl Problem {
     }
 
     /// The residuals (model − data)/σ at these points.
-    pub(super) fn residuals(
+    pub(in crate::fit) fn residuals(
         &self,
         effort: Effort,
         values: &[f64],
@@ -400,7 +404,7 @@ impl Problem {
     }
 
     /// The residuals of a motion that is known at these points.
-    pub(super) fn residuals_of(&self, predicted: &[f64], points: &[Point]) -> Vec<f64> {
+    pub(in crate::fit) fn residuals_of(&self, predicted: &[f64], points: &[Point]) -> Vec<f64> {
         let mut residuals = Vec::with_capacity(predicted.len());
         for (value, point) in predicted.iter().zip(points) {
             residuals.push(self.residual(*value, point));
@@ -409,7 +413,7 @@ impl Problem {
     }
 
     /// The residual of a point at which the model has this value, in σ.
-    pub(super) fn residual(&self, predicted: f64, point: &Point) -> f64 {
+    pub(in crate::fit) fn residual(&self, predicted: f64, point: &Point) -> f64 {
         let signal = &self.signals[point.signal];
         let mut difference = predicted - point.value;
         // The turn in which an angle of a further file begins is known only when the offset of its clock is.
@@ -420,7 +424,12 @@ impl Problem {
     }
 
     /// The whole turns from the angles of a further file to those of the model, rad; `None` for other signals.
-    pub(super) fn turns(&self, signal: usize, predicted: &[f64], points: &[Point]) -> Option<f64> {
+    pub(in crate::fit) fn turns(
+        &self,
+        signal: usize,
+        predicted: &[f64],
+        points: &[Point],
+    ) -> Option<f64> {
         if self.signals[signal].file == 0 || !self.signals[signal].is_turning() {
             return None;
         }
@@ -435,7 +444,7 @@ impl Problem {
     }
 
     /// The loss at these points: the sum of the squared residuals, or Huber's.
-    pub(super) fn loss_at(
+    pub(in crate::fit) fn loss_at(
         &self,
         effort: Effort,
         values: &[f64],

@@ -1,20 +1,20 @@
 //! Signals that can't be what they are taken for: values in another unit, and values without noise.
 
-use super::error::{FitError, time};
 use super::model::{Point, Problem};
-use super::signal::{Signal, is_turning, unwrap};
-use super::statistics::{median_size, rms};
-use super::unit::{Dimension, split_header};
+use crate::fit::error::{FitError, time};
+use crate::fit::statistics::rms;
+use crate::measured::median_size;
+use crate::measured::{Dimension, Signal, is_turning, split_header, unwrap};
 use crate::telemetry::fields::state;
 use crate::words::{Piece, Sentence, sentence};
 use std::f64::consts::PI;
 
 /// The least number of values from which a standard deviation is judged.
-pub(super) const FEWEST: usize = 10;
+pub(in crate::fit) const FEWEST: usize = 10;
 
 /// Refuses inclinations that are too large for radians, and signals without noise whose standard deviation is to be
 /// estimated from it.
-pub(super) fn check_signals(problem: &Problem) -> Result<(), FitError> {
+pub(in crate::fit) fn check_signals(problem: &Problem) -> Result<(), FitError> {
     for (index, signal) in problem.signals.iter().enumerate() {
         let mut values = Vec::new();
         for point in problem.points.iter().filter(|point| point.signal == index) {
@@ -29,7 +29,7 @@ pub(super) fn check_signals(problem: &Problem) -> Result<(), FitError> {
 }
 
 /// Whether all values are equal.
-pub(super) fn is_constant(values: &[f64]) -> bool {
+pub(in crate::fit) fn is_constant(values: &[f64]) -> bool {
     values.windows(2).all(|pair| pair[0] == pair[1])
 }
 
@@ -52,7 +52,7 @@ fn check_inclination(signal: &Signal, values: &[f64]) -> Result<(), FitError> {
 
 /// Refuses times without a unit whose steps are too long for a top: they are frame numbers, or in milliseconds or less.
 /// Simulations of such times would take hours.
-pub(super) fn check_steps(problem: &Problem) -> Result<(), FitError> {
+pub(in crate::fit) fn check_steps(problem: &Problem) -> Result<(), FitError> {
     /// Time between values, s. Sensors and cameras take more than one in a second, and tops nutate faster.
     const MAX_STEP: f64 = 1.0;
     for signal in unitless(&problem.signals) {
@@ -65,7 +65,7 @@ pub(super) fn check_steps(problem: &Problem) -> Result<(), FitError> {
 }
 
 /// Refuses times without a unit that span too long for a top.
-pub(super) fn check_span(problem: &Problem) -> Result<(), FitError> {
+pub(in crate::fit) fn check_span(problem: &Problem) -> Result<(), FitError> {
     /// Tops spin for minutes, s. More than a second of milliseconds would be longer.
     const MAX_DURATION: f64 = 1000.0;
     // The scenario starts with the first file, before or at its first value. Others may have been recorded for long.
@@ -179,7 +179,7 @@ fn median_step(times: &[f64]) -> f64 {
 }
 
 /// Refuses signals without a unit that differ by a factor from the motion at the start, but agree with it in another usual unit.
-pub(super) fn check_units(
+pub(in crate::fit) fn check_units(
     problem: &Problem,
     points: &[Point],
     predicted: &[f64],
@@ -253,9 +253,9 @@ fn distance(values: &[f64], motion: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::model::Loss;
-    use super::super::signal::Clock;
     use super::*;
+    use crate::fit::problem::model::Loss;
+    use crate::measured::Clock;
     use crate::run::scenario::Preset;
     use std::f64::consts::TAU;
 

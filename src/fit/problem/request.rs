@@ -1,7 +1,7 @@
 //! What to fit.
 
-use super::data::Data;
 use super::model::Loss;
+use crate::measured::Data;
 use crate::run::scenario::Scenario;
 
 /// What to fit, and how.

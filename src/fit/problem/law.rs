@@ -1,12 +1,12 @@
 //! Other friction laws for the same data.
 
-use super::error::FitError;
-use super::failure::Failure;
-use super::fitted::Fitted;
 use super::model::Problem;
 use super::parameter::{self, INITIAL, Parameter, Target};
 use super::request::Request;
-use super::step_limit::MAX_MOTIONS;
+use crate::fit::error::FitError;
+use crate::fit::failure::Failure;
+use crate::fit::search::fitted::Fitted;
+use crate::fit::search::step_limit::MAX_MOTIONS;
 use crate::run::scenario::{KEYS, LAWS, Law, Scenario, ScenarioError, Values};
 use crate::run::simulation::sample_at;
 use crate::words::sentence;
@@ -18,18 +18,18 @@ const PRECISION: f64 = 1e-7;
 const TYPICAL_K: f64 = 0.03;
 
 /// A law that has no complete motion near its minimum, or can't be fitted, and why.
-pub(super) struct Refused {
+pub(in crate::fit) struct Refused {
     pub law: &'static str,
     pub reason: Failure,
 }
 
 /// The sliding law of this name.
-pub(super) fn find(name: &str) -> Option<&'static Law> {
+pub(in crate::fit) fn find(name: &str) -> Option<&'static Law> {
     LAWS.iter().find(|law| law.name == name && law.is_sliding())
 }
 
 /// The sliding laws of these names, each once.
-pub(super) fn find_laws(names: &[String]) -> Result<Vec<&'static Law>, FitError> {
+pub(in crate::fit) fn find_laws(names: &[String]) -> Result<Vec<&'static Law>, FitError> {
     let mut laws: Vec<&'static Law> = Vec::new();
     for name in names {
         let law = find(name).ok_or_else(|| unknown_law(name))?;
@@ -70,7 +70,7 @@ pub fn usual_parameters(scenario: &Scenario) -> Vec<String> {
 }
 
 /// A request with another law, from the scenario's start.
-pub(super) fn request_for(request: &Request, law: &Law) -> Result<Request, FitError> {
+pub(in crate::fit) fn request_for(request: &Request, law: &Law) -> Result<Request, FitError> {
     let duration = request.data.duration();
     let speed = slip_speed(&request.scenario, duration)?;
     let mut other = request.clone();
@@ -85,7 +85,7 @@ pub(super) fn request_for(request: &Request, law: &Law) -> Result<Request, FitEr
 }
 
 /// Start values of a law's speed: parameters of a speed are seen only near the speeds of the motion.
-pub(super) fn speeds(law: &Law, slip: f64) -> Vec<f64> {
+pub(in crate::fit) fn speeds(law: &Law, slip: f64) -> Vec<f64> {
     if law.name == "stribeck" {
         vec![slip, 0.3 * slip]
     } else {
@@ -94,7 +94,7 @@ pub(super) fn speeds(law: &Law, slip: f64) -> Vec<f64> {
 }
 
 /// Mean slip speed of a scenario's motion, m/s.
-pub(super) fn slip_speed(scenario: &Scenario, duration: f64) -> Result<f64, FitError> {
+pub(in crate::fit) fn slip_speed(scenario: &Scenario, duration: f64) -> Result<f64, FitError> {
     /// Number of samples of the motion.
     const SAMPLES: u32 = 100;
     /// A law whose speed is zero is none, m/s.
@@ -110,7 +110,7 @@ pub(super) fn slip_speed(scenario: &Scenario, duration: f64) -> Result<f64, FitE
 }
 
 /// The problem of another law, started at the solution of the scenario's own.
-pub(super) fn problem_for(
+pub(in crate::fit) fn problem_for(
     request: &Request,
     fitted: &Fitted,
     law: &Law,

@@ -1,6 +1,6 @@
 //! Free parameters: keys of the scenario and offsets of clocks.
 
-use super::error::{self, FitError};
+use crate::fit::error::{self, FitError};
 use crate::run::scenario::{Key, Kind, Scenario, Value, find_key};
 use crate::words::{Piece, Sentence, sentence};
 use std::f64::consts::PI;
@@ -29,7 +29,7 @@ pub struct Parameter {
     pub prior: f64,
     /// What reports add to the value: offsets are fitted relative to one that aligns the starts of the files, because
     /// clocks may differ by years.
-    pub(super) shift: f64,
+    pub(in crate::fit) shift: f64,
 }
 
 /// Part of the half width of a typical range that is a typical change, and a weak prior.
@@ -53,7 +53,7 @@ const START_OF_FREE_PEG: [&str; 2] = ["initial.peg_x_dot", "initial.peg_y_dot"];
 const START_OF_CENTER: [&str; 2] = ["initial.center_x_dot", "initial.center_y_dot"];
 
 /// Name of the group of all keys of the start.
-pub(super) const INITIAL: &str = "initial";
+pub(in crate::fit) const INITIAL: &str = "initial";
 /// Name of the offset of the second file's clock.
 const OFFSET: &str = "offset";
 
@@ -155,7 +155,7 @@ impl Parameter {
     }
 
     /// The error of this parameter.
-    pub(super) fn error(&self, reason: Sentence) -> FitError {
+    pub(in crate::fit) fn error(&self, reason: Sentence) -> FitError {
         let name = Piece::key(self.name());
         let reason = sentence!("{}: {}", name, reason);
         match self.target {
@@ -187,14 +187,14 @@ impl Parameter {
     }
 
     /// Counts an offset from `shift` on, s, where the start of the file is that of the motion.
-    pub(super) fn shift_by(&mut self, shift: f64) {
+    pub(in crate::fit) fn shift_by(&mut self, shift: f64) {
         self.shift = shift;
         self.bounds = self.bounds.map(|bound| bound - shift);
         self.start = self.clamp(0.0);
     }
 
     /// A value as reports give it: angles that may turn within half a turn of 0, offsets from 0 on.
-    pub(super) fn reported(&self, value: f64) -> f64 {
+    pub(in crate::fit) fn reported(&self, value: f64) -> f64 {
         if self.is_turning() {
             principal(value)
         } else {
@@ -203,7 +203,7 @@ impl Parameter {
     }
 
     /// Size of a change for derivatives, relative to which its step is small.
-    pub(super) fn change(&self, value: f64) -> f64 {
+    pub(in crate::fit) fn change(&self, value: f64) -> f64 {
         match self.target {
             Target::Key(_) => self.scale.max(value.abs()),
             // The motion depends on the offset as on the time, however large it is.
@@ -212,23 +212,23 @@ impl Parameter {
     }
 
     /// The value nearest to `value` within the bounds.
-    pub(super) fn clamp(&self, value: f64) -> f64 {
+    pub(in crate::fit) fn clamp(&self, value: f64) -> f64 {
         value.clamp(self.bounds[0], self.bounds[1])
     }
 
     /// Whether the lowest value is a physical limit at which it has no effect, such as k = 0.
-    pub(super) fn is_magnitude(&self) -> bool {
+    pub(in crate::fit) fn is_magnitude(&self) -> bool {
         self.bounds[0] == 0.0 && !self.is_initial()
     }
 
     /// Whether it is an angle of the start that is defined up to whole turns.
-    pub(super) fn is_turning(&self) -> bool {
+    pub(in crate::fit) fn is_turning(&self) -> bool {
         matches!(self.target, Target::Key(key) if ["initial.phi", "initial.psi"].contains(&key.path))
     }
 }
 
 /// Whether a parameter is the offset of a clock, by its name.
-pub(super) fn is_offset(name: &str) -> bool {
+pub(in crate::fit) fn is_offset(name: &str) -> bool {
     name.starts_with(OFFSET)
 }
 
@@ -263,7 +263,7 @@ fn no_friction() -> Sentence {
 }
 
 /// The numeric value of a key of a scenario.
-pub(super) fn value(scenario: &Scenario, path: &str) -> Option<f64> {
+pub(in crate::fit) fn value(scenario: &Scenario, path: &str) -> Option<f64> {
     let mut entries = scenario.entries();
     match entries.find(|(key, _)| key.path == path)?.1 {
         Value::Number(number) => Some(*number),
@@ -272,14 +272,14 @@ pub(super) fn value(scenario: &Scenario, path: &str) -> Option<f64> {
 }
 
 /// A parameter that the user has selected, by itself or with a group.
-pub(super) struct SelectedParameter {
+pub(in crate::fit) struct SelectedParameter {
     pub parameter: Parameter,
     /// Whether it belongs to the group `initial`: then it is left out if no signal shows it.
     pub is_optional: bool,
 }
 
 /// The parameters of these names, with these bounds, and the offsets of further files.
-pub(super) fn select(
+pub(in crate::fit) fn select(
     names: &[String],
     bounds: &[(String, [f64; 2])],
     scenario: &Scenario,
@@ -320,10 +320,10 @@ pub(super) fn select(
 }
 
 /// What only a free parameter can have.
-pub(super) const PROFILE: &str = "a profile";
+pub(in crate::fit) const PROFILE: &str = "a profile";
 
 /// The free parameter with this name, for what only a free one can have.
-pub(super) fn find_free<'a>(
+pub(in crate::fit) fn find_free<'a>(
     all: &'a mut [SelectedParameter],
     name: &str,
     what: &'static str,
@@ -374,7 +374,7 @@ fn add(
 }
 
 /// The equal angle within half a turn of 0, rad: so estimates of angles that may turn are reported.
-pub(super) fn principal(angle: f64) -> f64 {
+pub(in crate::fit) fn principal(angle: f64) -> f64 {
     let turn = 2.0 * PI;
     angle - turn * (angle / turn).round()
 }

@@ -1,7 +1,7 @@
 //! A scan of the offset of a clock: the points of its file, compared with one motion for all offsets.
 
-use super::error::{FitError, bare_time, time};
-use super::model::{Point, Problem};
+use crate::fit::error::{FitError, bare_time, time};
+use crate::fit::problem::model::{Point, Problem};
 use crate::words::{Piece, sentence};
 use std::f64::consts::TAU;
 
@@ -19,7 +19,7 @@ const MIN_OVERLAP: f64 = 0.5;
 const FEWEST: usize = 10;
 
 /// Result of a scan.
-pub(super) struct Scanned<'a> {
+pub(in crate::fit) struct Scanned<'a> {
     /// Offsets that describe the points better than their neighbours do: those that noise can't tell from the best with
     /// the most points first, then the others by their loss.
     pub minima: Vec<Cost>,
@@ -34,13 +34,13 @@ pub(super) struct Scanned<'a> {
 
 impl Scanned<'_> {
     /// The lowest mean loss.
-    pub(super) fn lowest(&self) -> f64 {
+    pub(in crate::fit) fn lowest(&self) -> f64 {
         let losses = self.minima.iter().map(|cost| cost.loss);
         losses.fold(f64::INFINITY, f64::min)
     }
 
     /// The loss with an offset above that with another one, `known`, for the points that both bring into the motion.
-    pub(super) fn excess(&self, offset: f64, known: f64) -> f64 {
+    pub(in crate::fit) fn excess(&self, offset: f64, known: f64) -> f64 {
         let mut excess = 0.0;
         let earliest = offset.min(known);
         let first = self
@@ -61,18 +61,18 @@ impl Scanned<'_> {
 
     /// Whether a point of the file is within the motion, which ends at `end`, s, with room for a small change of the
     /// offset.
-    pub(super) fn is_within(&self, point: &Point, offset: f64, end: f64) -> bool {
+    pub(in crate::fit) fn is_within(&self, point: &Point, offset: f64, end: f64) -> bool {
         is_within(point.time + offset, self.step, end)
     }
 }
 
 /// Whether a time is within the motion, which ends at `end`, with this much room, s.
-pub(super) fn is_within(time: f64, room: f64, end: f64) -> bool {
+pub(in crate::fit) fn is_within(time: f64, room: f64, end: f64) -> bool {
     (room..=end - room).contains(&time)
 }
 
 /// Distance between samples of a motion that ends at `end`, s.
-pub(super) fn step(problem: &Problem, end: f64) -> f64 {
+pub(in crate::fit) fn step(problem: &Problem, end: f64) -> f64 {
     let spin = problem.scenario.rates.psi.abs().max(1.0);
     let cycle = TAU / problem.scenario.model.top.nutation_frequency(spin);
     (cycle / SAMPLES_PER_CYCLE).max(end / MAX_SAMPLES)
@@ -80,7 +80,7 @@ pub(super) fn step(problem: &Problem, end: f64) -> f64 {
 
 /// The mean loss of a file's points with an offset.
 #[derive(Clone, Copy)]
-pub(super) struct Cost {
+pub(in crate::fit) struct Cost {
     /// The offset, s.
     pub offset: f64,
     /// Mean loss of the points within the motion.
@@ -98,14 +98,14 @@ impl Cost {
 }
 
 /// The highest mean of squares that noise can't tell from this mean of so many.
-pub(super) fn highest_equal(mean: f64, count: usize) -> f64 {
+pub(in crate::fit) fn highest_equal(mean: f64, count: usize) -> f64 {
     const SIGMAS: f64 = 3.0;
     mean * (1.0 + SIGMAS * (2.0 / count as f64).sqrt())
 }
 
 /// Compares the points of a file with the motion of `values` for all offsets of its clock, the parameter with the index
 /// `at`, that keep enough of them within the motion.
-pub(super) fn scan<'a>(
+pub(in crate::fit) fn scan<'a>(
     problem: &'a Problem,
     values: &[f64],
     points: &[Point],

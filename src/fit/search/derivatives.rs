@@ -1,12 +1,12 @@
 //! Derivatives of the residuals, by differences of motions.
 
-use super::model::{Effort, Point, Problem};
+use crate::fit::problem::model::{Effort, Point, Problem};
 use rayon::prelude::*;
 
 impl Problem {
     /// The derivatives of the residuals: a column for each parameter, zero for those that are `fixed` and where no
     /// derivative can be computed. `here` is the motion of `values`.
-    pub(super) fn jacobian(
+    pub(in crate::fit) fn jacobian(
         &self,
         effort: Effort,
         values: &[f64],
@@ -29,7 +29,7 @@ impl Problem {
 
     /// The derivatives with respect to a parameter. `None` if it can't be computed on any side. Differences are those of the
     /// predictions: measured values, which may be huge, would only add rounding.
-    pub(super) fn derivative(
+    pub(in crate::fit) fn derivative(
         &self,
         effort: Effort,
         j: usize,

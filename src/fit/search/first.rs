@@ -1,18 +1,19 @@
 //! The first fit of a request: of the scenario's law, or of another if that has no complete motion.
 
-use super::error::FitError;
-use super::failure::Failure;
 use super::fitted::{Fitted, Split};
-use super::law::Refused;
-use super::model::Problem;
 use super::monitor::Monitor;
-use super::note::Note;
-use super::prepare::{Prepared, prepare};
-use super::request::Request;
 use super::solve::{Solution, grow_window, refused_step};
 use super::spin_guess::start_with_measured_spin;
 use super::step_limit::MAX_MOTIONS;
-use super::{law, modes, offset, sigma};
+use super::{modes, offset, sigma};
+use crate::fit::error::FitError;
+use crate::fit::failure::Failure;
+use crate::fit::note::Note;
+use crate::fit::problem::law;
+use crate::fit::problem::law::Refused;
+use crate::fit::problem::model::Problem;
+use crate::fit::problem::prepare::{Prepared, prepare};
+use crate::fit::problem::request::Request;
 
 /// χ² per value above which a minimum may be that of another phase of the nutation; wrong models and standard deviations
 /// give less, as a rule.
@@ -22,7 +23,7 @@ const FAR: f64 = 100.0;
 const NEAR_MOTIONS: u64 = MAX_MOTIONS / 2;
 
 /// The first law that can be fitted.
-pub(super) struct First {
+pub(in crate::fit) struct First {
     pub fitted: Fitted,
     pub notes: Vec<Note>,
     /// Time in the data at which the scenario starts, s.
@@ -33,7 +34,7 @@ pub(super) struct First {
 
 /// Fits the scenario's law. If its motion ends before the data and other laws are to be compared, the first of these
 /// that can be fitted takes its place.
-pub(super) fn first(request: &Request, monitor: &Monitor<'_>) -> Result<First, FitError> {
+pub(in crate::fit) fn first(request: &Request, monitor: &Monitor<'_>) -> Result<First, FitError> {
     // A wrong name is reported before anything is fitted.
     let laws = law::find_laws(&request.compare)?;
     // Another law can help only where the motion ends too early.

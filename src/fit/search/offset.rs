@@ -3,14 +3,14 @@
 //! Which points of a file are within the motion depends on the offset of its clock. So χ² of two offsets tells which one
 //! is better only for the points that both bring into the motion; χ² per point is good enough to choose where to begin.
 
-use super::error::FitError;
 use super::fitted::{Fitted, Split};
-use super::model::{Point, Problem};
 use super::monitor::Monitor;
-use super::parameter::Target;
 use super::scan::{Scanned, highest_equal, is_within, scan, step};
 use super::sigma;
 use super::solve::{DRAFT_ERROR, Draft, Solution, minimise, promising_draft};
+use crate::fit::error::FitError;
+use crate::fit::problem::model::{Point, Problem};
+use crate::fit::problem::parameter::Target;
 
 /// Number of minima of a scan among which the first one is chosen.
 const CANDIDATES: usize = 3;
@@ -36,7 +36,7 @@ const SAME: f64 = 2.0;
 
 /// Finds the offsets of the clocks of all files but the first, whose points gave `values`. Returns the solution for all
 /// points that are to be fitted and within the motion, and these points.
-pub(super) fn fit_offsets(
+pub(in crate::fit) fn fit_offsets(
     problem: &Problem,
     values: Vec<f64>,
     split: &Split,
@@ -121,7 +121,7 @@ fn points_within(problem: &Problem, values: &[f64], end: f64) -> Vec<Point> {
 }
 
 /// The minima of an offset that the data don't exclude, over the points that all of them bring into the motion.
-pub(super) struct Rivals {
+pub(in crate::fit) struct Rivals {
     /// The minima with their χ², lowest first. The one that was found may be any of them.
     pub minima: Vec<Solution>,
     /// Index of the one that was found, if it is among them.
@@ -130,7 +130,7 @@ pub(super) struct Rivals {
 
 /// Compares the minimum that a fit has found with others of one offset, the parameter with the index `at` of a file's
 /// clock. Those whose χ² is more than `highest(n)` above the lowest of n are excluded.
-pub(super) fn rivals(
+pub(in crate::fit) fn rivals(
     fitted: &Fitted,
     (at, file): (usize, usize),
     highest: fn(usize) -> f64,
@@ -255,7 +255,7 @@ impl Group {
 }
 
 /// Moves a fit to another minimum of an offset, with all points that it brings into the motion.
-pub(super) fn move_to(
+pub(in crate::fit) fn move_to(
     fitted: &mut Fitted,
     values: &[f64],
     monitor: &Monitor<'_>,
@@ -273,7 +273,7 @@ pub(super) fn move_to(
 }
 
 /// The offsets: the index of the parameter, and the file.
-pub(super) fn clocks(problem: &Problem) -> Vec<(usize, usize)> {
+pub(in crate::fit) fn clocks(problem: &Problem) -> Vec<(usize, usize)> {
     let mut clocks = Vec::new();
     for (at, parameter) in problem.parameters.iter().enumerate() {
         if let Target::Offset(file) = parameter.target {

@@ -2,7 +2,7 @@
 
 use super::cell::{Cell, Mark};
 use super::column;
-use super::data_error::DataError;
+use super::error::DataError;
 use super::signal::{Clock, FileSignals, Row, SigmaSpec, Signal, SignalSpec};
 use super::unit::{Dimension, is_unit, split_header};
 use crate::words::{Piece, Sentence, sentence};

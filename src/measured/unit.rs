@@ -1,12 +1,12 @@
 //! Units of measured columns.
 
-use super::data_error::DataError;
+use super::error::DataError;
 use crate::words::sentence;
 use std::f64::consts::{PI, TAU};
 
 /// What a column measures, as far as units are concerned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Dimension {
+pub(crate) enum Dimension {
     Time,
     Angle,
     AngularRate,
@@ -50,7 +50,7 @@ const BRACKETS: [(char, char); 2] = [('(', ')'), ('[', ']')];
 
 impl Dimension {
     /// The dimension of a field with this SI unit.
-    pub(super) fn from_si(unit: &str) -> Self {
+    pub(crate) fn from_si(unit: &str) -> Self {
         match unit {
             "s" => Self::Time,
             "rad" => Self::Angle,
@@ -63,7 +63,7 @@ impl Dimension {
     }
 
     /// Units in which values are often given without saying so: names, and sizes in SI units.
-    pub(super) fn mistakable(self) -> &'static [(&'static str, f64)] {
+    pub(crate) fn mistakable(self) -> &'static [(&'static str, f64)] {
         match self {
             Self::Angle => &[("deg", PI / 180.0)],
             Self::AngularRate => &[("deg/s", PI / 180.0), ("rpm", TAU / 60.0)],
@@ -137,7 +137,7 @@ pub(super) fn is_bracketed_unit(text: &str) -> bool {
 }
 
 /// Splits a header such as `θ (deg)`, `Time [ms]`, `t / s` or `theta_deg` into name and unit; the unit may be empty.
-pub(super) fn split_header(text: &str) -> (&str, &str) {
+pub(crate) fn split_header(text: &str) -> (&str, &str) {
     let header = text.trim();
     for (open, close) in BRACKETS {
         if let Some(inner) = header.strip_suffix(close)

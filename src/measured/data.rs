@@ -1,7 +1,7 @@
 //! Measured data from files.
 
 use super::column::{listed, similar};
-use super::data_error::DataError;
+use super::error::DataError;
 #[cfg(not(feature = "sweep"))]
 use super::signal::FileSignals;
 use super::signal::{Signal, SignalSpec};
@@ -25,7 +25,7 @@ pub struct Data {
 
 impl Data {
     /// The time on the clock of the first file at which the scenario starts, unless given, s.
-    pub(super) fn origin(&self) -> f64 {
+    pub(crate) fn origin(&self) -> f64 {
         if self.starts_with_run {
             return 0.0;
         }
@@ -38,7 +38,7 @@ impl Data {
     }
 
     /// The time from the origin to the last sample of the first file, s.
-    pub(super) fn duration(&self) -> f64 {
+    pub(crate) fn duration(&self) -> f64 {
         let mut last = self.origin();
         for signal in self.signals.iter().filter(|signal| signal.file == 0) {
             last = signal.times.iter().copied().fold(last, f64::max);

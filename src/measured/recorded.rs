@@ -1,6 +1,6 @@
 //! Measured values from MCAP files: recordings of toprise, and JSON messages of other software.
 
-use super::data_error::DataError;
+use super::error::DataError;
 use super::signal::{FileSignals, Flaw, Row, SigmaSpec, Signal, SignalSpec};
 use super::table::{MAX_ROWS, MAX_SHOWN, read_twice, too_long};
 use super::unit::{Dimension, split_header};

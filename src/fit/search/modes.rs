@@ -1,15 +1,15 @@
 //! Other minima. The inclination alone shows the spin only through the phase of the nutation, so there is a minimum for
 //! each number of nutations that fits in the data.
 
-use super::error::FitError;
 use super::fitted::Fitted;
-use super::identify::{measures_more_than_theta, spin_rate};
-use super::model::{Point, Problem};
 use super::monitor::Monitor;
-use super::note::Note;
 use super::offset::{self, Rivals};
-use super::report::Mode;
 use super::solve::{DRAFT_ERROR, Draft, Solution, complete, draft, minimise, promising_draft};
+use crate::fit::error::FitError;
+use crate::fit::note::Note;
+use crate::fit::problem::identify::{measures_more_than_theta, spin_rate};
+use crate::fit::problem::model::{Point, Problem};
+use crate::fit::report::Mode;
 use crate::physics::math::ln;
 use rayon::prelude::*;
 
@@ -42,7 +42,7 @@ const MAX_MOTIONS: u64 = 10_000;
 const FAILURES: usize = 6;
 
 /// Maximum number of trials on each side.
-pub(super) const MAX_TRIALS: usize = 100;
+pub(in crate::fit) const MAX_TRIALS: usize = 100;
 
 /// A minimum that differs from another by less than this, in σ of the spin rate, is the same.
 const SAME: f64 = 0.5;
@@ -57,7 +57,10 @@ fn highest(count: usize) -> f64 {
 }
 
 /// Moves a fit to its best minimum and lists the others. Returns a remark on the spins that were tried.
-pub(super) fn settle(fitted: &mut Fitted, monitor: &Monitor<'_>) -> Result<Option<Note>, FitError> {
+pub(in crate::fit) fn settle(
+    fitted: &mut Fitted,
+    monitor: &Monitor<'_>,
+) -> Result<Option<Note>, FitError> {
     let mut found = find(fitted, Listed::AllButBest, monitor)?;
     for moves in 1..=MAX_MOVES {
         let Some(better) = found.better else { break };
@@ -76,7 +79,7 @@ pub(super) fn settle(fitted: &mut Fitted, monitor: &Monitor<'_>) -> Result<Optio
 
 /// The minima of an offset that are listed as the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Listed {
+pub(in crate::fit) enum Listed {
     /// All but the best one, to which the fit will move.
     AllButBest,
     /// All but the one that was found, at which the fit stays.
@@ -85,7 +88,7 @@ pub(super) enum Listed {
 
 /// What a search for other minima has found.
 #[derive(Default)]
-pub(super) struct Found {
+pub(in crate::fit) struct Found {
     scanned: Option<Scanned>,
     better: Option<Better>,
 }
@@ -106,7 +109,7 @@ struct Better {
 }
 
 /// Lists the other minima of a fit for its points, and moves to the best one of its spin rates.
-pub(super) fn find(
+pub(in crate::fit) fn find(
     fitted: &mut Fitted,
     listed: Listed,
     monitor: &Monitor<'_>,

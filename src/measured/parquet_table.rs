@@ -1,6 +1,6 @@
 //! Tables of measured values in Parquet files.
 
-use super::data_error::DataError;
+use super::error::DataError;
 use super::signal::{FileSignals, SignalSpec};
 use super::table::{MAX_ROWS, NumberColumn, Rows, Table, is_needed, too_long};
 use crate::archive::caught::catch;

@@ -18,7 +18,7 @@ pub struct Progress {
 }
 
 /// Counts the simulations of a fit and reports its progress.
-pub(super) struct Monitor<'a> {
+pub(in crate::fit) struct Monitor<'a> {
     report: &'a dyn Fn(Progress),
     // Cells, because the optimiser borrows the monitor together with the problem.
     evaluations: Cell<u64>,
@@ -28,7 +28,7 @@ pub(super) struct Monitor<'a> {
 }
 
 impl<'a> Monitor<'a> {
-    pub(super) fn new(report: &'a dyn Fn(Progress)) -> Self {
+    pub(in crate::fit) fn new(report: &'a dyn Fn(Progress)) -> Self {
         Self {
             report,
             evaluations: Cell::new(0),
@@ -39,28 +39,28 @@ impl<'a> Monitor<'a> {
     }
 
     /// Number of simulations so far.
-    pub(super) fn evaluations(&self) -> u64 {
+    pub(in crate::fit) fn evaluations(&self) -> u64 {
         self.evaluations.get()
     }
 
     /// Adds simulations that were counted elsewhere.
-    pub(super) fn add(&self, evaluations: u64) {
+    pub(in crate::fit) fn add(&self, evaluations: u64) {
         self.evaluations.set(self.evaluations.get() + evaluations);
     }
 
     /// Sets the end of the window that is fitted now, s, and that of the data.
-    pub(super) fn set_window(&self, end: f64, until: f64) {
+    pub(in crate::fit) fn set_window(&self, end: f64, until: f64) {
         self.window.set(end);
         self.until.set(until);
     }
 
     /// Sets the number of spins at the start that were tried to find other minima.
-    pub(super) fn set_spins(&self, spins: usize) {
+    pub(in crate::fit) fn set_spins(&self, spins: usize) {
         self.spins.set(spins as u32);
     }
 
     /// Counts simulations and reports the χ² that they found; NaN if they were for derivatives.
-    pub(super) fn count(&self, simulations: u64, chi2: f64) {
+    pub(in crate::fit) fn count(&self, simulations: u64, chi2: f64) {
         self.evaluations.set(self.evaluations.get() + simulations);
         (self.report)(Progress {
             window: self.window.get(),

@@ -1,8 +1,8 @@
 //! The sum of squares as the optimiser sees it.
 
-use super::error::FitError;
-use super::model::{Effort, Point, Problem};
 use super::monitor::Monitor;
+use crate::fit::error::FitError;
+use crate::fit::problem::model::{Effort, Point, Problem};
 use crate::words::sentence;
 use rmpfit::{MPConfig, MPError, MPFitter, MPPar, MPResult, MPSide, MPSuccess};
 use std::rc::Rc;
@@ -15,7 +15,7 @@ const ITERATIONS: usize = 25;
 const LAST_ITERATIONS: usize = 50;
 
 /// The objective as the optimiser sees it: parameters in units of their scales.
-pub(super) struct Objective<'a> {
+pub(in crate::fit) struct Objective<'a> {
     problem: &'a Problem,
     points: &'a [Point],
     /// Centre of weak priors.
@@ -42,7 +42,7 @@ struct Evaluated {
 }
 
 impl<'a> Objective<'a> {
-    pub(super) fn new(
+    pub(in crate::fit) fn new(
         problem: &'a Problem,
         points: &'a [Point],
         priors: Option<&'a [f64]>,
@@ -88,19 +88,19 @@ impl<'a> Objective<'a> {
     }
 
     /// Whether the last run ended because it had no more iterations or steps, and not in a minimum.
-    pub(super) fn is_exhausted(&self) -> bool {
+    pub(in crate::fit) fn is_exhausted(&self) -> bool {
         self.is_exhausted
     }
 
     /// Ends after this many iterations.
-    pub(super) fn limited_to(mut self, iterations: usize) -> Self {
+    pub(in crate::fit) fn limited_to(mut self, iterations: usize) -> Self {
         self.config.max_iter = iterations;
         self
     }
 
     /// Optimises with drafts of motions. Returns `start` if its draft ends before the data, as one that just reaches
     /// them may.
-    pub(super) fn run_drafts(
+    pub(in crate::fit) fn run_drafts(
         &mut self,
         start: &[f64],
         precision: f64,
@@ -115,7 +115,7 @@ impl<'a> Objective<'a> {
     }
 
     /// Optimises with exact motions.
-    pub(super) fn run_finally(
+    pub(in crate::fit) fn run_finally(
         &mut self,
         start: &[f64],
         precision: f64,

@@ -1,14 +1,14 @@
 //! The fit of one law, before it is reported.
 
-use super::error::FitError;
-use super::estimate::quality;
-use super::model::{Point, Problem};
-use super::report::{Mode, Quality};
 use super::solve::Solution;
+use crate::fit::error::FitError;
+use crate::fit::estimate::quality;
+use crate::fit::problem::model::{Point, Problem};
+use crate::fit::report::{Mode, Quality};
 
 /// Points to fit and points to predict.
 #[derive(Clone, Debug)]
-pub(super) struct Split {
+pub(in crate::fit) struct Split {
     pub fitted: Vec<Point>,
     pub held_out: Vec<Point>,
     /// End of the fitted part, s.
@@ -19,7 +19,7 @@ pub(super) struct Split {
 
 impl Split {
     /// The points of the first file, whose clock is the model's. The last part of its time is held out.
-    pub(super) fn from_first_file(problem: &Problem, holdout: f64) -> Self {
+    pub(in crate::fit) fn from_first_file(problem: &Problem, holdout: f64) -> Self {
         let first = problem.points_in_file(0);
         let last = first.iter().map(|point| point.time).fold(0.0, f64::max);
         let end = last * (1.0 - holdout);
@@ -33,7 +33,12 @@ impl Split {
     }
 
     /// Replaces the points to fit. Points of the other files are held out in the time in which those of the first are.
-    pub(super) fn fit_points(&mut self, problem: &Problem, values: &[f64], points: Vec<Point>) {
+    pub(in crate::fit) fn fit_points(
+        &mut self,
+        problem: &Problem,
+        values: &[f64],
+        points: Vec<Point>,
+    ) {
         self.fitted = points;
         self.held_out
             .retain(|point| problem.signals[point.signal].file == 0);
@@ -50,7 +55,7 @@ impl Split {
 
 /// The fit of one law.
 #[derive(Clone, Debug)]
-pub(super) struct Fitted {
+pub(in crate::fit) struct Fitted {
     pub problem: Problem,
     pub solution: Solution,
     pub split: Split,
@@ -60,12 +65,12 @@ pub(super) struct Fitted {
 
 impl Fitted {
     /// The name of the law.
-    pub(super) fn law(&self) -> &str {
+    pub(in crate::fit) fn law(&self) -> &str {
         self.problem.scenario.word("friction.law")
     }
 
     /// Moves the angles of further files by whole turns, to those of the motion.
-    pub(super) fn align_turns(&mut self) -> Result<(), FitError> {
+    pub(in crate::fit) fn align_turns(&mut self) -> Result<(), FitError> {
         let Self {
             problem,
             solution,
@@ -92,7 +97,7 @@ impl Fitted {
     }
 
     /// Goodness of the fit.
-    pub(super) fn quality(&self) -> Quality {
+    pub(in crate::fit) fn quality(&self) -> Quality {
         quality(&self.problem, &self.split.fitted, &self.solution)
     }
 }

@@ -4,7 +4,7 @@ use crate::words::{Piece, Sentence, and, sentence};
 
 /// Parameters that the data can't tell apart.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Degeneracy {
+pub(in crate::fit) enum Degeneracy {
     /// No signal depends on these parameters.
     Unseen {
         /// Names of the parameters.
@@ -39,7 +39,7 @@ pub(super) enum Degeneracy {
 
 /// A combination of two parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Combination {
+pub(in crate::fit) enum Combination {
     /// The product of both.
     Product,
     /// The quotient of both.
@@ -50,7 +50,7 @@ pub(super) enum Combination {
 
 impl Degeneracy {
     /// A clause that says what is not determined.
-    pub(super) fn sentence(&self) -> Sentence {
+    pub(in crate::fit) fn sentence(&self) -> Sentence {
         match self {
             Self::Unseen { names } => sentence!("no signal depends on {}", or(names)),
             Self::Combined {
@@ -77,7 +77,7 @@ impl Degeneracy {
     }
 
     /// The parameters to fix.
-    pub(super) fn fixed(&self) -> Sentence {
+    pub(in crate::fit) fn fixed(&self) -> Sentence {
         match self {
             Self::Unseen { names } => and(keys(names)),
             Self::Combined { names, .. } => or(names),
@@ -136,7 +136,7 @@ fn combined(
 }
 
 /// Parameters in a sentence.
-pub(super) fn keys(names: &[String]) -> Vec<Sentence> {
+pub(in crate::fit) fn keys(names: &[String]) -> Vec<Sentence> {
     names
         .iter()
         .map(|name| Piece::key(name.clone()).into())
@@ -144,11 +144,11 @@ pub(super) fn keys(names: &[String]) -> Vec<Sentence> {
 }
 
 /// Parameters as a list with "or".
-pub(super) fn or(names: &[String]) -> Sentence {
+pub(in crate::fit) fn or(names: &[String]) -> Sentence {
     Sentence::join(keys(names), " or ")
 }
 
 /// The pronoun that stands for a number of parameters.
-pub(super) fn pronoun(count: usize) -> &'static str {
+pub(in crate::fit) fn pronoun(count: usize) -> &'static str {
     if count == 1 { "it" } else { "them" }
 }

@@ -1,7 +1,7 @@
 //! The spin that a measured precession shows, for a start that is too far from the data.
 
-use super::identify::spin_rate;
-use super::model::Problem;
+use crate::fit::problem::identify::spin_rate;
+use crate::fit::problem::model::Problem;
 use crate::physics::math::cos;
 use crate::telemetry::fields::state;
 
@@ -12,7 +12,7 @@ const WINDOW: f64 = 1.0;
 const MIN_VALUES: usize = 5;
 
 /// Start values with another spin.
-pub(super) struct GuessedStart {
+pub(in crate::fit) struct GuessedStart {
     pub values: Vec<f64>,
     /// Spin rate ψ̇, rad/s.
     pub spin: f64,
@@ -22,7 +22,7 @@ pub(super) struct GuessedStart {
 /// precession is measured and the spin is free.
 ///
 /// Regular precession: (I_x − I_z) cos θ φ̇² − I_z ψ̇ φ̇ + M g l = 0 (the paper, section 3).
-pub(super) fn start_with_measured_spin(problem: &Problem) -> Option<GuessedStart> {
+pub(in crate::fit) fn start_with_measured_spin(problem: &Problem) -> Option<GuessedStart> {
     let spin = spin_rate(problem)?;
     let rate = precession_rate(problem)?;
     let scenario = &problem.scenario;

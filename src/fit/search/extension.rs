@@ -1,12 +1,12 @@
 //! Which further data would tell two laws apart.
 
-use super::error::FitError;
 use super::fitted::Fitted;
-use super::model::{Point, Problem};
 use super::monitor::Monitor;
-use super::report::{Extension, ExtensionKind};
-use super::signal::Signal;
 use super::solve::{complete, minimise};
+use crate::fit::error::FitError;
+use crate::fit::problem::model::{Point, Problem};
+use crate::fit::report::{Extension, ExtensionKind};
+use crate::measured::Signal;
 use crate::telemetry::fields::{NumberField, state};
 
 /// Expected Δχ² that decides: the right law then wins in 99 % of cases.
@@ -22,7 +22,7 @@ const PRECISION: f64 = 1e-3;
 const LONGER: [f64; 6] = [1.25, 1.5, 2.0, 3.0, 4.0, 6.0];
 
 /// The smallest extensions for which the expected Δχ² reaches [`WANTED`], if `best` is the right law.
-pub(super) fn extensions(
+pub(in crate::fit) fn extensions(
     best: &Fitted,
     rival: &Fitted,
     monitor: &Monitor<'_>,

@@ -1,20 +1,20 @@
 //! From a request to a problem, with the checks that come before a fit.
 
 use super::degeneracy::pronoun;
-use super::error::{FitError, bare_time, nothing_free, time, too_few};
 use super::model::Problem;
-use super::note::Note;
 use super::parameter::{PROFILE, SelectedParameter, Target};
-use super::place::Place;
 use super::plausibility::{check_signals, check_span, check_steps};
 use super::request::Request;
-use super::signal::Signal;
 use super::{identify, parameter};
+use crate::fit::error::{FitError, bare_time, nothing_free, time, too_few};
+use crate::fit::note::Note;
+use crate::measured::Place;
+use crate::measured::Signal;
 use crate::telemetry::fields::state;
 use crate::words::{Piece, Sentence, sentence};
 
 /// A problem whose data determine its parameters.
-pub(super) struct Prepared {
+pub(in crate::fit) struct Prepared {
     pub problem: Problem,
     /// Remarks on the data and on what they determine.
     pub notes: Vec<Note>,
@@ -23,7 +23,7 @@ pub(super) struct Prepared {
 }
 
 /// The problem of a request, after the check of what its data can determine.
-pub(super) fn prepare(request: &Request) -> Result<Prepared, FitError> {
+pub(in crate::fit) fn prepare(request: &Request) -> Result<Prepared, FitError> {
     let scenario = &request.scenario;
     let data = &request.data;
     let mut selected = parameter::select(&request.free, &request.bounds, scenario, data.files)?;
