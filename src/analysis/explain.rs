@@ -18,7 +18,6 @@
 mod chapters;
 mod claim;
 mod conservation;
-mod drift;
 mod evidence;
 mod fact;
 mod fall;
@@ -30,10 +29,11 @@ mod precession;
 mod rise;
 mod sections;
 mod story;
+mod stretch;
 mod time_span;
 mod tippe;
 
-pub use self::claim::{Carrier, Claim, Hold, Inversion, Stopped, SufficientSpin, Weakness};
+pub use self::claim::{Claim, Hold, Inversion, Stopped, SufficientSpin, Weakness};
 use self::evidence::Evidence;
 pub use self::fact::ENERGY_ZERO;
 pub use self::fact::{Fact, PrecessionRoot};

@@ -315,16 +315,23 @@ impl RunHistory {
         Curve::new(points)
     }
 
-    /// Whether the axis is beyond the horizontal in the last sample and in all of the last nutation: a tippe top that has
-    /// inverted, and stays so.
+    /// Whether the axis is beyond the horizontal in the last sample, and has not come back before in its last nutation: a
+    /// tippe top that has inverted, and stays so.
     pub(crate) fn is_inverted_at_end(&self) -> bool {
         let Some([_, last]) = self.states else {
             return false;
         };
-        let swings_back = self.cycles.last().is_some_and(|cycle| {
-            !cycle.is_last_before(last.time) && cycle.field(nutation::THETA_MIN) < FRAC_PI_2
-        });
-        last.theta >= FRAC_PI_2 && !swings_back
+        let comes_back = self.events_of(EventKind::Inverts).count() > 1
+            && self.cycles.last().is_some_and(|cycle| {
+                !cycle.is_last_before(last.time) && cycle.field(nutation::THETA_MIN) < FRAC_PI_2
+            });
+        last.theta >= FRAC_PI_2 && !comes_back
+    }
+
+    /// The last time at which the axis passes the horizontal downwards, s.
+    pub(crate) fn last_inversion(&self) -> Option<f64> {
+        let last = self.events_of(EventKind::Inverts).last();
+        last.map(|event| event.time).or(self.inverted)
     }
 
     /// The phases of a free peg to the end of the run; empty if they are not known, as after a gap.

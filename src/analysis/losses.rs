@@ -1,7 +1,7 @@
 //! What takes energy from a motion.
 
 use crate::physics::friction::Friction;
-use crate::words::{Sentence, and};
+use crate::words::{Sentence, and, sentence};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -41,7 +41,12 @@ impl From<Losses> for LossFlags {
 impl Losses {
     /// The losses of a model.
     pub fn new(friction: &Friction) -> Self {
-        match (friction.acts_at_contact(), friction.has_air_drag()) {
+        Self::acting(friction.acts_at_contact(), friction.has_air_drag())
+    }
+
+    /// Those of friction at the contact point and air drag that act.
+    pub(crate) fn acting(has_friction: bool, has_air_drag: bool) -> Self {
+        match (has_friction, has_air_drag) {
             (false, false) => Self::Absent,
             (true, false) => Self::Friction,
             (false, true) => Self::AirDrag,
@@ -49,13 +54,20 @@ impl Losses {
         }
     }
 
-    /// Their names, and impacts if there are any; friction if nothing acts.
+    /// Their names, and impacts if there are any; friction if nothing acts. What several do is known of all together only:
+    /// each of them may do the opposite.
     pub(crate) fn names(self, has_impacts: bool) -> Sentence {
         let LossFlags {
             has_friction,
             has_air_drag,
         } = self.into();
-        acting([has_friction, has_air_drag, has_impacts])
+        let acts = [has_friction, has_air_drag, has_impacts];
+        let names = acting(acts);
+        if acts.into_iter().filter(|acts| *acts).count() > 1 {
+            sentence!("{} together", names)
+        } else {
+            names
+        }
     }
 }
 
@@ -82,8 +94,8 @@ mod tests {
     fn names_only_what_acts() {
         for (losses, has_impacts, expected) in [
             (Losses::Absent, true, "impacts"),
-            (Losses::AirDrag, true, "air drag and impacts"),
-            (Losses::Both, false, "friction and air drag"),
+            (Losses::AirDrag, true, "air drag and impacts together"),
+            (Losses::Both, false, "friction and air drag together"),
         ] {
             assert_eq!(losses.names(has_impacts).to_string(), expected);
         }

@@ -20,6 +20,7 @@
 mod batch;
 mod condition;
 mod content;
+mod contradiction;
 mod digest;
 mod file;
 mod loader;

@@ -10,8 +10,8 @@ use std::path::Path;
 /// Error of reading measured data.
 #[derive(Debug)]
 pub struct DataError {
-    /// Where something is wrong.
-    pub place: Place,
+    /// Where something is wrong; boxed, because results with this error are returned everywhere.
+    pub place: Box<Place>,
     /// What is wrong there.
     pub problem: Sentence,
     /// What can be done about it; empty if the problem says it.
@@ -23,7 +23,7 @@ pub struct DataError {
 impl DataError {
     pub(super) fn new(problem: impl Into<Sentence>) -> Self {
         Self {
-            place: Place::default(),
+            place: Box::default(),
             problem: problem.into(),
             remedy: Sentence::default(),
             source: None,
@@ -69,7 +69,7 @@ impl DataError {
 
     /// What is wrong where, and what can be done about it.
     pub fn sentence(&self) -> Sentence {
-        let place = if self.place == Place::default() {
+        let place = if *self.place == Place::default() {
             Sentence::default()
         } else {
             sentence!("{}: ", self.place.to_string())

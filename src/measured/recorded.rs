@@ -4,7 +4,7 @@ use super::error::DataError;
 use super::signal::{FileSignals, Flaw, Row, SigmaSpec, Signal, SignalSpec};
 use super::table::{MAX_ROWS, MAX_SHOWN, read_twice, too_long};
 use super::unit::{Dimension, split_header};
-use crate::archive::recording::{Condition, FileChannel, Recording, Selection};
+use crate::archive::recording::{Condition, ContentCheck, FileChannel, Recording, Selection};
 use crate::run::time::seconds;
 use crate::telemetry::fields::{NumberField, state};
 use crate::telemetry::{Numbers as _, Topic, Topics};
@@ -125,6 +125,11 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
             ..Signal::new(&spec, file, found, missing, None)?
         });
     }
+    if recording.is_ours() {
+        for fault in content_faults(&recording) {
+            add_once(&mut losses, fault);
+        }
+    }
     Ok(Read {
         found: FileSignals {
             signals,
@@ -161,6 +166,18 @@ enum Lack {
     NoJson,
     #[error("they are true or false, not numbers")]
     Boolean,
+}
+
+/// What shows that a recording of toprise was altered, in sentences: only all messages together show it.
+fn content_faults(recording: &Recording) -> Vec<String> {
+    let mut check = ContentCheck::new(recording, &Topics::All);
+    let mut reader = recording.reader(Selection::default()).in_order_of_time();
+    while let Some(message) = reader.next() {
+        check.take(&message);
+    }
+    check
+        .finish(recording.end())
+        .sentences(!reader.all_losses().is_empty())
 }
 
 /// The place that a source names, if the file has it.

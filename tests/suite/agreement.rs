@@ -440,3 +440,46 @@ fn uncompressed_recording_cut_in_a_chunk_is_interrupted() {
     assert_eq!(overview.condition, Condition::Interrupted);
     assert_eq!(overview.losses.len(), 1);
 }
+
+/// A scenario, a run or an end that was replaced or left out, which no message shows.
+#[test]
+fn commands_report_altered_records() {
+    type Change = fn(&mut Forgery);
+    let cases: [(Change, &str); 6] = [
+        (
+            |forgery| {
+                forgery.edit_scenario("\nk = 0.03", "\nk = 0.04");
+            },
+            "altered scenario",
+        ),
+        (
+            |forgery| forgery.set(RUN, "scenario_digest", "0"),
+            "altered scenario",
+        ),
+        (
+            |forgery| forgery.drop(named(RUN)),
+            "missing metadata record",
+        ),
+        (
+            |forgery| {
+                forgery.entries(END).remove("content_digest");
+            },
+            "it has no content digest",
+        ),
+        (
+            |forgery| forgery.set(END, "stop_reason", "boredom"),
+            "its reason",
+        ),
+        (
+            |forgery| forgery.set(END, "stop_time", "0.1"),
+            "at its time",
+        ),
+    ];
+    let folder = Folder::new();
+    for (change, fault) in cases {
+        let mut forgery = original();
+        change(&mut forgery);
+        folder.write("a.mcap", forgery.bytes());
+        assert_reports_fault(&folder, fault);
+    }
+}

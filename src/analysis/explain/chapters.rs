@@ -31,7 +31,8 @@ pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
 fn inversion(evidence: &Evidence) -> Option<Fact> {
     let history = &evidence.history;
     match history.inverted {
-        Some(time) if history.has_exact_inversion() && history.is_inverted_at_end() => {
+        Some(_) if history.has_exact_inversion() && history.is_inverted_at_end() => {
+            let time = history.last_inversion()?;
             Some(Fact::Inverted { time })
         }
         Some(time) if history.has_exact_inversion() => Some(Fact::PassesHorizontal { time }),
@@ -259,7 +260,7 @@ fn balance(evidence: &Evidence) -> Vec<Fact> {
     if conserves || energies.work.abs() <= within || change <= within {
         let (energy, deviation) = (first, change.max(within));
         // A larger deviation is an error of the integration or of the recording.
-        let is_constant = deviation <= ROUNDED * first.abs();
+        let is_constant = deviation <= ROUNDED * energies.size;
         return vec![if is_constant {
             Fact::EnergyConstant { energy, deviation }
         } else {

@@ -39,6 +39,8 @@ pub enum Claim {
         angle_to_momentum: f64,
         /// Inclination of the axis, rad; it decreases.
         theta: [f64; 2],
+        /// The beginning of the rise, s.
+        from: f64,
         /// The end of the rise, s.
         until: f64,
         /// Inclination of the axis in the last sample, rad: the top may fall after its rise.
@@ -74,10 +76,9 @@ pub enum Claim {
     },
     /// The spin is, or becomes, too slow to hold the axis up, and the top falls.
     ///
-    /// Without friction, energy and both angular momenta decide whether the motion from the start reaches the
-    /// inclination of the fall. They don't allow it without gravity: neither the motion at the start nor the
-    /// centrifugal force carries the axis there. With gravity they allow it if the top is weak from the start, and
-    /// don't if friction has to slow the spin first.
+    /// Gravity adds more energy up to the fall than the motion across the axis has at the start. Without friction, energy
+    /// and both angular momenta decide whether the motion from the start reaches the inclination of the fall: they allow
+    /// it if the top is weak from the start, and don't if friction has to slow the spin first.
     WeakTopFalls {
         /// Angular momentum about the axis at the start and at the fall, kg m²/s.
         axial: [f64; 2],
@@ -99,11 +100,13 @@ pub enum Claim {
     /// Gravity and the normal force have no torque about the axis. The whole angular momentum does not grow, so the angle
     /// between it and the axis increases only because of its part about the axis.
     FrictionLowers {
-        /// Time at which the axis is least inclined, s.
+        /// Time at which the top begins to sink, s.
         from: f64,
-        /// Angle between the axis and the line of the angular momentum then and in the last sample, rad; it increases.
+        /// The end of the fall, s.
+        until: f64,
+        /// Angle between the axis and the line of the angular momentum at these times, rad; it increases.
         angle_to_momentum: [f64; 2],
-        /// The largest inclination of the line of the angular momentum since then, rad: less than half of this increase.
+        /// The largest inclination of the line of the angular momentum between them, rad: less than half of this increase.
         momentum_inclination: f64,
         /// Angular momentum about the axis, kg m²/s; its size decreases.
         axial: [f64; 2],
@@ -115,19 +118,21 @@ pub enum Claim {
         #[serde(flatten)]
         losses: Losses,
     },
-    /// The mean inclination changes, in one sense, from one nutation to another.
+    /// The mean inclination changes from one nutation to another, in one sense but for a tenth of its range in the run.
     ///
     /// Without friction, the angular momenta about the vertical and the axis are constant, and the axis nutates about
     /// the inclination at which a top with these precesses without nutation. Losses change the angular momenta, and with
     /// them that inclination; and they change the nutation, in which the mean differs from it. The change of the mean is
     /// the sum of both.
     MeanInclinationChanges {
-        /// The end of the first nutation, s.
+        /// The beginning of the change, s.
         from: f64,
-        /// The end of the last nutation, s.
+        /// The end of the change, s.
         until: f64,
-        /// Mean inclination in these nutations, rad.
+        /// Mean inclination in the first and the last nutation of that time, rad.
         mean_theta: [f64; 2],
+        /// The ends of these nutations, s: the last samples in them.
+        nutation_ends: [f64; 2],
         /// Inclination without nutation, rad, with the angular momenta at these times.
         regular_theta: [f64; 2],
         /// Whether the peg hits the table meanwhile, as far as impacts are recorded.
@@ -137,14 +142,16 @@ pub enum Claim {
         losses: Losses,
     },
     /// A top falls in its first nutation as it would without friction, and not because it is weak: its energy and its
-    /// angular momenta allow it.
+    /// angular momenta allow it. It is strong, or its motion at the start has more energy than gravity adds.
     SwingsDown {
         /// Inclination at the start and at the fall, rad; it increases.
         theta: [f64; 2],
         /// Time of the fall, s.
         time: f64,
-        /// What carries the axis down.
-        carried_by: Carrier,
+        /// Kinetic energy of the motion across the axis at the start, J.
+        kinetic: f64,
+        /// Work of gravity from the start to the fall, J.
+        by_gravity: f64,
     },
     /// A tippe top that had enough energy at the start does not turn over, because too little is left.
     EnergySpent {
@@ -287,16 +294,6 @@ pub enum Weakness {
     ByLoss,
 }
 
-/// What carries the axis of a strong top down.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Carrier {
-    /// Its motion at the start, which would do so without gravity, too.
-    Motion,
-    /// Gravity, with its motion at the start.
-    Gravity,
-}
-
 /// What holds a top at rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -340,18 +337,17 @@ impl Claim {
             | Self::EnergySpent { .. }
             | Self::NotYetInverted { .. }
             | Self::RestsFromStart { .. } => TimeSpan::WHOLE,
-            Self::FrictionRaises { until, .. } => TimeSpan::until(*until),
             Self::WeakTopFalls { time, .. }
             | Self::SwingsDown { time, .. }
             | Self::Inverts { time, .. }
             | Self::ComesToRest { from: time, .. } => TimeSpan::at(*time),
-            Self::FrictionLowers { from, .. } | Self::SlipEnds { from, .. } => {
-                TimeSpan::from(*from)
-            }
-            Self::Bounces {
+            Self::SlipEnds { from, .. }
+            | Self::Bounces {
                 from, lands: None, ..
             } => TimeSpan::from(*from),
-            Self::MeanInclinationChanges { from, until, .. }
+            Self::FrictionRaises { from, until, .. }
+            | Self::FrictionLowers { from, until, .. }
+            | Self::MeanInclinationChanges { from, until, .. }
             | Self::Bounces {
                 from,
                 lands: Some(until),
@@ -367,14 +363,6 @@ impl Claim {
             Self::FrictionRaises { .. }
                 | Self::FrictionSpeedsPrecession { .. }
                 | Self::LossesAlign { .. }
-        )
-    }
-
-    /// Whether it is about a fall of the top, or the beginning of one.
-    pub(super) fn is_fall(&self) -> bool {
-        matches!(
-            self,
-            Self::WeakTopFalls { .. } | Self::FrictionLowers { .. } | Self::SwingsDown { .. }
         )
     }
 

@@ -18,7 +18,7 @@ pub(super) fn conserves(evidence: &Evidence) -> Option<Claim> {
     let (vertical, axial) = (momentum.vertical()?, momentum.axial()?);
     // Both may be zero: what counts is the size of the angular momentum.
     let size = momentum.largest();
-    let is_constant = energy_deviation <= ROUNDED * energies.first.abs()
+    let is_constant = energy_deviation <= ROUNDED * energies.size
         && is_constant(vertical, size)
         && is_constant(axial, size);
     let mean_theta = match chapters::mean_theta(evidence) {

@@ -1,8 +1,9 @@
 //! Why a top falls.
 
-use super::claim::{Carrier, Claim, Weakness};
+use super::claim::{Claim, Weakness};
 use super::evidence::{Evidence, ROUNDED};
 use super::momentum::MomentumSpan;
+use super::stretch::Stretch;
 use crate::analysis::history::Cycle;
 use crate::analysis::losses::Losses;
 use crate::physics::kinematics::Tilt;
@@ -26,7 +27,8 @@ pub(super) fn weak_top_falls(evidence: &Evidence) -> Option<Claim> {
     let is_weak = axial[1].abs() < critical;
     let falls = fallen.state.theta > span.from.theta;
     let is_weak_from_start = axial[0].abs() < critical;
-    let falls_without_friction = can_reach(evidence, fallen.state.theta, top.gravity_moment());
+    let swing = Swing::new(evidence, fallen.state.theta);
+    let falls_without_friction = swing.reaches();
     let slows = axial[0].abs() - axial[1].abs() > ROUNDED * axial[0].abs();
     // Strong at the start, the top falls because of friction; weak, it falls without it, or is slowed further first.
     let weakness = match (is_weak_from_start, falls_without_friction) {
@@ -39,7 +41,7 @@ pub(super) fn weak_top_falls(evidence: &Evidence) -> Option<Claim> {
         Weakness::NeedsLoss => slows,
         Weakness::ByLoss => !falls_without_friction,
     };
-    let is_cause = !can_reach(evidence, fallen.state.theta, 0.0) && is_by_spin;
+    let is_cause = swing.is_by_gravity() && is_by_spin;
     // A fall that mostly precedes the weakness has another cause, such as a fast precession.
     let falls_when_weak = is_weak_from_start
         || history.first(EventKind::WeakTop).is_some_and(|weak| {
@@ -56,7 +58,7 @@ pub(super) fn weak_top_falls(evidence: &Evidence) -> Option<Claim> {
 }
 
 /// A fall, or the beginning of one, in fast precession.
-pub(super) fn friction_lowers(evidence: &Evidence) -> Option<Claim> {
+pub(super) fn friction_lowers(evidence: &Evidence, stretch: &Stretch) -> Option<Claim> {
     let model = &evidence.scenario.model;
     // Without terms of the Euler equations, no torque shortens the angular momentum.
     if model.friction.dissipation.drops_euler_terms() || model.top.gravity_moment() <= 0.0 {
@@ -67,7 +69,7 @@ pub(super) fn friction_lowers(evidence: &Evidence) -> Option<Claim> {
         to,
         inclination,
         ..
-    } = evidence.observations.momentum.descent()?;
+    } = stretch.span;
     let increase = to.angle_to_axis - from.angle_to_axis;
     // The inclination of the axis is within `inclination` of its angle to the angular momentum.
     // Beyond a right angle, the axis would turn towards the other end of the line.
@@ -79,17 +81,18 @@ pub(super) fn friction_lowers(evidence: &Evidence) -> Option<Claim> {
     let fallen = evidence.history.first(EventKind::Fallen);
     (must_sink && is_cause).then_some(Claim::FrictionLowers {
         from: from.time,
+        until: to.time,
         angle_to_momentum: [from.angle_to_axis, to.angle_to_axis],
         momentum_inclination: inclination,
         axial: [from.axial, to.axial],
         theta: [from.theta, to.theta],
-        falls: fallen.is_some_and(|fallen| fallen.time > from.time),
-        losses: Losses::new(&model.friction),
+        falls: fallen.is_some_and(|fallen| stretch.contains(fallen.time)),
+        losses: stretch.losses(evidence),
     })
 }
 
-/// A top that falls in its first nutation as it would without friction, as its energy and its angular momenta allow, and
-/// not because it is weak.
+/// A top that falls in its first nutation as its energy and its angular momenta allow without friction, and not because it
+/// is weak.
 pub(super) fn swings_down(evidence: &Evidence) -> Option<Claim> {
     let fallen = evidence.fall()?;
     let first_end = evidence.history.cycles.first().map(Cycle::end);
@@ -98,50 +101,66 @@ pub(super) fn swings_down(evidence: &Evidence) -> Option<Claim> {
     if !is_first && !evidence.scenario.is_frictionless() {
         return None;
     }
-    let theta = fallen.state.theta;
+    let swing = Swing::new(evidence, fallen.state.theta);
     let top = evidence.scenario.model.nutating_top();
     let start = Tilt::from_rates(evidence.scenario.angles.theta, evidence.scenario.rates);
-    let is_strong = top.strength_ratio(&start) > 1.0;
-    let carried_by = if can_reach(evidence, theta, 0.0) {
-        Carrier::Motion
-    } else if is_strong && can_reach(evidence, theta, top.gravity_moment()) {
-        Carrier::Gravity
-    } else {
-        // Of a weak top, its weakness would be half of the reason.
-        return None;
-    };
-    Some(Claim::SwingsDown {
-        theta: [evidence.scenario.angles.theta, theta],
+    // Of a weak top that gravity swings down, its weakness is the reason.
+    let is_weak = top.strength_ratio(&start) <= 1.0 && swing.is_by_gravity();
+    (swing.reaches() && !is_weak).then_some(Claim::SwingsDown {
+        theta: [evidence.scenario.angles.theta, fallen.state.theta],
         time: fallen.time,
-        carried_by,
+        kinetic: swing.kinetic,
+        by_gravity: swing.by_gravity,
     })
 }
 
-/// Whether the motion from the start, without friction and with this largest torque of gravity, N m, reaches an
-/// inclination below that at the start, rad.
+/// The energy of the motion from the start to an inclination, without friction.
 ///
 /// Energy and the angular momenta about the vertical and the axis are then constant, and so the part of the energy in θ̇
 /// is a function of θ that is positive in one interval only: that between the turning points. The axis swings to and fro
 /// between these, and reaches what is in between.
-fn can_reach(evidence: &Evidence, theta: f64, gravity_moment: f64) -> bool {
-    let model = &evidence.scenario.model;
-    let top = model.nutating_top();
-    let (rates, start) = (evidence.scenario.rates, evidence.scenario.angles.theta);
-    let ((start_sin, start_cos), (sin, cos)) = (sin_cos(start), sin_cos(theta));
-    // The centre of mass of a top with a free peg goes up and down with θ.
-    let nodding_moment = if model.support.is_free() {
-        let lever = top.center_distance * start_sin;
-        top.transverse_moment + top.mass * lever * lever
-    } else {
-        top.transverse_moment
-    };
-    let axial = top.axial_moment * (rates.psi + rates.phi * start_cos);
-    let precession_rate = rates.phi * start_sin;
-    let vertical = top.transverse_moment * precession_rate * start_sin + axial * start_cos;
-    let kinetic = 0.5 * nodding_moment * rates.theta * rates.theta
-        + 0.5 * top.transverse_moment * precession_rate * precession_rate;
-    let horizontal = (vertical - axial * cos) / sin;
-    // The energy of the precession at θ, (L_z′ − L_n cos θ)²/(2 I_x sin² θ); the rest of the energy is left to θ̇.
-    let needed = 0.5 * horizontal * horizontal / top.transverse_moment;
-    kinetic + gravity_moment * (start_cos - cos) > needed
+struct Swing {
+    /// Kinetic energy of the motion across the axis at the start, J.
+    kinetic: f64,
+    /// Work of gravity from the start to the inclination, J.
+    by_gravity: f64,
+    /// The energy that the precession has at the inclination, J: (L_z′ − L_n cos θ)²/(2 I_x sin² θ).
+    needed: f64,
+}
+
+impl Swing {
+    /// The swing to an inclination, rad.
+    fn new(evidence: &Evidence, theta: f64) -> Self {
+        let model = &evidence.scenario.model;
+        let top = model.nutating_top();
+        let (rates, start) = (evidence.scenario.rates, evidence.scenario.angles.theta);
+        let ((start_sin, start_cos), (sin, cos)) = (sin_cos(start), sin_cos(theta));
+        // The centre of mass of a top with a free peg goes up and down with θ.
+        let nodding_moment = if model.support.is_free() {
+            let lever = top.center_distance * start_sin;
+            top.transverse_moment + top.mass * lever * lever
+        } else {
+            top.transverse_moment
+        };
+        let axial = top.axial_moment * (rates.psi + rates.phi * start_cos);
+        let precession_rate = rates.phi * start_sin;
+        let vertical = top.transverse_moment * precession_rate * start_sin + axial * start_cos;
+        let horizontal = (vertical - axial * cos) / sin;
+        Self {
+            kinetic: 0.5 * nodding_moment * rates.theta * rates.theta
+                + 0.5 * top.transverse_moment * precession_rate * precession_rate,
+            by_gravity: top.gravity_moment() * (start_cos - cos),
+            needed: 0.5 * horizontal * horizontal / top.transverse_moment,
+        }
+    }
+
+    /// Whether the axis reaches the inclination.
+    fn reaches(&self) -> bool {
+        self.kinetic + self.by_gravity > self.needed
+    }
+
+    /// Whether more of the energy comes from gravity than from the motion at the start.
+    fn is_by_gravity(&self) -> bool {
+        self.by_gravity > self.kinetic
+    }
 }

@@ -19,7 +19,7 @@ use std::f64::consts::PI;
 
 /// The angular momentum and the axis at an instant. The angular momentum is about the centre of a fixed peg, or about
 /// the centre of mass of a top with a free one: there, friction is the only torque besides that of the normal force.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct MomentumState {
     /// Time, s.
     pub(super) time: f64,
@@ -75,28 +75,32 @@ pub(super) struct MomentumSpan {
     pub(super) angle_to_axis: f64,
     /// The largest inclination of the line of the angular momentum, rad.
     pub(super) inclination: f64,
+    /// Whether friction acts at the contact point in a sample.
+    pub(super) has_contact_friction: bool,
 }
 
 impl MomentumSpan {
-    /// A span that begins at a sample.
-    fn new(state: MomentumState) -> Self {
+    /// A span that begins and ends at a sample.
+    pub(super) fn new(state: MomentumState) -> Self {
         Self {
             from: state,
             to: state,
             by_friction: 0.0,
             angle_to_axis: state.angle_to_axis,
             inclination: state.inclination(),
+            has_contact_friction: false,
         }
     }
 
-    /// The span to the next sample, with the change of the horizontal part by friction in between, kg m²/s.
-    fn extended(self, state: MomentumState, by_friction: f64) -> Self {
+    /// Both spans, of which the second one begins where the first one ends.
+    pub(super) fn joined(self, next: Self) -> Self {
         Self {
             from: self.from,
-            to: state,
-            by_friction: self.by_friction + by_friction,
-            angle_to_axis: self.angle_to_axis.max(state.angle_to_axis),
-            inclination: self.inclination.max(state.inclination()),
+            to: next.to,
+            by_friction: self.by_friction + next.by_friction,
+            angle_to_axis: self.angle_to_axis.max(next.angle_to_axis),
+            inclination: self.inclination.max(next.inclination),
+            has_contact_friction: self.has_contact_friction || next.has_contact_friction,
         }
     }
 }
@@ -155,10 +159,8 @@ pub(super) struct MomentumHistory {
     by_impacts: f64,
     /// From the first sample to the last.
     whole: Option<MomentumSpan>,
-    /// From the first sample to the one in which the axis is least inclined.
-    rise: Option<MomentumSpan>,
-    /// From the sample in which the axis is least inclined to the last.
-    descent: Option<MomentumSpan>,
+    /// From the last mark to the last sample.
+    since_mark: Option<MomentumSpan>,
     /// The part about the vertical.
     vertical: Option<Constancy>,
     /// The part about the symmetry axis.
@@ -182,14 +184,14 @@ impl MomentumHistory {
         self.whole
     }
 
-    /// From the first sample to the one in which the axis is least inclined.
-    pub(super) fn rise(&self) -> Option<MomentumSpan> {
-        self.rise
+    /// From the last mark, or from the first sample, to the last.
+    pub(super) fn since_mark(&self) -> Option<MomentumSpan> {
+        self.since_mark
     }
 
-    /// From the sample in which the axis is least inclined to the last.
-    pub(super) fn descent(&self) -> Option<MomentumSpan> {
-        self.descent
+    /// Marks the last sample.
+    pub(super) fn mark(&mut self) {
+        self.since_mark = self.whole.map(|span| MomentumSpan::new(span.to));
     }
 
     /// The part about the vertical.
@@ -246,14 +248,16 @@ impl MomentumHistory {
     pub(super) fn finish_sample(&mut self) {
         let sample = std::mem::take(&mut self.pending);
         if let Some((state, shortening)) = sample.evaluate(self.is_free) {
-            self.add(state, shortening);
+            // A recording without forces does not show where they are zero.
+            let acts = sample.force.is_none_or(|force| force.norm() > 0.0);
+            self.add(state, shortening, acts);
         }
         if let Some(lever) = sample.lever() {
             self.lever = Some(lever);
         }
     }
 
-    fn add(&mut self, state: MomentumState, shortening: f64) {
+    fn add(&mut self, state: MomentumState, shortening: f64, has_contact_friction: bool) {
         let vertical = self.whole.map_or(state, |span| span.from).vertical;
         let state = state.with_sense(if vertical < 0.0 { -1.0 } else { 1.0 });
         Constancy::take(&mut self.vertical, state.vertical);
@@ -262,30 +266,17 @@ impl MomentumHistory {
         // The trapezoidal rule: the torque of friction hardly changes within a sampling period.
         let mean = 0.5 * (self.shortening + shortening);
         let by_impacts = std::mem::take(&mut self.by_impacts);
-        let span = match self.whole {
-            None => MomentumSpan::new(state),
-            Some(span) => {
-                let by_friction = (state.time - span.to.time) * mean + by_impacts;
-                self.extend_descent(state, by_friction);
-                span.extended(state, by_friction)
-            }
+        let mut step = MomentumSpan {
+            has_contact_friction,
+            ..MomentumSpan::new(state)
         };
-        // A top may sink again after its rise, which the whole run would hide.
-        if self
-            .descent
-            .is_none_or(|descent| state.theta < descent.from.theta)
-        {
-            self.rise = Some(span);
-            self.descent = Some(MomentumSpan::new(state));
+        if let Some(whole) = self.whole {
+            step.by_friction = (state.time - whole.to.time) * mean + by_impacts;
+        }
+        for span in [&mut self.whole, &mut self.since_mark] {
+            *span = Some(span.map_or(step, |span| span.joined(step)));
         }
         self.shortening = shortening;
-        self.whole = Some(span);
-    }
-
-    fn extend_descent(&mut self, state: MomentumState, by_friction: f64) {
-        self.descent = self
-            .descent
-            .map(|descent| descent.extended(state, by_friction));
     }
 }
 

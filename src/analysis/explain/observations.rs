@@ -1,6 +1,6 @@
 //! Quantities of a run that only an explanation needs.
 
-use super::momentum::{MomentumHistory, MomentumState};
+use super::momentum::{MomentumHistory, MomentumSpan};
 use crate::run::simulation::{EventKind, Regime};
 use crate::run::time::seconds;
 use crate::telemetry::Message;
@@ -34,19 +34,19 @@ pub(super) struct GripSpan {
     /// Inclination then, rad.
     pub(super) theta_at_start: f64,
     /// The motion before.
-    pub(super) before: MotionState,
+    pub(super) before: Passage,
     /// The least and the greatest inclination in the samples since then, rad; absent if there are none.
     pub(super) theta_range: Option<[f64; 2]>,
     /// Energy in these samples, J.
     pub(super) energy: Option<Ends>,
 }
 
-/// Angular momenta and number of impacts at an instant.
+/// The motion since the end of the last nutation, or since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct MotionState {
-    /// Angular momenta in the last complete sample; absent without one.
-    pub(super) momentum: Option<MomentumState>,
-    /// Number of impacts up to then.
+pub(super) struct Passage {
+    /// Angular momenta in its complete samples; absent without one.
+    pub(super) span: Option<MomentumSpan>,
+    /// Number of impacts in the run up to its end.
     pub(super) impacts: u64,
 }
 
@@ -76,8 +76,8 @@ impl ImpactTimes {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Observations {
     pub(super) momentum: MomentumHistory,
-    /// The motion at the end of each nutation.
-    pub(super) nutation_ends: Vec<MotionState>,
+    /// The motion in each nutation; the first one begins with the run.
+    pub(super) nutations: Vec<Passage>,
     /// Kinetic energy, J.
     pub(super) kinetic: Option<Ends>,
     /// Height of a free top's centre of mass above the table, m.
@@ -119,8 +119,9 @@ impl Observations {
                 Ends::take(&mut self.center_height, height);
             }
             NUTATION => {
-                let end = self.latest();
-                self.nutation_ends.push(end);
+                let nutation = self.latest();
+                self.nutations.push(nutation);
+                self.momentum.mark();
             }
             CONTACT => {
                 let regime = Regime::from_code(contact::REGIME.of(message));
@@ -135,10 +136,10 @@ impl Observations {
         }
     }
 
-    /// The motion now.
-    pub(super) fn latest(&self) -> MotionState {
-        MotionState {
-            momentum: self.momentum.whole().map(|span| span.to),
+    /// The motion since the last nutation.
+    pub(super) fn latest(&self) -> Passage {
+        Passage {
+            span: self.momentum.since_mark(),
             impacts: self.impacts.map_or(0, |impacts| impacts.count),
         }
     }

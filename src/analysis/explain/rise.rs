@@ -5,17 +5,18 @@ use super::conservation::is_constant;
 use super::evidence::Evidence;
 use super::fact::{Fact, PrecessionRoot};
 use super::precession;
+use super::stretch::Stretch;
 use crate::analysis::losses::Losses;
 use std::f64::consts::FRAC_PI_2;
 
 /// Friction turns the angular momentum upright, and the axis follows it.
-pub(super) fn friction_raises(evidence: &Evidence) -> Option<Claim> {
+pub(super) fn friction_raises(evidence: &Evidence, stretch: &Stretch) -> Option<Claim> {
     let friction = &evidence.scenario.model.friction;
     // Without terms of the Euler equations there is no torque that would change the angular momentum.
     if friction.dissipation.drops_euler_terms() || evidence.history.is_tippe_top() {
         return None;
     }
-    let span = evidence.observations.momentum.rise()?;
+    let span = stretch.span;
     let change = span.to.horizontal - span.from.horizontal;
     let descent = span.from.inclination() - span.to.inclination();
     // The axis is within `angle_to_axis` of the angular momentum, at the beginning as at the end.
@@ -33,9 +34,10 @@ pub(super) fn friction_raises(evidence: &Evidence) -> Option<Claim> {
         by_friction: span.by_friction,
         angle_to_momentum: span.angle_to_axis,
         theta: [span.from.theta, span.to.theta],
+        from: span.from.time,
         until: span.to.time,
         theta_at_end: evidence.observations.momentum.whole()?.to.theta,
-        losses: Losses::new(friction),
+        losses: stretch.losses(evidence),
     })
 }
 

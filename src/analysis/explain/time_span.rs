@@ -29,13 +29,6 @@ impl TimeSpan {
         }
     }
 
-    pub(super) fn until(time: f64) -> Self {
-        Self {
-            from: None,
-            until: Some(time),
-        }
-    }
-
     pub(super) fn between(from: f64, until: f64) -> Self {
         Self {
             from: Some(from),
@@ -97,9 +90,9 @@ mod tests {
     fn sentences_begin_with_their_time() {
         for (interval, expected) in [
             (TimeSpan::WHOLE, "It rose."),
-            (TimeSpan::until(2.0), "It rose."),
+            (TimeSpan::between(0.0, 2.0), "It rose."),
             (TimeSpan::from(0.0), "It rose."),
-            (TimeSpan::until(1.0), "Until 1.0000 s, it rose."),
+            (TimeSpan::between(0.0, 1.0), "Until 1.0000 s, it rose."),
             (TimeSpan::from(1.0), "From 1.0000 s on, it rose."),
             (
                 TimeSpan::between(0.5, 1.0),

@@ -32,7 +32,7 @@ pub(super) fn inverts(evidence: &Evidence) -> Option<Claim> {
         jellett_deviation <= ROUNDED && !evidence.scenario.model.friction.has_losses();
     (turns_over && reverses && rises && by_contact_force && lost_sliding > 0.0).then_some(
         Claim::Inverts {
-            time: history.inverted?,
+            time: history.last_inversion()?,
             theta,
             jellett_deviation,
             vertical,

@@ -17,6 +17,8 @@ pub(crate) struct Energies {
     pub(crate) work: f64,
     /// The largest deviation of the energy from that at the start and this work, J.
     pub(crate) imbalance: f64,
+    /// The largest sum of the sizes of kinetic and potential energy, J: that of both may be zero.
+    pub(crate) size: f64,
 }
 
 impl Energies {
@@ -30,7 +32,9 @@ impl Energies {
         // The work is counted from the start of the run, which a recording need not have.
         let first = known.map_or(last - work, |known| known.first);
         let imbalance = known.map_or(0.0, |known| known.imbalance);
+        let size = energy::KINETIC.of(message).abs() + energy::POTENTIAL.of(message).abs();
         *energies = Some(Self {
+            size: known.map_or(size, |known| known.size.max(size)),
             first,
             last,
             until: seconds(message.time_ns),

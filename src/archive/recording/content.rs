@@ -2,6 +2,7 @@
 //!
 //! Everything that reads a recording reports these faults, in the same words.
 
+use super::contradiction::Contradiction;
 use super::digest::DigestCheck;
 use super::file::Recording;
 use super::missing::{Excess, MessageCounts, Missing};
@@ -10,9 +11,6 @@ use crate::archive::format::Entries;
 use crate::telemetry::{Message, Topic, Topics};
 use crate::words::counted;
 use std::fmt;
-
-/// The sentence about messages that are not those of the end record.
-const ALTERED: &str = "altered messages: their digest is not the one in the end record";
 
 /// Messages that can't be decoded.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -40,6 +38,8 @@ pub(crate) struct ContentCheck {
     counts: MessageCounts,
     /// The digest of all messages; `None` if it can't be compared.
     digest: Option<DigestCheck>,
+    /// A contradiction that is known without the messages.
+    contradiction: Option<Contradiction>,
     undecodable: Option<Undecodable>,
 }
 
@@ -50,8 +50,7 @@ pub(crate) struct ContentFaults {
     /// Messages that the run has according to its end record, but the recording lacks.
     pub(crate) missing: Vec<Missing>,
     pub(crate) excess: Option<Excess>,
-    /// Whether the digest of the messages is not the one in the end record.
-    pub(crate) is_altered: bool,
+    pub(crate) contradiction: Option<Contradiction>,
 }
 
 impl ContentCheck {
@@ -67,6 +66,7 @@ impl ContentCheck {
                 Topics::All => DigestCheck::new(recording),
                 Topics::Only(_) => None,
             },
+            contradiction: Contradiction::find(recording),
             undecodable: None,
         }
     }
@@ -107,7 +107,8 @@ impl ContentCheck {
         if let Some(end) = end {
             faults.missing = self.counts.missing(&self.topics, end);
             faults.excess = self.counts.excess(&self.topics, end);
-            faults.is_altered = self.digest.is_some_and(|digest| !digest.is_of(end));
+            let by_messages = self.digest.and_then(|digest| digest.contradiction(end));
+            faults.contradiction = self.contradiction.or(by_messages);
         }
         faults
     }
@@ -122,8 +123,10 @@ impl ContentFaults {
         if !is_damaged {
             sentences.extend(self.missing.iter().map(|part| format!("missing {part}")));
             sentences.extend(self.excess.as_ref().map(ToString::to_string));
-            if self.is_altered && sentences.is_empty() {
-                sentences.push(ALTERED.to_owned());
+            if let Some(contradiction) = self.contradiction
+                && sentences.is_empty()
+            {
+                sentences.push(contradiction.to_string());
             }
         }
         sentences

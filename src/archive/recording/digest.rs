@@ -1,7 +1,10 @@
 //! Compares the messages of a recording with the content digest in its end record.
 
+use super::contradiction::Contradiction;
 use super::file::Recording;
-use crate::archive::format::{CONTENT_DIGEST, Entries, SAMPLE_PERIOD};
+use super::missing::is_in_every_sample;
+use crate::archive::format::{CONTENT_DIGEST, Entries, SAMPLE_PERIOD, STOP_TIME};
+use crate::run::time::nanoseconds;
 use crate::telemetry::Message;
 use crate::telemetry::digest::{ContentDigest, append_content};
 use std::num::NonZeroU64;
@@ -15,6 +18,8 @@ pub(super) struct DigestCheck {
     /// The digest with the sequence numbers of toprise, from the first message on that has another: other software may
     /// number messages anew, which changes none of the data.
     numbered: Option<ContentDigest>,
+    /// Time of the last sample, ns; `None` without a topic that every sample has.
+    last_sample_ns: Option<u64>,
     /// Memory for the content of a message.
     content: Vec<u8>,
 }
@@ -30,12 +35,16 @@ impl DigestCheck {
             period_ns,
             digest: ContentDigest::default(),
             numbered: None,
+            last_sample_ns: None,
             content: Vec::new(),
         })
     }
 
     /// Takes the next message, and the number of earlier ones of its topic.
     pub(super) fn take(&mut self, message: &Message<'_>, earlier: u64) {
+        if is_in_every_sample(message.topic()) {
+            self.last_sample_ns = Some(message.time_ns);
+        }
         let number = self.number(message, earlier);
         if self.numbered.is_none() && number != message.sequence {
             self.numbered = Some(self.digest.clone());
@@ -66,15 +75,19 @@ impl DigestCheck {
         number as u32
     }
 
-    /// Whether an end record has the digest of these messages.
-    pub(super) fn is_of(&self, end: &Entries) -> bool {
-        // Without a digest there is nothing to contradict.
-        let Some(stated) = end.get(CONTENT_DIGEST) else {
-            return true;
-        };
+    /// What in an end record contradicts these messages.
+    pub(super) fn contradiction(&self, end: &Entries) -> Option<Contradiction> {
+        let stated = end.get(CONTENT_DIGEST);
         let mut digests = [Some(&self.digest), self.numbered.as_ref()]
             .into_iter()
             .flatten();
-        digests.any(|digest| digest.finish() == *stated)
+        if !digests.any(|digest| Some(&digest.finish()) == stated) {
+            return Some(Contradiction::Digest);
+        }
+        let stop_time: f64 = end.get(STOP_TIME)?.parse().ok()?;
+        let last_ns = self.last_sample_ns?;
+        // The next sample would have come after the stop, which is known to more digits than nanoseconds.
+        let possible = last_ns..=last_ns.saturating_add(self.period_ns.get());
+        (!possible.contains(&nanoseconds(stop_time))).then_some(Contradiction::StopTime)
     }
 }

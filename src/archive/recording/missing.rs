@@ -70,7 +70,7 @@ impl fmt::Display for Excess {
 
 /// Whether each sample of a run has a message of the topic. Those of regular precession depend on the state; those of a
 /// free peg on the support, and a recording has their channels only if the peg is free.
-fn is_in_every_sample(topic: Topic) -> bool {
+pub(super) fn is_in_every_sample(topic: Topic) -> bool {
     let info = topic.info();
     info.is_sampled && (!info.is_optional || info.is_free_peg_only)
 }

@@ -308,9 +308,9 @@ fn story_is_in_the_order_of_time() {
             "lifecycle",
             &[
                 "Until ",
-                "the top rose because friction and air drag turned",
+                "the top rose because friction and air drag together turned",
                 "At ",
-                "the top fell because friction and air drag had slowed the spin",
+                "the top fell because friction and air drag together had slowed the spin",
             ][..],
         ),
         ("paper", &["The top rose because", "In the paper's terms"]),

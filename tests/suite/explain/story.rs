@@ -1,7 +1,7 @@
 //! The causes that an explanation names are checked by the recorded numbers.
 
 use crate::random_scenarios::{self, Random, free_tops, ordinary_held_tops};
-use crate::support::{MemorySink, scenario};
+use crate::support::{MemorySink, assert_near, scenario};
 use nalgebra::Vector3;
 use std::error::Error;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -89,6 +89,12 @@ impl ExplainedRun {
             .collect()
     }
 
+    /// The indices of the samples at these times, s.
+    fn samples_at(&self, times: [f64; 2]) -> [usize; 2] {
+        let sampled = self.times();
+        times.map(|time| sampled.iter().position(|other| *other == time).unwrap())
+    }
+
     fn ends(&self, field: NumberField) -> [f64; 2] {
         let numbers = self.numbers(field);
         [numbers[0], numbers[numbers.len() - 1]]
@@ -173,23 +179,18 @@ fn check(explained: &ExplainedRun, claim: &Claim) {
             is_vertical_constant,
             by_friction,
             theta,
+            from,
             until,
             theta_at_end,
             ..
         } => {
             assert_eq!(*theta_at_end, explained.ends(state::THETA)[1]);
-            check_momentum(explained, *part, *vertical, *until);
-            check_friction(explained, *part, *by_friction, *until);
-            let at = explained
-                .times()
-                .iter()
-                .position(|time| time == until)
-                .unwrap();
+            let ends = explained.samples_at([*from, *until]);
+            check_momentum(explained, *part, *vertical, ends);
+            check_friction(explained, *part, *by_friction, [*from, *until]);
             let thetas = explained.numbers(state::THETA);
-            assert_same("θ", *theta, [thetas[0], thetas[at]]);
-            assert!(thetas[at] < thetas[0], "{claim:?}");
-            // It lasts until the axis begins to sink.
-            assert!(thetas.iter().all(|other| *other >= thetas[at]));
+            assert_same("θ", *theta, ends.map(|at| thetas[at]));
+            assert!(theta[1] < theta[0], "{claim:?}");
             if *is_vertical_constant {
                 for momentum in explained.angular_momenta() {
                     assert!((momentum.z / vertical[0] - 1.0).abs() < 1e-6, "{claim:?}");
@@ -212,19 +213,23 @@ fn check(explained: &ExplainedRun, claim: &Claim) {
         Claim::WeakTopFalls { axial, time, .. } => check_weak(explained, *axial, *time),
         Claim::FrictionLowers {
             from,
+            until,
             angle_to_momentum,
             axial,
             theta,
             falls,
             ..
         } => {
-            check_descent(explained, *from, *angle_to_momentum, *axial, *theta);
+            let ends = explained.samples_at([*from, *until]);
+            check_descent(explained, ends, *angle_to_momentum, *axial, *theta);
             let fallen = explained.times_of(EventKind::Fallen);
-            assert_eq!(*falls, fallen.first().is_some_and(|time| time > from));
+            let time = fallen.first().copied().unwrap_or(f64::NAN);
+            // A fall that ends the run comes after its last sample.
+            let is_last = Some(until) == explained.times().last();
+            assert_eq!(*falls, time > *from && (is_last || time <= *until));
         }
         Claim::MeanInclinationChanges {
-            from,
-            until,
+            nutation_ends: [from, until],
             mean_theta,
             regular_theta,
             has_impacts,
@@ -247,9 +252,15 @@ fn check(explained: &ExplainedRun, claim: &Claim) {
                 "{claim:?}"
             );
         }
-        Claim::SwingsDown { theta, time, .. } => {
+        Claim::SwingsDown {
+            theta,
+            time,
+            kinetic,
+            by_gravity,
+        } => {
             assert_eq!(explained.times_of(EventKind::Fallen)[0], *time);
             assert!(theta[1] > theta[0]);
+            check_swing(explained, *theta, *kinetic, *by_gravity);
         }
         Claim::EnergySpent {
             energy: total,
@@ -361,18 +372,38 @@ fn check(explained: &ExplainedRun, claim: &Claim) {
     }
 }
 
-/// A top begins to sink where its rise ends.
+/// What raises the axis and what lowers it are told one after the other.
 fn check_order(claims: &[Claim]) {
+    let mut end = f64::NEG_INFINITY;
     for claim in claims {
-        let Claim::FrictionRaises { until, .. } = claim else {
-            continue;
-        };
-        for other in claims {
-            if let Claim::FrictionLowers { from, .. } = other {
-                assert_eq!(until, from, "{claims:?}");
-            }
+        if let Claim::FrictionRaises { from, until, .. }
+        | Claim::FrictionLowers { from, until, .. }
+        | Claim::MeanInclinationChanges { from, until, .. } = claim
+        {
+            assert!(*from >= end && until > from, "{claims:?}");
+            end = *until;
         }
     }
+}
+
+/// The kinetic energy at the start is that of the rotation across the axis and, of a free top, of the height of its centre of
+/// mass.
+fn check_swing(explained: &ExplainedRun, theta: [f64; 2], kinetic: f64, by_gravity: f64) {
+    let top = explained.scenario.model.nutating_top();
+    let (theta_dot, phi_dot) = (
+        explained.numbers(state::THETA_DOT)[0],
+        explained.numbers(state::PHI_DOT)[0],
+    );
+    let ([sin, _], [cos, cos_at_fall]) = (theta.map(f64::sin), theta.map(f64::cos));
+    let across = theta_dot.hypot(phi_dot * sin);
+    let mut expected = 0.5 * top.transverse_moment * across * across;
+    if explained.scenario.model.support.is_free() {
+        let lift = top.center_distance * sin * theta_dot;
+        expected += 0.5 * top.mass * lift * lift;
+    }
+    assert_near("kinetic energy", kinetic, expected, 1e-12);
+    let work = top.mass * top.gravity * top.center_distance * (cos - cos_at_fall);
+    assert_near("work of gravity", by_gravity, work, 1e-12);
 }
 
 /// Claims are told in the order of time, each with its time where that is not the whole run.
@@ -472,22 +503,27 @@ fn check_conserves(explained: &ExplainedRun, mean_theta: Option<[f64; 2]>) {
     }
 }
 
-fn check_momentum(explained: &ExplainedRun, part: [f64; 2], vertical: [f64; 2], until: f64) {
+fn check_momentum(
+    explained: &ExplainedRun,
+    part: [f64; 2],
+    vertical: [f64; 2],
+    [from, until]: [usize; 2],
+) {
     let momenta = explained.angular_momenta();
-    let at = explained
-        .times()
-        .iter()
-        .position(|time| *time == until)
-        .unwrap();
-    let recorded = [momenta[0], momenta[at]];
+    let recorded = [momenta[from], momenta[until]];
     assert_same("horizontal", part, recorded.map(|l| horizontal(&l).norm()));
     assert_same("vertical", vertical, recorded.map(|l| l.z));
     assert!(part[1] < part[0]);
     // The axis must have followed the angular momentum.
     let inclinations = recorded.map(|l| atan2(l.z.abs(), horizontal(&l).norm()));
     let mut largest = 0.0_f64;
-    let sense = vertical[0].signum();
-    for (momentum, axis) in momenta[..=at].iter().zip(explained.axes()) {
+    let sense = momenta[0].z.signum();
+    for (momentum, axis) in momenta
+        .iter()
+        .zip(explained.axes())
+        .skip(from)
+        .take(until + 1 - from)
+    {
         let line = sense * momentum;
         // An arc cosine of a small angle would lose half of the digits.
         largest = largest.max(atan2(line.cross(&axis).norm(), line.dot(&axis)));
@@ -495,7 +531,12 @@ fn check_momentum(explained: &ExplainedRun, part: [f64; 2], vertical: [f64; 2], 
     assert!(inclinations[1] - inclinations[0] > 2.0 * largest - 1e-9);
 }
 
-fn check_friction(explained: &ExplainedRun, part: [f64; 2], by_friction: f64, until: f64) {
+fn check_friction(
+    explained: &ExplainedRun,
+    part: [f64; 2],
+    by_friction: f64,
+    [from, until]: [f64; 2],
+) {
     // Couples of losses are not among these torques.
     if explained.scenario.model.support.is_free() && explained.scenario.model.friction.has_losses()
     {
@@ -506,14 +547,14 @@ fn check_friction(explained: &ExplainedRun, part: [f64; 2], by_friction: f64, un
     let shortening = |at: usize| torques[at].dot(&horizontal(&momenta[at]).normalize());
     let (mut sum, mut known) = (0.0, 1e-9 * by_friction.abs());
     for (at, window) in times.windows(2).enumerate() {
-        if window[1] <= until {
+        if window[0] >= from && window[1] <= until {
             let period = window[1] - window[0];
             sum += period * shortening(at);
             // The claim has the trapezoidal rule.
             known += 0.5 * period * (shortening(at + 1) - shortening(at)).abs();
         }
     }
-    sum += by_friction_in_impacts(explained, &times, &momenta, until);
+    sum += by_friction_in_impacts(explained, &times, &momenta, [from, until]);
     assert!((sum - by_friction).abs() <= known, "{sum} {by_friction}");
     assert!(by_friction < 0.5 * (part[1] - part[0]));
 }
@@ -523,7 +564,7 @@ fn by_friction_in_impacts(
     explained: &ExplainedRun,
     times: &[f64],
     momenta: &[Vector3<f64>],
-    until: f64,
+    [from, until]: [f64; 2],
 ) -> f64 {
     let centers = explained.vectors(center_of_mass::POSITION);
     let points = explained.vectors(contact::CONTACT_POINT);
@@ -532,7 +573,7 @@ fn by_friction_in_impacts(
         let time = impacts::TIME.of(&impact);
         // The sample before it.
         let after = times.partition_point(|&sampled| sampled < time);
-        if time > until || after == 0 {
+        if time < from || time > until || after == 0 {
             continue;
         }
         let lever = points[after - 1] - centers[after - 1];
@@ -592,16 +633,12 @@ fn check_weak(explained: &ExplainedRun, axial: [f64; 2], time: f64) {
 /// The angle to the angular momentum grows because the part about the axis shrinks.
 fn check_descent(
     explained: &ExplainedRun,
-    from: f64,
+    [at, last]: [usize; 2],
     angle: [f64; 2],
     axial: [f64; 2],
     theta: [f64; 2],
 ) {
-    let times = explained.times();
-    let at = times.iter().position(|time| *time == from).unwrap();
-    let last = times.len() - 1;
     let thetas = explained.numbers(state::THETA);
-    assert!(thetas.iter().all(|other| *other >= thetas[at]));
     assert_same("θ", theta, [thetas[at], thetas[last]]);
     assert!(thetas[last] > thetas[at]);
     let spins = explained.numbers(momentum::AXIAL);
@@ -615,7 +652,7 @@ fn check_descent(
         // Arc cosines of small angles lose half of the digits.
         assert!((claimed - recorded).abs() < 1e-7, "{claimed} {recorded}");
     }
-    for momentum in &momenta[at..] {
+    for momentum in &momenta[at..=last] {
         let inclination = (sense * momentum).angle(&Vector3::z());
         assert!(2.0 * inclination < angles[1] - angles[0] + 1e-7);
     }
@@ -1250,7 +1287,7 @@ fn falls_have_their_causes() {
                 ("initial.theta", "1.5"),
                 ("initial.phi_dot", "0"),
             ],
-            "although its spin",
+            "its motion across the axis had 0 J",
         ),
         (
             "frictionless",
@@ -1259,12 +1296,12 @@ fn falls_have_their_causes() {
                 ("initial.theta_dot", "200"),
                 ("initial.phi_dot", "0"),
             ],
-            "even without gravity",
+            "as it would have without friction",
         ),
         (
             "rise-by-loss-of-spin",
             &[("initial.theta", "1.45")],
-            "because of its motion at the start",
+            "as it would have without friction",
         ),
     ] {
         let (_, text) = checked(preset, keys);
@@ -1276,7 +1313,7 @@ fn falls_have_their_causes() {
 #[test]
 fn mean_inclination_changes_are_named() {
     for (preset, keys, senses) in [
-        ("lifecycle", &[("initial.theta", "1.45")][..], "+"),
+        ("lifecycle", &[("initial.theta", "1.45")][..], "-+"),
         ("spin-torque-only", &[("initial.theta", "1.45")], "+"),
         ("paper-precession-term-only", &[("friction.k", "0.3")], "-"),
         ("tilt-torque-only", &[("initial.psi_dot", "30")], "-+"),

@@ -1,6 +1,6 @@
 //! The sentences of claims: in the past tense, so that verbs need no agreement, and without the time of the claim.
 
-use super::{Carrier, Claim, Hold, SufficientSpin, Weakness};
+use super::{Claim, Hold, SufficientSpin, Weakness};
 use crate::analysis::explain::fact::times;
 use crate::analysis::losses::Losses;
 use crate::words::{Piece, Sentence, sentence};
@@ -39,7 +39,15 @@ impl Claim {
                 losses,
                 ..
             } => mean_inclination_changes(*mean_theta, *regular_theta, *losses, *has_impacts),
-            Self::SwingsDown { carried_by, .. } => swings_down(*carried_by),
+            Self::SwingsDown {
+                kinetic,
+                by_gravity,
+                ..
+            } => sentence!(
+                "the top fell as it would have without friction: its motion across the axis had {} at the start, and gravity added {} on the way down.",
+                Piece::number(*kinetic, 2, "J"),
+                Piece::number(*by_gravity, 2, "J")
+            ),
             Self::StaysUpright {
                 sufficient_spin, ..
             } => stays_upright(*sufficient_spin),
@@ -145,17 +153,6 @@ fn mean_inclination_changes(
         losses.names(has_impacts),
         Piece::number(by_nutation, 2, "rad")
     )
-}
-
-fn swings_down(carried_by: Carrier) -> Sentence {
-    match carried_by {
-        Carrier::Motion => sentence!(
-            "the top fell because of its motion at the start, which would have carried the axis down so far even without gravity."
-        ),
-        Carrier::Gravity => sentence!(
-            "the top fell although its spin could hold it upright: with its motion at the start, gravity swung the axis down so far before the spin turned it up again."
-        ),
-    }
 }
 
 fn stays_upright(sufficient_spin: SufficientSpin) -> Sentence {
