@@ -1,8 +1,8 @@
 //! An axis of a sweep: a scenario key and its values.
 
-use super::error::{AxisProblem, SweepError};
 use crate::physics::math::{exp, ln};
 use crate::run::scenario::{self, KEYS, Key, ScenarioError, Value};
+use crate::sweep::error::{AxisProblem, SweepError};
 
 /// Maximum number of values of an axis.
 const MAX_VALUES: u32 = 10_000_000;

@@ -1,13 +1,13 @@
 //! Sweep specs in TOML.
 
+use super::Spec;
 use super::axis::Axis;
 use super::base::Base;
 use super::deserialize::{section, some_count, texts};
 use super::design::Design;
-use super::error::{AxisProblem, SpecError, SweepError};
 use super::sample::Sample;
-use super::spec::Spec;
-use super::table::Table;
+use crate::sweep::error::{AxisProblem, SpecError, SweepError};
+use crate::sweep::table::Table;
 use serde::Deserialize;
 use std::path::Path;
 
@@ -123,7 +123,7 @@ fn to_argument(value: &toml::Value) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sweep::change::change;
+    use crate::sweep::spec::change::change;
 
     #[test]
     fn file_and_command_line_define_equal_specs() {

@@ -1,9 +1,9 @@
 //! Base scenarios of a sweep.
 
 use super::axis::find_key;
-use super::error::SweepError;
 use crate::archive::input::Input;
 use crate::run::scenario::{KEYS, Value, Values};
+use crate::sweep::error::SweepError;
 use serde_json::{Value as Json, json};
 use std::path::{Path, PathBuf};
 

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value as Json};
 
 /// The first difference between the specs of two sweeps, in words; `None` if they are equal.
-pub(super) fn change(before: &Json, now: &Json) -> Option<String> {
+pub(in crate::sweep) fn change(before: &Json, now: &Json) -> Option<String> {
     changed("", before, now)
 }
 
@@ -50,10 +50,10 @@ fn member(object: &Map<String, Json>, name: &str) -> Json {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sweep::axis::Axis;
-    use crate::sweep::base::Base;
-    use crate::sweep::design::Design;
     use crate::sweep::spec::Spec;
+    use crate::sweep::spec::axis::Axis;
+    use crate::sweep::spec::base::Base;
+    use crate::sweep::spec::design::Design;
     use std::path::Path;
 
     fn paper() -> Vec<Base> {

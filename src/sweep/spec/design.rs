@@ -1,10 +1,10 @@
 //! Design: the rows per base.
 
 use super::axis::Axis;
-use super::error::{AxisProblem, SpecError, SweepError};
 use super::sample::Sample;
-use super::table::Table;
 use crate::run::scenario::Key;
+use crate::sweep::error::{AxisProblem, SpecError, SweepError};
+use crate::sweep::table::Table;
 
 /// Maximum number of rows (part numbers have six digits).
 pub(super) const MAX_ROWS: u64 = 1_000_000_000;
