@@ -11,9 +11,9 @@ pub struct ChannelInfo {
     pub schema: &'static str,
     /// Description of the channel.
     pub meaning: &'static str,
-    /// Text fields, in the order of [`Message::texts`](super::Message::texts); encoded before the numbers.
+    /// Text fields, in the order of [`Message::texts`](crate::telemetry::Message::texts); encoded before the numbers.
     pub texts: Vec<Leaf>,
-    /// Number fields, in the order of [`Message::numbers`](super::Message::numbers).
+    /// Number fields, in the order of [`Message::numbers`](crate::telemetry::Message::numbers).
     pub numbers: Vec<Leaf>,
     /// Whether the channel has messages for samples; otherwise it has one for each event, nutation or impact.
     pub is_sampled: bool,

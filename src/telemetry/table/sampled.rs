@@ -1,8 +1,8 @@
 //! Values of fields in samples, without messages.
 
-use super::handle::NumberField;
-use super::table::{SAMPLES, Source};
 use crate::run::simulation::Sample;
+use crate::telemetry::handle::NumberField;
+use crate::telemetry::table::{SAMPLES, Source};
 
 impl NumberField {
     /// The value of the field in a sample: the one that a message of the sample has. NaN for fields of other records

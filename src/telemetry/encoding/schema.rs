@@ -1,6 +1,6 @@
 //! JSON Schemas of the messages, generated from the table.
 
-use super::channel::{ChannelInfo, Content, Leaf};
+use crate::telemetry::table::channel::{ChannelInfo, Content, Leaf};
 use serde_json::{Map, Value, json};
 
 /// The JSON Schema of a channel's messages, as stored in recordings and in `schemas/`.

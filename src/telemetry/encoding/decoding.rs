@@ -1,6 +1,6 @@
 //! Shared parts of the decoders: rows, errors, message structure.
 
-use super::channel::ChannelInfo;
+use crate::telemetry::table::channel::ChannelInfo;
 use crate::words::counted;
 use std::str::Utf8Error;
 use thiserror::Error;

@@ -2,7 +2,7 @@
 
 /// The bytes of a channel's messages without their values.
 #[derive(Debug)]
-pub(super) struct Template {
+pub(in crate::telemetry) struct Template {
     /// The places of the values.
     pub(super) slots: Vec<Slot>,
     /// The bytes after the last value.

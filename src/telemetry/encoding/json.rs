@@ -1,10 +1,10 @@
 //! Messages as JSON: `{"timestamp":{"sec":…,"nsec":…},"theta":…,…}`.
 
-use super::channel::{ChannelInfo, Content};
 use super::decoding::{DecodeError, Object, Paths, Row, SchemaError, Target};
-use super::message::Message;
 use super::template::{Slot, Template};
 use crate::run::time::{NANOSECONDS, seconds_and_nanoseconds};
+use crate::telemetry::message::Message;
+use crate::telemetry::table::channel::{ChannelInfo, Content};
 use serde::de::{self, DeserializeSeed, IgnoredAny, MapAccess, Visitor};
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -17,7 +17,7 @@ const TIMESTAMP: &str = "timestamp";
 const STAMP_PARTS: usize = 2;
 
 /// Appends the message to `out` as JSON, with bit-exact numbers.
-pub(super) fn encode(template: &Template, message: &Message<'_>, out: &mut Vec<u8>) {
+pub(in crate::telemetry) fn encode(template: &Template, message: &Message<'_>, out: &mut Vec<u8>) {
     let (sec, nsec) = seconds_and_nanoseconds(message.time_ns);
     // Writing to a Vec cannot fail, and every number is finite.
     let _ = write!(out, "{{\"timestamp\":{{\"sec\":{sec},\"nsec\":{nsec}}}");
@@ -36,7 +36,7 @@ pub(super) fn encode(template: &Template, message: &Message<'_>, out: &mut Vec<u
 }
 
 /// The template of a channel's messages.
-pub(super) fn template(channel: &ChannelInfo) -> Template {
+pub(in crate::telemetry) fn template(channel: &ChannelInfo) -> Template {
     let mut slots = Vec::new();
     let mut before = String::new();
     for (name, content) in channel.members() {

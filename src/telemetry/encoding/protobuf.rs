@@ -4,13 +4,13 @@
 //!
 //! All numbers are doubles and always written, so that negative zeros are preserved.
 
-use super::channel::{ChannelInfo, Content, Member};
 use super::decoding::{DecodeError, Object, Paths, Row, SchemaError, Target, WireError};
-use super::message::Message;
 use super::schema::with_unit_and_frame;
 use super::template::{Slot, Template};
 use super::wire::{Wire, take_field};
 use crate::run::time::{NANOSECONDS, seconds_and_nanoseconds};
+use crate::telemetry::message::Message;
+use crate::telemetry::table::channel::{ChannelInfo, Content, Member};
 use prost::Message as _;
 use prost::encoding::{WireType, encode_key, encode_varint};
 use prost_types::field_descriptor_proto::{Label, Type};
