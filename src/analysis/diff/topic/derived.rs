@@ -1,7 +1,7 @@
 //! Angles between two directions or orientations, which no single field contains.
 
 use super::field::{FieldDifference, FieldTally};
-use super::tolerance::{Tolerance, Tolerances};
+use crate::analysis::diff::tolerance::{Tolerance, Tolerances};
 use crate::physics::math::{atan2, unwrap_near};
 use crate::telemetry::fields::{NumberField, POSE, STATE, pose, state};
 use crate::telemetry::{Message, Topic};

@@ -1,10 +1,10 @@
 //! Findings about the motion averaged over nutations.
 
-use super::averages::AverageErrors;
 use super::crossing::MeanCrossing;
-use super::evidence::Evidence;
 use super::finding::{Finding, Quantity};
-use super::integration_error::{IntegrationError, combined};
+use crate::analysis::diff::averages::AverageErrors;
+use crate::analysis::diff::evidence::Evidence;
+use crate::analysis::diff::integration_error::{IntegrationError, combined};
 use crate::telemetry::fields::{NumberField, nutation};
 
 /// The times at which the averaged motions cross a common level.

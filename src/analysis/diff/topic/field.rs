@@ -1,6 +1,6 @@
 //! Statistics of the differences of one field.
 
-use super::tolerance::Tolerance;
+use crate::analysis::diff::tolerance::Tolerance;
 use crate::run::time::seconds;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -129,6 +129,6 @@ impl FieldTally {
 }
 
 /// The RMS of `count` numbers with this sum of squares.
-pub(super) fn rms(squares: f64, count: u64) -> f64 {
+pub(in crate::analysis::diff) fn rms(squares: f64, count: u64) -> f64 {
     (squares / count.max(1) as f64).sqrt().min(f64::MAX)
 }

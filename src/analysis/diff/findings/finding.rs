@@ -1,6 +1,6 @@
 //! A finding: a pair of corresponding numbers, and how it is displayed.
 
-use super::integration_error::IntegrationError;
+use crate::analysis::diff::integration_error::IntegrationError;
 use crate::run::simulation::{EventKind, StopReason};
 use crate::words::number::{Digits, significant};
 use crate::words::{Number, Piece, Sentence, sentence};
@@ -303,7 +303,7 @@ impl JsonSchema for Finding {
 
 impl Finding {
     /// A's and B's number, with an unknown error.
-    pub(super) fn new(quantity: Quantity, [a, b]: [Option<f64>; 2]) -> Self {
+    pub(in crate::analysis::diff) fn new(quantity: Quantity, [a, b]: [Option<f64>; 2]) -> Self {
         Self {
             quantity,
             a,
@@ -324,7 +324,7 @@ impl Finding {
 
     /// Sets the integration error of the difference, which is also its uncertainty; `None` if the numbers depend on the
     /// integration.
-    pub(super) fn with_error(self, error: IntegrationError) -> Option<Self> {
+    pub(in crate::analysis::diff) fn with_error(self, error: IntegrationError) -> Option<Self> {
         let estimate = match error {
             IntegrationError::Unknown => None,
             IntegrationError::Within(error) => Some(error),
