@@ -15,23 +15,17 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod causes;
 mod chapters;
 mod claim;
-mod conservation;
-mod drift;
 mod evidence;
 mod fact;
-mod fall;
-mod flight;
-mod grip;
 mod momentum;
 mod observations;
 mod precession;
-mod rise;
 mod sections;
 mod story;
 mod time_span;
-mod tippe;
 
 pub use self::claim::{Carrier, Claim, Hold, Inversion, Stopped, SufficientSpin, Weakness};
 use self::evidence::Evidence;

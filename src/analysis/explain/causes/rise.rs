@@ -1,10 +1,10 @@
 //! Why a top rises.
 
-use super::claim::Claim;
 use super::conservation::is_constant;
-use super::evidence::Evidence;
-use super::fact::{Fact, PrecessionRoot};
-use super::precession;
+use crate::analysis::explain::claim::Claim;
+use crate::analysis::explain::evidence::Evidence;
+use crate::analysis::explain::fact::{Fact, PrecessionRoot};
+use crate::analysis::explain::precession;
 use crate::analysis::losses::Losses;
 use std::f64::consts::FRAC_PI_2;
 

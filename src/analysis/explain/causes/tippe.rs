@@ -1,7 +1,7 @@
 //! Why a tippe top turns over, or does not.
 
-use super::claim::{Claim, SufficientSpin};
-use super::evidence::{Evidence, ROUNDED};
+use crate::analysis::explain::claim::{Claim, SufficientSpin};
+use crate::analysis::explain::evidence::{Evidence, ROUNDED};
 use crate::physics::math::sin_cos;
 use crate::physics::top::Top;
 use crate::run::simulation::StopReason;

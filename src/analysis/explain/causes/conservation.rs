@@ -1,9 +1,9 @@
 //! What stays constant without friction.
 
-use super::chapters;
-use super::claim::Claim;
-use super::evidence::{Evidence, ROUNDED};
-use super::fact::Fact;
+use crate::analysis::explain::chapters;
+use crate::analysis::explain::claim::Claim;
+use crate::analysis::explain::evidence::{Evidence, ROUNDED};
+use crate::analysis::explain::fact::Fact;
 use crate::analysis::history::Constancy;
 
 pub(super) fn conserves(evidence: &Evidence) -> Option<Claim> {

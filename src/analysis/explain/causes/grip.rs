@@ -1,8 +1,8 @@
 //! What follows when the contact point no longer slips.
 
-use super::claim::{Claim, Hold, Inversion, Stopped};
-use super::evidence::{Evidence, ROUNDED};
-use super::observations::{Ends, GripSpan};
+use crate::analysis::explain::claim::{Claim, Hold, Inversion, Stopped};
+use crate::analysis::explain::evidence::{Evidence, ROUNDED};
+use crate::analysis::explain::observations::{Ends, GripSpan};
 use crate::analysis::history::PegPhase;
 use crate::physics::math::sin_cos;
 use crate::run::simulation::{EventKind, StopReason};

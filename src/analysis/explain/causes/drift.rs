@@ -1,9 +1,9 @@
 //! How the mean inclination changes, and by what.
 
-use super::claim::Claim;
-use super::evidence::Evidence;
-use super::momentum::MomentumState;
-use super::observations::MotionState;
+use crate::analysis::explain::claim::Claim;
+use crate::analysis::explain::evidence::Evidence;
+use crate::analysis::explain::momentum::MomentumState;
+use crate::analysis::explain::observations::MotionState;
 use crate::analysis::losses::Losses;
 
 /// Part of the range of the mean inclination by which it may turn back and still change in one sense.

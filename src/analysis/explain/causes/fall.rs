@@ -1,8 +1,8 @@
 //! Why a top falls.
 
-use super::claim::{Carrier, Claim, Weakness};
-use super::evidence::{Evidence, ROUNDED};
-use super::momentum::MomentumSpan;
+use crate::analysis::explain::claim::{Carrier, Claim, Weakness};
+use crate::analysis::explain::evidence::{Evidence, ROUNDED};
+use crate::analysis::explain::momentum::MomentumSpan;
 use crate::analysis::history::Cycle;
 use crate::analysis::losses::Losses;
 use crate::physics::kinematics::Tilt;

@@ -1,7 +1,7 @@
 //! Flights and impacts of a free peg.
 
-use super::claim::Claim;
-use super::evidence::Evidence;
+use crate::analysis::explain::claim::Claim;
+use crate::analysis::explain::evidence::Evidence;
 use crate::analysis::history::{PegPhase, in_phase};
 use crate::run::simulation::EventKind;
 
