@@ -9,8 +9,8 @@ use rerun::external::re_log_encoding::Encoder;
 use rerun::external::re_log_encoding::rrd::EncodingOptions;
 use rerun::external::re_log_types::LogMsg;
 
-use super::error::RerunError;
 use super::message::QUEUE;
+use crate::rerun::error::RerunError;
 
 /// An `.rrd` file that is being written.
 pub(super) struct RrdFile {

@@ -4,18 +4,18 @@
 use crate::run::time::seconds;
 use rerun::TextDocument;
 
-use super::blueprint;
-use super::blueprint::pair::Extent;
-use super::entities::Entities;
-use super::entity::SUMMARY;
-use super::output::{Destination, Destinations, Output};
-use super::pair::PairIdentity;
-use super::plots::Plots;
-use super::role::Role;
-use super::scene::log_stage;
-use super::sink::{Content, Stream};
-use super::style::legible;
+use super::run::Entities;
+use super::stream::{Content, Stream};
 use crate::physics::math;
+use crate::rerun::blueprint;
+use crate::rerun::blueprint::pair::Extent;
+use crate::rerun::entity::SUMMARY;
+use crate::rerun::output::{Destination, Destinations, Output};
+use crate::rerun::pair::PairIdentity;
+use crate::rerun::plots::Plots;
+use crate::rerun::role::Role;
+use crate::rerun::scene::log_stage;
+use crate::rerun::style::legible;
 use crate::telemetry::Message;
 use crate::telemetry::side::Side;
 

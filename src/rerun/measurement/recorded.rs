@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use super::measurement::{MeasuredSignal, MeasuredValue, Measurement};
 use crate::archive::recording::{Recording, Selection};
+use crate::rerun::measurement::{MeasuredSignal, MeasuredValue, Measurement};
 use crate::telemetry::fields::NumberField;
 use crate::telemetry::supplement::{FIT_DATA, FIT_RESIDUAL};
 use crate::telemetry::{Topic, Topics};

@@ -3,11 +3,11 @@
 use crate::run::time::seconds;
 use rerun::{Color, TextLog};
 
-use super::entity;
-use super::output::{ComponentColumns, Output};
-use super::role::Role;
-use super::track::Track;
 use crate::physics::top::Top;
+use crate::rerun::entity;
+use crate::rerun::output::track::Track;
+use crate::rerun::output::{ComponentColumns, Output};
+use crate::rerun::role::Role;
 use crate::run::simulation::EventKind;
 use crate::telemetry::fields::{EVENTS, events};
 use crate::telemetry::{Message, event_sentence};

@@ -81,7 +81,7 @@ impl Scales {
 
     /// The scale of friction forces for two runs in one picture: the smallest round number at which the usual forces of
     /// both fit the view.
-    pub(super) fn common_force(&self, other: &Self) -> f64 {
+    pub(in crate::rerun) fn common_force(&self, other: &Self) -> f64 {
         round_up(self.min_force.max(other.min_force))
     }
 }
@@ -105,7 +105,7 @@ fn momentum(top: &Top, tilt: &Tilt) -> f64 {
 }
 
 /// Maximum length of any arrow, m, given the height of the top.
-pub(super) fn max_length(height: f64) -> f64 {
+pub(in crate::rerun) fn max_length(height: f64) -> f64 {
     MAX_LENGTH * height
 }
 
@@ -138,7 +138,7 @@ fn round_up(value: f64) -> f64 {
 }
 
 /// The nearest of 1, 2 and 5 times a power of ten; 0 for what is neither positive nor finite.
-pub(super) fn round(value: f64) -> f64 {
+pub(in crate::rerun) fn round(value: f64) -> f64 {
     round_by(value, 0.0)
 }
 
@@ -160,12 +160,12 @@ fn round_by(value: f64, decades: f64) -> f64 {
 }
 
 /// Ten to the power of a whole number, exactly rounded.
-pub(super) fn power_of_ten(exponent: f64) -> f64 {
+pub(in crate::rerun) fn power_of_ten(exponent: f64) -> f64 {
     format!("1e{exponent}").parse().unwrap_or(0.0)
 }
 
 /// A scale as text, e.g. `1 cm = 20 µN m`.
-pub(super) fn legend(per_metre: f64, unit: &str) -> String {
+pub(in crate::rerun) fn legend(per_metre: f64, unit: &str) -> String {
     const PREFIXES: [(f64, &str); 5] = [
         (1.0, ""),
         (1e-3, "m"),

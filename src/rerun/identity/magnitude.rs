@@ -35,7 +35,7 @@ impl Magnitudes {
 
     /// The typical magnitude of a quantity, in its SI unit; 0 for times, counts and states, which have no rounding
     /// errors.
-    pub(super) fn typical(&self, quantity: Quantity) -> f64 {
+    pub(in crate::rerun) fn typical(&self, quantity: Quantity) -> f64 {
         let speed = self.rate * self.length;
         match quantity {
             Quantity::Force => self.weight,

@@ -2,8 +2,8 @@
 
 use rerun::{EntityPath, RecordingInfo, StoreId};
 
-use super::error::{RerunError, ViewerError};
-use super::output::{Destinations, Output};
+use crate::rerun::error::{RerunError, ViewerError};
+use crate::rerun::output::{Destinations, Output};
 
 /// A Rerun recording that is being written: its content, and where it goes.
 ///

@@ -4,11 +4,11 @@ use rerun::components::{AggregationPolicy, MarkerShape};
 use rerun::{Color, Scalars, SeriesLines, SeriesPoints};
 use std::sync::Arc;
 
-use super::entity::FIT_REPORT;
-use super::measurement::{MeasuredSignal, Measurement};
-use super::output::{ComponentColumns, Output};
-use super::palette::{GREEN, GREY, ORANGE, PALE, SKY};
-use super::track::Track;
+use crate::rerun::entity::FIT_REPORT;
+use crate::rerun::measurement::{MeasuredSignal, Measurement};
+use crate::rerun::output::track::Track;
+use crate::rerun::output::{ComponentColumns, Output};
+use crate::rerun::palette::{GREEN, GREY, ORANGE, PALE, SKY};
 use crate::telemetry::Message;
 use crate::telemetry::supplement::{FIT_DATA, FIT_RESIDUAL};
 
@@ -17,7 +17,7 @@ const BAND: f64 = 2.0;
 
 /// A curve, or points, of a signal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Series {
+pub(in crate::rerun) enum Series {
     /// The fitted values.
     Measured,
     /// The values that were held out.
@@ -36,12 +36,14 @@ pub(super) enum Series {
 
 impl Series {
     /// The curves in a chart of the values.
-    pub(super) const VALUES: [Self; 4] = [Self::Band, Self::Fitted, Self::Measured, Self::HeldOut];
+    pub(in crate::rerun) const VALUES: [Self; 4] =
+        [Self::Band, Self::Fitted, Self::Measured, Self::HeldOut];
     /// The curves in a chart of the residuals.
-    pub(super) const RESIDUALS: [Self; 3] = [Self::Bounds, Self::Residual, Self::HeldOutResidual];
+    pub(in crate::rerun) const RESIDUALS: [Self; 3] =
+        [Self::Bounds, Self::Residual, Self::HeldOutResidual];
 
     /// The entity for a signal with this path.
-    pub(super) fn entity(self, path: &str) -> String {
+    pub(in crate::rerun) fn entity(self, path: &str) -> String {
         match self {
             Self::Measured => format!("{FIT_DATA}{path}"),
             Self::HeldOut => format!("{FIT_DATA}{path}/held_out"),
@@ -106,7 +108,7 @@ fn lines(entity: &str, series: &[(&str, u32, f32)], output: &mut Output) -> Trac
 }
 
 /// The curves of the run, as far as it was measured.
-pub(super) struct Measured {
+pub(in crate::rerun) struct Measured {
     measurement: Arc<Measurement>,
     curves: Vec<FittedCurve>,
 }
@@ -121,7 +123,7 @@ struct FittedCurve {
 
 impl Measured {
     /// Sends the measured values and the report.
-    pub(super) fn new(measurement: &Arc<Measurement>, output: &mut Output) -> Self {
+    pub(in crate::rerun) fn new(measurement: &Arc<Measurement>, output: &mut Output) -> Self {
         output.send_static(FIT_REPORT, &measurement.document());
         let mut curves = Vec::new();
         for (signal, path) in measurement.signals.iter().zip(measurement.paths()) {
@@ -140,7 +142,7 @@ impl Measured {
     }
 
     /// Adds the fields of a message that were measured.
-    pub(super) fn write(&mut self, message: &Message<'_>, output: &mut Output) {
+    pub(in crate::rerun) fn write(&mut self, message: &Message<'_>, output: &mut Output) {
         for (signal, curve) in self.measurement.signals.iter().zip(&mut self.curves) {
             if signal.field.topic() == message.topic() {
                 curve.write(signal, message, output);

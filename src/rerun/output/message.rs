@@ -7,14 +7,14 @@ use rerun::external::re_tuid::Tuid;
 use rerun::log::{Chunk, ChunkId, RowId};
 use rerun::{AsComponents, EntityPath, SerializedComponentColumn, StoreId, TimeColumn, TimePoint};
 
-use super::error::RerunError;
+use crate::rerun::error::RerunError;
 
 /// Maximum number of characters of a recording's name used in its application ID, which may have 180.
 const MAX_LETTERS: usize = 100;
 
 /// The store of a recording. To a viewer, which keeps one layout for each application, recordings of different names are
 /// different applications.
-pub(super) fn store(name: &str, recording_id: &str) -> StoreId {
+pub(in crate::rerun) fn store(name: &str, recording_id: &str) -> StoreId {
     let letters: String = name.chars().take(MAX_LETTERS).map(id_letter).collect();
     let application = ApplicationId::new_or_unknown(format!("toprise-{letters}"));
     StoreId::new(StoreKind::Recording, application, recording_id)
@@ -30,14 +30,14 @@ fn id_letter(letter: char) -> char {
 }
 
 /// The timeline of every recording: simulation time as a duration in nanoseconds.
-pub(super) const TIMELINE: &str = "sim_time";
+pub(in crate::rerun) const TIMELINE: &str = "sim_time";
 
 /// Number of messages that may wait for a worker thread; each has at most about 200 kB.
 pub(super) const QUEUE: usize = 64;
 
 /// A counter of chunks, whose identifiers depend on nothing but their order.
 #[derive(Debug)]
-pub(super) struct Ids(u64);
+pub(in crate::rerun) struct Ids(u64);
 
 impl Ids {
     // Ranges far apart, so that the identifiers of a recording never meet.
@@ -45,9 +45,9 @@ impl Ids {
     /// For chunks that are the same for all destinations.
     pub(super) const RECORDING: Self = Self(0);
     /// For the chunks of the blueprint.
-    pub(super) const BLUEPRINT: Self = Self(1 << 61);
+    pub(in crate::rerun) const BLUEPRINT: Self = Self(1 << 61);
     /// For changes to the blueprint made when the length of the run is known.
-    pub(super) const BLUEPRINT_AT_END: Self = Self(3 << 60);
+    pub(in crate::rerun) const BLUEPRINT_AT_END: Self = Self(3 << 60);
     /// For the chunks of a paced run that are cut for the viewer only.
     pub(super) const LIVE: Self = Self(1 << 62);
 
@@ -59,7 +59,7 @@ impl Ids {
 }
 
 /// The message that opens a store.
-pub(super) fn opening(store: &StoreId, ids: &mut Ids) -> LogMsg {
+pub(in crate::rerun) fn opening(store: &StoreId, ids: &mut Ids) -> LogMsg {
     // The usual source, `RustSdk`, has the version of the compiler, which would make recordings of two builds differ.
     let source = StoreSource::Other("toprise".to_owned());
     LogMsg::SetStoreInfo(SetStoreInfo {
@@ -69,7 +69,7 @@ pub(super) fn opening(store: &StoreId, ids: &mut Ids) -> LogMsg {
 }
 
 /// A chunk with one row of `components` at `time`.
-pub(super) fn single_row(
+pub(in crate::rerun) fn single_row(
     store: &StoreId,
     ids: &mut Ids,
     entity: impl Into<EntityPath>,

@@ -3,19 +3,19 @@
 use crate::run::time::seconds;
 use rerun::TextDocument;
 
-use super::blueprint;
-use super::entity::ABOUT;
 use super::events::Events;
-use super::identity::{Identity, Playback};
-use super::measured::Measured;
-use super::output::{Destination, Destinations, Output};
-use super::plots::Plots;
 use super::properties;
-use super::role::Role;
-use super::scene::{Scene, explanation};
-use super::sink::{Content, Stream};
-use super::style::legible;
+use super::stream::{Content, Stream};
 use crate::archive::sink::{Sink, SinkError};
+use crate::rerun::blueprint;
+use crate::rerun::entity::ABOUT;
+use crate::rerun::identity::{Identity, Playback};
+use crate::rerun::measurement::plots::Measured;
+use crate::rerun::output::{Destination, Destinations, Output};
+use crate::rerun::plots::Plots;
+use crate::rerun::role::Role;
+use crate::rerun::scene::{Scene, explanation};
+use crate::rerun::style::legible;
 use crate::run::outcome::Outcome;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{EVENTS, POSE};
@@ -162,7 +162,7 @@ impl Content for Entities {
 mod tests {
     use super::*;
     use crate::rerun::error::ViewerError;
-    use crate::rerun::viewer::Live;
+    use crate::rerun::output::viewer::Live;
     use crate::run::scenario::Preset;
     use crate::telemetry::{Topic, channels};
     use std::fs::File;

@@ -11,8 +11,8 @@ use rerun::external::re_log_types::LogMsg;
 use rerun::external::re_uri::ProxyUri;
 use rerun::sink::{GrpcSink, GrpcSinkConnectionState, LogSink as _};
 
-use super::error::ViewerError;
 use super::message::QUEUE;
+use crate::rerun::error::ViewerError;
 
 /// Timeout for connecting to a running viewer.
 const CONNECT: Duration = Duration::from_secs(1);

@@ -8,7 +8,7 @@ const FIRST_SPAN_NS: u64 = 1_000_000;
 /// The least and the greatest value of a chart's curves in spans of time of equal length, from time 0 on.
 ///
 /// There are at most [`SPANS`]: when the run outgrows them, each two become one.
-pub(super) struct Outline {
+pub(in crate::rerun) struct Outline {
     span_ns: u64,
     /// Reversed infinite bounds where there are no values.
     ranges: Vec<[f64; 2]>,
@@ -19,7 +19,7 @@ const NO_VALUES: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
 impl Outline {
     /// An outline without values.
-    pub(super) fn new() -> Self {
+    pub(in crate::rerun) fn new() -> Self {
         Self {
             span_ns: FIRST_SPAN_NS,
             ranges: Vec::new(),
@@ -27,7 +27,7 @@ impl Outline {
     }
 
     /// Adds a value at a time in ns.
-    pub(super) fn add(&mut self, time_ns: u64, value: f64) {
+    pub(in crate::rerun) fn add(&mut self, time_ns: u64, value: f64) {
         while time_ns / self.span_ns >= SPANS as u64 {
             self.ranges = self
                 .ranges
@@ -45,7 +45,7 @@ impl Outline {
     }
 
     /// The middles of the spans (ns) with the least and the greatest value in each.
-    pub(super) fn ranges(&self) -> impl Iterator<Item = (f64, [f64; 2])> {
+    pub(in crate::rerun) fn ranges(&self) -> impl Iterator<Item = (f64, [f64; 2])> {
         self.ranges
             .iter()
             .enumerate()

@@ -5,13 +5,13 @@ use std::rc::Rc;
 
 use rerun::external::re_log_types::EntityPath;
 
-use super::output::{ComponentColumns, Destination, Output, Pending};
+use crate::rerun::output::{ComponentColumns, Destination, Output, Pending};
 
 /// Rows per chunk: as fast as larger chunks, and five times as fast as chunks of 100 rows.
 const CHUNK_ROWS: usize = 4096;
 
 /// The rows of one entity, which the output flushes.
-pub(super) struct Track<R>(Rc<RefCell<PendingRows<R>>>);
+pub(in crate::rerun) struct Track<R>(Rc<RefCell<PendingRows<R>>>);
 
 /// Converts the values of some rows to components.
 type Serialize<R> = dyn Fn(&[R]) -> ComponentColumns;
@@ -29,7 +29,7 @@ struct PendingRows<R> {
 
 impl<R: 'static> Track<R> {
     /// An empty track; `columns` creates its components.
-    pub(super) fn new(
+    pub(in crate::rerun) fn new(
         entity: impl Into<EntityPath>,
         columns: impl Fn(&[R]) -> ComponentColumns + 'static,
         output: &mut Output,
@@ -46,7 +46,12 @@ impl<R: 'static> Track<R> {
     }
 
     /// Adds a row at a simulation time in ns, and sends a chunk if it is full.
-    pub(super) fn push(&self, output: &mut Output, time_ns: u64, row: impl IntoIterator<Item = R>) {
+    pub(in crate::rerun) fn push(
+        &self,
+        output: &mut Output,
+        time_ns: u64,
+        row: impl IntoIterator<Item = R>,
+    ) {
         let mut rows = self.0.borrow_mut();
         // Saturates at 292 years.
         rows.times.push(i64::try_from(time_ns).unwrap_or(i64::MAX));

@@ -1,13 +1,13 @@
 //! A Rerun stream whose first page says why the top moves as it does.
 
-use super::entities::RerunSink;
-use super::error::{RerunError, ViewerError};
-use super::identity::Identity;
-use super::output::Destinations;
+use super::run::RerunSink;
 use crate::analysis::explain::Explainer;
 use crate::analysis::subject::ReadEnd;
 use crate::archive::format::end_entries;
 use crate::archive::sink::{Sink, SinkError};
+use crate::rerun::error::{RerunError, ViewerError};
+use crate::rerun::identity::Identity;
+use crate::rerun::output::Destinations;
 use crate::run::outcome::Outcome;
 use crate::run::scenario::Scenario;
 use crate::telemetry::Message;
