@@ -16,8 +16,8 @@ pub(super) mod viewer {
 pub(super) mod run {
     use crate::archive::publish::Draft;
     use crate::archive::sink::Sink;
+    use crate::cli::commands::run::file_plan::RrdFile;
     use crate::cli::report::{Completed, WrittenFile};
-    use crate::cli::run::file_plan::RrdFile;
     use crate::run::outcome::Outcome;
     use crate::run::scenario::Scenario;
     use crate::telemetry::Telemetry;

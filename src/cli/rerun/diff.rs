@@ -4,7 +4,7 @@ use super::viewer::{ViewerArguments, complete, warn_all};
 use crate::analysis::diff::{Report, Subject};
 use crate::archive::publish::{Draft, Drafts, Existing, check_not_an_input};
 use crate::cli::arguments::OUTPUT;
-use crate::cli::diff::content;
+use crate::cli::commands::diff::content;
 use crate::cli::file_kind::FileKind;
 use crate::cli::output;
 use crate::cli::terminal;

@@ -1,8 +1,8 @@
 //! `toprise presets`.
 
-use super::input::open_scenario;
-use super::report;
-use super::status::Status;
+use crate::cli::input::open_scenario;
+use crate::cli::report;
+use crate::cli::status::Status;
 use crate::run::scenario::{PRESETS, Scenario};
 use crate::words::{Part, Section, Table};
 use anyhow::Error;
@@ -13,7 +13,7 @@ use std::path::PathBuf;
 
 /// Arguments of `toprise presets`.
 #[derive(Args, Debug, Default, PartialEq)]
-pub(super) struct PresetsArguments {
+pub(in crate::cli) struct PresetsArguments {
     /// Preset to print; or a recording or scenario file (-: standard input), whose scenario is printed
     name: Option<PathBuf>,
 }

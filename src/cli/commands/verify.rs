@@ -1,11 +1,11 @@
 //! `toprise verify`.
 
-use super::losses::loss_lines;
-use super::progress::Progress;
-use super::status::Status;
-use super::{output, report};
 use crate::archive::recording::{Condition, Recording};
 use crate::archive::verify::{Equality, Report, SchemaCheck, Verdict, verify as check};
+use crate::cli::losses::loss_lines;
+use crate::cli::progress::Progress;
+use crate::cli::status::Status;
+use crate::cli::{output, report};
 use crate::telemetry::table;
 use crate::words::{Section, Table, Tone, counted};
 use anyhow::Error;
@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 /// Arguments of `toprise verify`.
 #[derive(Args, Debug, Default, PartialEq)]
-pub(super) struct VerifyArguments {
+pub(in crate::cli) struct VerifyArguments {
     /// Recordings (MCAP files).
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,

@@ -1,8 +1,8 @@
 //! `toprise schema`.
 
-use super::report::{self, WrittenFile};
-use super::status::Status;
 use crate::archive::publish::{self, Drafts, Existing};
+use crate::cli::report::{self, WrittenFile};
+use crate::cli::status::Status;
 use crate::run::scenario;
 use crate::telemetry::encoding::Encoding;
 use crate::telemetry::encoding::protobuf::{proto_file, proto_file_name};
@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 /// Arguments of `toprise schema`.
 #[derive(Args, Debug, PartialEq)]
-pub(super) struct SchemaArguments {
+pub(in crate::cli) struct SchemaArguments {
     /// Topic whose schema to print, e.g. /top/state
     topic: Option<String>,
 

@@ -1,16 +1,16 @@
 //! `toprise diff`.
 
-pub(super) mod content;
+pub(in crate::cli) mod content;
 
-use super::arguments::{Format, Override, parse_override};
-use super::input::{OpenRun, open};
-use super::progress::Progress;
-use super::rerun::diff::{PairViewer, ShowArguments, ShowPlan};
-use super::status::Status;
-use super::{output, report};
 use crate::analysis::diff::{Observer, Options, Tolerance, Tolerances, Verdict, compare_observed};
 use crate::archive::publish::Drafts;
 use crate::archive::sink::SinkError;
+use crate::cli::arguments::{Format, Override, parse_override};
+use crate::cli::input::{OpenRun, open};
+use crate::cli::progress::Progress;
+use crate::cli::rerun::diff::{PairViewer, ShowArguments, ShowPlan};
+use crate::cli::status::Status;
+use crate::cli::{output, report};
 use crate::telemetry::{Message, side::Side};
 use anyhow::{Error, bail};
 use clap::Args;
@@ -19,7 +19,7 @@ use std::path::PathBuf;
 
 /// Arguments of `toprise diff`.
 #[derive(Args, Debug, PartialEq)]
-pub(super) struct DiffArguments {
+pub(in crate::cli) struct DiffArguments {
     /// Two runs: presets, scenario files or recordings; or any two MCAP files.
     #[arg(required = true, num_args = 2, value_names = ["A", "B"])]
     runs: Vec<PathBuf>,

@@ -1,17 +1,17 @@
 //! `toprise explain`.
 
-use super::arguments::{Override, parse_override};
-use super::input::open;
-use super::report;
-use super::status::Status;
 use crate::analysis::explain;
+use crate::cli::arguments::{Override, parse_override};
+use crate::cli::input::open;
+use crate::cli::report;
+use crate::cli::status::Status;
 use anyhow::{Context as _, Error};
 use clap::Args;
 use std::path::PathBuf;
 
 /// Arguments of `toprise explain`.
 #[derive(Args, Debug, Default, PartialEq)]
-pub(super) struct ExplainArguments {
+pub(in crate::cli) struct ExplainArguments {
     /// A recording, a preset or a scenario file.
     #[arg(value_name = "RUN")]
     run: PathBuf,

@@ -3,14 +3,14 @@
 mod files;
 
 use self::files::{FigureFiles, ImageFormat};
-use super::arguments::OUTPUT;
-use super::input::{OpenRun, open};
-use super::output;
-use super::progress::Progress;
-use super::report;
-use super::status::Status;
 use super::sweep::figures::{SweepFigure, SweepPlan};
 use crate::archive::publish::{Drafts, Existing};
+use crate::cli::arguments::OUTPUT;
+use crate::cli::input::{OpenRun, open};
+use crate::cli::output;
+use crate::cli::progress::Progress;
+use crate::cli::report;
+use crate::cli::status::Status;
 use crate::figures::{FIGURES, Figure, FiguresReport, Lacking, LeftOut, RunData, RunLoss};
 use crate::words::{Section, Table};
 use anyhow::{Context as _, bail};
@@ -23,7 +23,7 @@ use thiserror::Error;
 
 /// Arguments of `toprise figures`.
 #[derive(Args, Debug, PartialEq)]
-pub(super) struct FiguresArguments {
+pub(in crate::cli) struct FiguresArguments {
     /// Recordings, presets or scenario files to overlay [default: the paper's runs].
     #[arg(value_name = "RUN")]
     runs: Vec<PathBuf>,

@@ -3,15 +3,15 @@
 pub(super) mod figures;
 pub(super) mod report;
 
-use super::arguments::{Override, parse_override};
-use super::file_kind::FileKind;
-use super::interrupt;
-use super::output;
-use super::progress::Progress;
-use super::report::{self as reports, WrittenFile};
-use super::status::Status;
 use crate::archive::input::read_file;
 use crate::archive::publish::Drafts;
+use crate::cli::arguments::{Override, parse_override};
+use crate::cli::file_kind::FileKind;
+use crate::cli::interrupt;
+use crate::cli::output;
+use crate::cli::progress::Progress;
+use crate::cli::report::{self as reports, WrittenFile};
+use crate::cli::status::Status;
 use crate::run::scenario::Values;
 use crate::sweep::{
     Axis, Base, Counts, Design, Finished, Method, Options, Sample, Shard, Spec, Sweep, SweepError,
@@ -80,7 +80,7 @@ impl ValueEnum for Method {
 
 /// Arguments of `toprise sweep`.
 #[derive(Args, Debug, Default, PartialEq)]
-pub(super) struct SweepArguments {
+pub(in crate::cli) struct SweepArguments {
     /// Presets or scenario files to vary, or one sweep spec (TOML file with bases, set, over, sample or table,
     /// max_steps).
     #[arg(value_name = "BASE", default_value = "paper")]

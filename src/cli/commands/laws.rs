@@ -1,7 +1,7 @@
 //! `toprise laws`.
 
-use super::report;
-use super::status::Status;
+use crate::cli::report;
+use crate::cli::status::Status;
 use crate::run::scenario::{Key, LAWS, Law};
 use crate::run::suggestion::suggestion;
 use crate::words::{Section, Table};
@@ -12,7 +12,7 @@ use thiserror::Error;
 
 /// Arguments of `toprise laws`.
 #[derive(Args, Debug, Default, PartialEq)]
-pub(super) struct LawsArguments {
+pub(in crate::cli) struct LawsArguments {
     /// Law to describe, e.g. viscous
     name: Option<String>,
 }

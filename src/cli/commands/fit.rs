@@ -1,17 +1,17 @@
 //! `toprise fit`.
 
-use super::arguments::{Override, parse_override, parse_positive};
-use super::file_kind::FileKind;
-use super::input::open_scenario;
-use super::interrupt;
-use super::progress::Progress;
-use super::report::{self, WrittenFile};
-use super::rerun::fit::{ShowArguments, ShowPlan};
-use super::status::Status;
-use super::terminal;
 use crate::archive::publish::{
     Draft, Drafts, Existing, check_not_an_input, check_target, is_same_file,
 };
+use crate::cli::arguments::{Override, parse_override, parse_positive};
+use crate::cli::file_kind::FileKind;
+use crate::cli::input::open_scenario;
+use crate::cli::interrupt;
+use crate::cli::progress::Progress;
+use crate::cli::report::{self, WrittenFile};
+use crate::cli::rerun::fit::{ShowArguments, ShowPlan};
+use crate::cli::status::Status;
+use crate::cli::terminal;
 use crate::figures;
 use crate::fit::{self, Fit, FitError, Loss, Report, Request, SignalSpec, Verdict};
 use crate::run::scenario::Scenario;
@@ -44,7 +44,7 @@ impl<E: Into<FitError>> From<E> for FitFailure {
 
 /// Arguments of `toprise fit`.
 #[derive(Args, Debug, Default, PartialEq)]
-pub(super) struct FitArguments {
+pub(in crate::cli) struct FitArguments {
     /// Preset, scenario file or recording with the known keys and the start values of the free ones
     #[arg(value_name = "SCENARIO")]
     scenario: PathBuf,
@@ -195,7 +195,7 @@ pub(super) fn fit(arguments: &FitArguments, drafts: &Drafts) -> Result<Status, a
         Err(error) if error.is_of_motion() => {
             // The fit came to nothing, but for a reason that lies in the motion and not in the input.
             let message = FitFailure(error).to_string();
-            super::output::error(&message);
+            crate::cli::output::error(&message);
             report::print_error(&message, None);
             return Ok(Status::Partial);
         }
@@ -365,7 +365,7 @@ impl FitPlan {
     fn create(&self, drafts: &Drafts, path: &Path) -> Result<Draft, anyhow::Error> {
         check_not_an_input(path, self.inputs.iter().map(PathBuf::as_path))?;
         let draft = Draft::new_in(drafts, path, self.existing)?;
-        super::output::warn_of_link(path, self.existing == Existing::Replace);
+        crate::cli::output::warn_of_link(path, self.existing == Existing::Replace);
         Ok(draft)
     }
 }

@@ -1,7 +1,7 @@
 //! `toprise run`.
 
 mod arguments;
-pub(super) mod file_plan;
+pub(in crate::cli) mod file_plan;
 mod files;
 mod pace;
 mod plan;
@@ -14,16 +14,16 @@ use self::pace::Pace;
 use self::plan::RunPlan;
 use self::report::Recorded;
 pub(super) use self::report::RunReport;
-use super::interrupt;
-use super::output;
-use super::report::{Completed, WrittenFile, print};
-use super::rerun::run::RunViewer;
-use super::status::Status;
 use crate::archive::pipeline::McapSink;
 use crate::archive::publish::{Draft, Drafts};
 use crate::archive::recording::{Condition, Recording};
 use crate::archive::sink::{RecordedRun, Sink, record};
 use crate::archive::writer::Header;
+use crate::cli::interrupt;
+use crate::cli::output;
+use crate::cli::report::{Completed, WrittenFile, print};
+use crate::cli::rerun::run::RunViewer;
+use crate::cli::status::Status;
 use crate::run::outcome::Outcome;
 use crate::run::scenario::Preset;
 use crate::telemetry::RunMessages;

@@ -1,12 +1,12 @@
 //! `toprise info`.
 
-use super::losses::loss_lines;
-use super::report;
-use super::status::Status;
 use crate::archive::format::{
     CONTENT_DIGEST, SCENARIO_DIGEST, STEPS, STOP_REASON, STOP_TIME, VERSION,
 };
 use crate::archive::recording::{AttachmentOverview, ChannelOverview, Condition, Overview};
+use crate::cli::losses::loss_lines;
+use crate::cli::report;
+use crate::cli::status::Status;
 use crate::run::simulation::EventKind;
 use crate::run::time::seconds_and_nanoseconds;
 use crate::telemetry::Topic;
@@ -25,7 +25,7 @@ const MAX_LISTED: u64 = 20;
 
 /// Arguments of `toprise info`.
 #[derive(Args, Debug, Default, PartialEq)]
-pub(super) struct InfoArguments {
+pub(in crate::cli) struct InfoArguments {
     /// An MCAP file.
     file: PathBuf,
 }
