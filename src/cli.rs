@@ -3,13 +3,14 @@
 //! Each command is a file of `commands`. `input` opens the runs named on the command line; `report` prints a report as
 //! JSON or as a `page`; all output goes through `output`.
 //!
-//! `rerun` and the commands `fit` and `sweep` need the features of these names. Without the feature, a file `without_…`
-//! stands in place of the options that it adds to other commands.
+//! `rerun` and the commands `fit` and `sweep` need the features of these names; `extension` has the arguments that they
+//! add to other commands.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod arguments;
 mod commands;
+mod extension;
 mod file_kind;
 mod input;
 mod interrupt;
@@ -23,9 +24,6 @@ mod text;
 mod version;
 
 #[cfg(feature = "rerun")]
-mod rerun;
-#[cfg(not(feature = "rerun"))]
-#[path = "cli/without_rerun.rs"]
 mod rerun;
 
 pub use commands::schemas;

@@ -12,10 +12,7 @@ mod presets;
 pub(super) mod run;
 mod schema;
 #[cfg(feature = "sweep")]
-mod sweep;
-#[cfg(not(feature = "sweep"))]
-#[path = "commands/without_sweep.rs"]
-mod sweep;
+pub(super) mod sweep;
 mod verify;
 
 use crate::analysis;

@@ -6,9 +6,9 @@ use crate::analysis::diff::{Observer, Options, Tolerance, Tolerances, Verdict, c
 use crate::archive::publish::Drafts;
 use crate::archive::sink::SinkError;
 use crate::cli::arguments::{Format, Override, parse_override};
+use crate::cli::extension::{Extension as _, PairViewer, ShowPair, ShowPairArguments};
 use crate::cli::input::{OpenRun, open};
 use crate::cli::progress::Progress;
-use crate::cli::rerun::diff::{PairViewer, ShowArguments, ShowPlan};
 use crate::cli::status::Status;
 use crate::cli::{output, report};
 use crate::telemetry::{Message, side::Side};
@@ -44,7 +44,7 @@ pub(in crate::cli) struct DiffArguments {
     comparison: ComparisonArguments,
 
     #[command(flatten)]
-    show: ShowArguments,
+    show: ShowPairArguments,
 }
 
 /// What counts as a difference.
@@ -105,7 +105,7 @@ struct DiffPlan {
     options: Options,
     /// Whether everything is printed.
     all: bool,
-    show: ShowPlan,
+    show: Option<Box<dyn ShowPair>>,
 }
 
 impl DiffArguments {
@@ -121,7 +121,7 @@ impl DiffArguments {
             runs: [a, b],
             options,
             all: self.all,
-            show: self.show.plan(&self.runs)?,
+            show: self.show.plan(self.runs.as_slice())?,
         })
     }
 }
@@ -138,9 +138,13 @@ pub(super) fn diff(arguments: &DiffArguments, drafts: &Drafts) -> Result<Status,
     let names = [a.name(), b.name()];
     let progress = Progress::for_bytes("comparing", a.bytes() + b.bytes());
     let shown = names.each_ref().map(String::as_str);
+    let viewer = match show {
+        Some(show) => Some(show.open(subjects, shown, drafts)?),
+        None => None,
+    };
     let mut observers = Observers {
         progress: &progress,
-        viewer: PairViewer::open(&show, subjects, shown, drafts)?,
+        viewer,
     };
     let compared = compare_observed(subjects[0], subjects[1], &options, &mut observers);
     progress.finish();
@@ -166,7 +170,7 @@ pub(super) fn diff(arguments: &DiffArguments, drafts: &Drafts) -> Result<Status,
 /// Observers of a comparison: progress bar and viewer.
 struct Observers<'a> {
     progress: &'a Progress,
-    viewer: Option<PairViewer>,
+    viewer: Option<Box<dyn PairViewer>>,
 }
 
 impl Observer for Observers<'_> {

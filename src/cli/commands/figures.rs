@@ -3,9 +3,9 @@
 mod files;
 
 use self::files::{FigureFiles, ImageFormat};
-use super::sweep::figures::{SweepFigure, SweepPlan};
 use crate::archive::publish::{Drafts, Existing};
 use crate::cli::arguments::OUTPUT;
+use crate::cli::extension::{Extension as _, MapArguments, MapTable};
 use crate::cli::input::{OpenRun, open};
 use crate::cli::output;
 use crate::cli::progress::Progress;
@@ -46,7 +46,7 @@ pub(in crate::cli) struct FiguresArguments {
     kinds: Vec<ImageFormat>,
 
     #[command(flatten)]
-    sweep: SweepFigure,
+    sweep: MapArguments,
 
     /// Width from 80 to 400 mm; 130 or more gives two columns of plots
     #[arg(long, value_name = "MM", default_value_t = 85.0, value_parser = parse_width, help_heading = OUTPUT)]
@@ -91,7 +91,7 @@ struct FigurePlan {
 /// The source of figures.
 enum FigureSource {
     Runs(RunsPlan),
-    Sweep(SweepPlan),
+    Sweep(Box<dyn MapTable>),
 }
 
 /// Figures of runs.
@@ -117,9 +117,10 @@ impl FiguresArguments {
                 .collect(),
             existing: Existing::forced(self.force),
         };
-        let content = if let Some(sweep) = self.sweep.plan()? {
+        let sweep: Option<Box<dyn MapTable>> = self.sweep.plan(())?;
+        let content = if let Some(sweep) = sweep {
             // Drawing may take minutes: a name that is taken is found before.
-            files.check(&[SWEEP.0], &[sweep.table().to_owned()])?;
+            files.check(&[SWEEP.0], &[sweep.path().to_owned()])?;
             FigureSource::Sweep(sweep)
         } else {
             let runs = self.runs_plan()?;
@@ -245,7 +246,7 @@ pub(super) fn figures(
     let plan = arguments.plan()?;
     let report = match &plan.content {
         FigureSource::Runs(runs) => draw_runs(&plan, runs, drafts)?,
-        FigureSource::Sweep(sweep) => draw_sweep(&plan, sweep, drafts)?,
+        FigureSource::Sweep(sweep) => draw_sweep(&plan, sweep.as_ref(), drafts)?,
     };
     report::print(&report, || page(&report))?;
     let is_whole = report.losses.is_empty() && report.lacking.is_empty();
@@ -313,10 +314,10 @@ const SWEEP: (&str, &str) = ("sweep", "Outcomes of the runs of a sweep");
 /// Draws a map or curves of a sweep.
 fn draw_sweep(
     plan: &FigurePlan,
-    sweep: &SweepPlan,
+    sweep: &dyn MapTable,
     drafts: &Drafts,
 ) -> Result<FiguresReport, anyhow::Error> {
-    let name = sweep.table().display().to_string();
+    let name = sweep.path().display().to_string();
     let map = sweep.read()?;
     let drawing = map.draw(plan.width).with_context(|| name.clone())?;
     Ok(FiguresReport {

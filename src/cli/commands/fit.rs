@@ -4,12 +4,12 @@ use crate::archive::publish::{
     Draft, Drafts, Existing, check_not_an_input, check_target, is_same_file,
 };
 use crate::cli::arguments::{Override, parse_override, parse_positive};
+use crate::cli::extension::{Extension as _, ShowFit, ShowFitArguments};
 use crate::cli::file_kind::FileKind;
 use crate::cli::input::open_scenario;
 use crate::cli::interrupt;
 use crate::cli::progress::Progress;
-use crate::cli::report::{self, WrittenFile};
-use crate::cli::rerun::fit::{ShowArguments, ShowPlan};
+use crate::cli::report::{self, Completed, WrittenFile};
 use crate::cli::status::Status;
 use crate::cli::terminal;
 use crate::figures;
@@ -120,7 +120,7 @@ pub(in crate::cli) struct FitArguments {
     figures: Option<PathBuf>,
 
     #[command(flatten)]
-    show: ShowArguments,
+    show: ShowFitArguments,
 
     /// Overwrite existing files
     #[arg(long)]
@@ -157,7 +157,7 @@ struct FitPlan {
     output: Option<PathBuf>,
     best: Option<PathBuf>,
     figures: Option<PathBuf>,
-    show: ShowPlan,
+    show: Option<Box<dyn ShowFit>>,
     existing: Existing,
 }
 
@@ -204,7 +204,10 @@ pub(super) fn fit(arguments: &FitArguments, drafts: &Drafts) -> Result<Status, a
     let complete = plan.write(&fitted, drafts)?;
     let sections = fitted.report.words(arguments.all).sections;
     let text = markdown(&sections, terminal::option);
-    let shown = plan.show.show(&fitted, text, drafts, plan.existing)?;
+    let shown = match &plan.show {
+        Some(show) => show.show(&fitted, text, drafts, plan.existing)?,
+        None => Completed::default(),
+    };
     // Until here an interruption leaves all files as they were. From here on the first one is too late.
     interrupt::watch(drafts)?;
     let mut written = publish(complete)?;
@@ -242,8 +245,8 @@ fn show(progress: &Progress, state: fit::Progress) {
 impl FitArguments {
     fn plan(&self) -> Result<FitPlan, anyhow::Error> {
         let inputs = self.inputs();
-        let show = self.show.plan()?;
-        self.check_outputs(&inputs, &show)?;
+        let show = self.show.plan(())?;
+        self.check_outputs(&inputs, show.as_deref())?;
         let scenario = open_scenario(&self.scenario, &self.overrides)?;
         let data =
             fit::read(&self.data, &self.signals, self.time.as_deref()).map_err(FitFailure::from)?;
@@ -278,7 +281,11 @@ impl FitArguments {
     }
 
     /// Refuses outputs that can't be written before anything is fitted.
-    fn check_outputs(&self, inputs: &[PathBuf], show: &ShowPlan) -> Result<(), anyhow::Error> {
+    fn check_outputs(
+        &self,
+        inputs: &[PathBuf],
+        show: Option<&dyn ShowFit>,
+    ) -> Result<(), anyhow::Error> {
         if let Some(output) = &self.output {
             FileKind::Mcap.check("-o", output)?;
         }
@@ -312,9 +319,9 @@ impl FitArguments {
     }
 
     /// The files that will be written.
-    fn outputs(&self, show: &ShowPlan) -> Vec<PathBuf> {
+    fn outputs(&self, show: Option<&dyn ShowFit>) -> Vec<PathBuf> {
         let mut outputs: Vec<PathBuf> = self.output.iter().chain(&self.best).cloned().collect();
-        outputs.extend(show.file().map(Path::to_owned));
+        outputs.extend(show.and_then(|show| show.file()).map(Path::to_owned));
         if let Some(directory) = &self.figures {
             for name in figures::fit::names(&self.free, &self.profile, self.data.len()) {
                 outputs.push(figure_path(directory, &name));

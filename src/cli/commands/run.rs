@@ -1,14 +1,15 @@
 //! `toprise run`.
 
 mod arguments;
-pub(in crate::cli) mod file_plan;
+mod file_plan;
 mod files;
 mod pace;
 mod plan;
 mod report;
 
 pub(super) use self::arguments::RunArguments;
-use self::file_plan::{FilePlan, RunFiles};
+pub(in crate::cli) use self::file_plan::FilePlan;
+pub(in crate::cli) use self::files::McapFile;
 use self::files::find_identical;
 use self::pace::Pace;
 use self::plan::RunPlan;
@@ -19,10 +20,10 @@ use crate::archive::publish::{Draft, Drafts};
 use crate::archive::recording::{Condition, Recording};
 use crate::archive::sink::{RecordedRun, Sink, record};
 use crate::archive::writer::Header;
+use crate::cli::extension::RunViewer;
 use crate::cli::interrupt;
 use crate::cli::output;
 use crate::cli::report::{Completed, WrittenFile, print};
-use crate::cli::rerun::run::RunViewer;
 use crate::cli::status::Status;
 use crate::run::outcome::Outcome;
 use crate::run::scenario::Preset;
@@ -48,18 +49,20 @@ pub(super) fn run(arguments: &RunArguments, drafts: &Drafts) -> Result<Status, E
     let mut run =
         RunMessages::new(&scenario, &topics)?.continue_while(|| !interrupt::is_requested());
     let header = Header::new(&scenario, run.telemetry(), form);
-    let RunFiles {
-        mut archive,
-        rrd,
-        earlier,
-    } = files.start(drafts, &header)?;
-    let mut viewer = RunViewer::open(&show, rrd, &scenario, run.telemetry(), archive.path())?;
+    let (mut archive, earlier) = files.start_mcap(drafts, &header)?;
+    let mut viewer = match &show {
+        Some(show) => show.open(&files, drafts, archive.path(), &scenario, run.telemetry())?,
+        None => None,
+    };
     // Until here nothing is lost with the file.
     archive.keep();
     let outcome = simulate(&mut run, &mut archive, viewer.as_mut(), Pace::start(speed))?;
     let (draft, content_digest) = archive.complete(&outcome.end)?;
     let mcap = finish_mcap(draft, &files, &earlier, &outcome)?;
-    let rrd = finish_viewer(viewer, &files, &mcap, &outcome);
+    let rrd = match viewer {
+        Some(viewer) => viewer.finish(&mcap, &outcome),
+        None => Ok(Completed::default()),
+    };
     // The MCAP file is complete without it.
     if let Err(error) = &rrd {
         output::error(&output::with_causes(error));
@@ -79,7 +82,8 @@ pub(super) fn run(arguments: &RunArguments, drafts: &Drafts) -> Result<Status, E
     let report = RunReport::new(&scenario, &base, outcome, recorded, began.elapsed());
     print(&report, || {
         let title = scenario.title_from(&base);
-        report.page(&title, &scenario.model, show.note())
+        let note = show.as_ref().and_then(|show| show.note());
+        report.page(&title, &scenario.model, note)
     })?;
     let is_complete = report.outcome.end.stop.is_complete();
     Ok(Status::from_whole(
@@ -92,7 +96,7 @@ pub(super) fn run(arguments: &RunArguments, drafts: &Drafts) -> Result<Status, E
 fn simulate(
     run: &mut RunMessages,
     archive: &mut McapSink,
-    viewer: Option<&mut RunViewer>,
+    viewer: Option<&mut Box<dyn RunViewer>>,
     mut pace: Pace,
 ) -> Result<Outcome, Error> {
     let mut sinks: Vec<&mut dyn Sink> = vec![archive];
@@ -108,23 +112,6 @@ fn simulate(
         output::warn(&error.to_string());
     }
     Ok(outcome)
-}
-
-/// The MCAP file of a run.
-enum McapFile {
-    New(WrittenFile),
-    /// An earlier run recorded the same; the new file is discarded.
-    Identical(WrittenFile),
-    /// The run is incomplete, and a complete recording keeps the name.
-    Partial(WrittenFile),
-}
-
-impl McapFile {
-    fn into_file(self) -> WrittenFile {
-        match self {
-            Self::New(file) | Self::Identical(file) | Self::Partial(file) => file,
-        }
-    }
 }
 
 /// Gives the MCAP file its name, unless there is an identical one among the `earlier` recordings.
@@ -163,26 +150,4 @@ fn keep_partial(draft: Draft) -> Result<WrittenFile, Error> {
         partial.display()
     ));
     Ok(WrittenFile::new(&partial, partial.metadata()?.len()))
-}
-
-/// Finishes the Rerun side of a run, if there is one, as the MCAP file was finished.
-fn finish_viewer(
-    viewer: Option<RunViewer>,
-    files: &FilePlan,
-    mcap: &McapFile,
-    outcome: &Outcome,
-) -> Result<Completed, Error> {
-    let Some(mut viewer) = viewer else {
-        return Ok(Completed::default());
-    };
-    // The Rerun recording of an identical run stands for this one, unless the arguments name a file.
-    let substitute = match mcap {
-        McapFile::Partial(_) => return viewer.keep_partial(),
-        McapFile::Identical(existing) if !files.names_rrd() => Some(existing),
-        McapFile::Identical(_) | McapFile::New(_) => None,
-    };
-    if outcome.end.stop.is_complete() {
-        viewer.set_outcome(outcome);
-    }
-    viewer.finish(substitute)
 }

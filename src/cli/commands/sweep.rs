@@ -1,18 +1,19 @@
 //! `toprise sweep`.
 
-pub(super) mod figures;
+pub(in crate::cli) mod figures;
 pub(super) mod report;
 
+use crate::archive::input::Input;
 use crate::archive::input::read_file;
 use crate::archive::publish::Drafts;
 use crate::cli::arguments::{Override, parse_override};
+use crate::cli::extension::{Extension, SweepRow};
 use crate::cli::file_kind::FileKind;
 use crate::cli::interrupt;
 use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::report::{self as reports, WrittenFile};
 use crate::cli::status::Status;
-use crate::run::scenario::Values;
 use crate::sweep::{
     Axis, Base, Counts, Design, Finished, Method, Options, Sample, Shard, Spec, Sweep, SweepError,
     Table, Watch, is_catching, parts_directory, remaining_rows, run, values_of_row,
@@ -43,27 +44,23 @@ pub(super) fn set_panic_hook() {
 
 /// `--row` of `toprise run`.
 #[derive(Args, Clone, Debug, Default, PartialEq)]
-pub(super) struct RowArgument {
+pub(in crate::cli) struct RowArgument {
     /// Run this row of a sweep table (SCENARIO is the .parquet file)
     #[arg(long, value_name = "N")]
     row: Option<u64>,
 }
 
-impl RowArgument {
-    /// The values of the row of a table; `None` without `--row`.
-    pub(super) fn values(&self, table: &Path) -> Result<Option<Values>, SweepError> {
-        match self.row {
-            Some(row) => values_of_row(table, row).map(Some),
-            None => Ok(None),
-        }
-    }
-
-    /// The name of a recording of the row.
-    pub(super) fn name(&self, table: String) -> String {
-        match self.row {
-            Some(row) => format!("{table}_row{row}"),
-            None => table,
-        }
+impl Extension<&Input, SweepRow> for RowArgument {
+    fn plan(&self, input: &Input) -> Result<Option<SweepRow>, Error> {
+        let Some(number) = self.row else {
+            return Ok(None);
+        };
+        let Input::Table(table) = input else {
+            let name = input.word().display();
+            bail!("{name} is not a sweep table: --row needs a .parquet file");
+        };
+        let values = values_of_row(table, number)?;
+        Ok(Some(SweepRow { number, values }))
     }
 }
 

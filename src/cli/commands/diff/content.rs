@@ -5,7 +5,7 @@ use crate::analysis::diff::{
     FirstDifference, IntegrationErrors, IntegratorError, KeyDifference, Report, Residual,
     TopicBytes, Verdict,
 };
-use crate::cli::rerun::viewer::SPAWN_HINT;
+use crate::cli::extension::SPAWN_HINT;
 use crate::telemetry::Topic;
 use crate::words::number::significant;
 use crate::words::{Column, Section, Sentence, Table, Tone, counted, grouped};

@@ -5,12 +5,10 @@ use super::plan::RunPlan;
 use crate::archive::input::Input;
 use crate::archive::publish::Existing;
 use crate::cli::arguments::{OUTPUT, Override, VIEWER, parse_override, parse_positive};
-use crate::cli::commands::sweep::RowArgument;
+use crate::cli::extension::{Extension as _, RowArgument, ShowRunArguments, SweepRow};
 use crate::cli::file_kind::FileKind;
 use crate::cli::input::{checked, run_name};
-use crate::cli::rerun::run::ShowArguments;
 use crate::physics::dynamics::Support;
-use crate::run::scenario::Values;
 use crate::telemetry::encoding::Encoding;
 use crate::telemetry::{Topic, Topics};
 use anyhow::{Error, bail};
@@ -37,7 +35,7 @@ pub(crate) struct RunArguments {
     output: Option<PathBuf>,
 
     #[command(flatten)]
-    show: ShowArguments,
+    show: ShowRunArguments,
 
     /// Message encoding [default: json, or that of the repeated recording]
     #[arg(long, value_enum, help_heading = OUTPUT)]
@@ -69,7 +67,11 @@ impl RunArguments {
             FileKind::Mcap.check("-o", path)?;
         }
         let input = Input::open(&self.scenario)?;
-        let base = self.base(&input)?;
+        let row: Option<SweepRow> = self.row.plan(&input)?;
+        let base = match &row {
+            Some(row) => row.values.clone(),
+            None => input.values()?,
+        };
         let scenario = checked(&input, base.clone(), &self.overrides)?;
         let (mut form, mut topics) = input.form().unwrap_or_default();
         form.encoding = self.encoding.unwrap_or(form.encoding);
@@ -79,37 +81,24 @@ impl RunArguments {
             topics = Topics::named(&self.topics)?;
             check_topics(&topics, scenario.model.support)?;
         }
-        let name = self.row.name(run_name(&input, &scenario, &self.overrides));
+        let mut name = run_name(&input, &scenario, &self.overrides);
+        if let Some(row) = row {
+            name.push_str(&format!("_row{}", row.number));
+        }
         Ok(RunPlan {
             files: FilePlan {
                 input: self.scenario.clone(),
                 mcap: self.output.clone(),
-                rrd: self.show.rrd(self.output.is_some()),
                 stem: scenario.file_stem(&name, &base),
                 existing: Existing::forced(self.force),
             },
-            show: self
-                .show
-                .plan(self.output.is_some(), self.realtime.is_some()),
+            show: self.show.plan((self.output.as_deref(), self.realtime))?,
             speed: self.realtime,
             scenario,
             base,
             form,
             topics,
         })
-    }
-
-    /// The values of the input, or of the row of a sweep.
-    fn base(&self, input: &Input) -> Result<Values, Error> {
-        if let Input::Table(table) = input {
-            if let Some(values) = self.row.values(table)? {
-                return Ok(values);
-            }
-        } else if self.row != RowArgument::default() {
-            let name = input.word().display();
-            bail!("{name} is not a sweep table: --row needs a .parquet file");
-        }
-        Ok(input.values()?)
     }
 }
 

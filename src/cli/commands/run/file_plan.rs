@@ -4,9 +4,7 @@ use crate::archive::pipeline::McapSink;
 use crate::archive::publish::{Draft, Drafts, Existing, check_not_an_input, partial_name};
 use crate::archive::sink::SinkError;
 use crate::archive::writer::Header;
-use crate::cli::file_kind::FileKind;
 use crate::cli::output::warn_of_link;
-use anyhow::Error;
 use std::path::{Path, PathBuf};
 
 /// The directory for recordings, unless the arguments name a file.
@@ -14,53 +12,22 @@ const DIRECTORY: &str = "recordings";
 
 /// The files of a run.
 #[derive(Debug)]
-pub(super) struct FilePlan {
+pub(in crate::cli) struct FilePlan {
     /// The scenario or recording, which is never overwritten.
     pub(super) input: PathBuf,
     /// The MCAP file; `None` for the next free name in [`DIRECTORY`].
     pub(super) mcap: Option<PathBuf>,
-    /// The Rerun recording.
-    pub(super) rrd: RrdFile,
     /// The stem of a name in [`DIRECTORY`].
     pub(super) stem: String,
     /// The treatment of existing files.
     pub(super) existing: Existing,
 }
 
-/// The Rerun recording of a run.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[cfg_attr(not(feature = "rerun"), expect(dead_code, reason = "written by Rerun"))]
-pub(in crate::cli) enum RrdFile {
-    None,
-    /// Next to the MCAP file.
-    Adjacent,
-    At(PathBuf),
-}
-
-/// The files of a run that has started.
-pub(super) struct RunFiles {
-    pub(super) archive: McapSink,
-    pub(super) rrd: Option<Draft>,
-    /// The existing recordings with the names before that of the MCAP file.
-    pub(super) earlier: Vec<PathBuf>,
-}
-
 impl FilePlan {
-    /// Starts the files.
-    pub(super) fn start(&self, drafts: &Drafts, header: &Header) -> Result<RunFiles, Error> {
-        let (archive, earlier) = self.start_mcap(drafts, header)?;
-        let rrd = self.create_rrd(drafts, archive.path())?;
-        Ok(RunFiles {
-            archive,
-            rrd,
-            earlier,
-        })
-    }
-
     /// Starts the MCAP file. Its name is that of the arguments, or the first free one of `STEM`, `STEM-2`, `STEM-3`, …
     /// (`STEM` itself with --force). Also returns the existing recordings with the names before it. Safe if several runs
     /// start at once.
-    fn start_mcap(
+    pub(super) fn start_mcap(
         &self,
         drafts: &Drafts,
         header: &Header,
@@ -86,30 +53,13 @@ impl FilePlan {
         }
     }
 
-    /// Creates the draft of the Rerun recording, if there is one, for this MCAP file.
-    fn create_rrd(&self, drafts: &Drafts, mcap: &Path) -> Result<Option<Draft>, Error> {
-        let path = match &self.rrd {
-            RrdFile::None => return Ok(None),
-            RrdFile::Adjacent => mcap.with_extension("rrd"),
-            RrdFile::At(path) => path.clone(),
-        };
-        FileKind::Rrd.check("--rrd", &path)?;
-        check_not_an_input(&path, [mcap])?;
-        Ok(Some(self.create(drafts, &path)?.make_partial()?))
-    }
-
     /// Creates the draft of a file. Refuses to overwrite the input.
-    fn create(&self, drafts: &Drafts, path: &Path) -> Result<Draft, SinkError> {
+    pub(in crate::cli) fn create(&self, drafts: &Drafts, path: &Path) -> Result<Draft, SinkError> {
         // Also with --force: the scenario would be lost if the run fails.
         check_not_an_input(path, [self.input.as_path()])?;
         let draft = Draft::new_in(drafts, path, self.existing)?;
         warn_of_link(path, self.replaces());
         Ok(draft)
-    }
-
-    /// Whether the arguments name the Rerun recording. It is then written even if the MCAP file existed already.
-    pub(super) fn names_rrd(&self) -> bool {
-        matches!(self.rrd, RrdFile::At(_))
     }
 
     /// Whether an existing file is replaced.

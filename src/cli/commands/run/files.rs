@@ -1,10 +1,27 @@
-//! Comparison of a new recording with existing ones.
+//! The MCAP file of a run, and its comparison with existing ones.
 
 use crate::archive::publish::Draft;
 use crate::cli::report::WrittenFile;
 use std::fs::File;
 use std::io::{self, BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
+
+/// The MCAP file of a run.
+pub(in crate::cli) enum McapFile {
+    New(WrittenFile),
+    /// An earlier run recorded the same; the new file is discarded.
+    Identical(WrittenFile),
+    /// The run is incomplete, and a complete recording keeps the name.
+    Partial(WrittenFile),
+}
+
+impl McapFile {
+    pub(super) fn into_file(self) -> WrittenFile {
+        match self {
+            Self::New(file) | Self::Identical(file) | Self::Partial(file) => file,
+        }
+    }
+}
 
 /// The existing recording with the bytes of this draft.
 pub(super) fn find_identical(draft: &Draft, earlier: &[PathBuf]) -> Option<WrittenFile> {

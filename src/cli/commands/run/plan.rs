@@ -2,7 +2,7 @@
 
 use super::file_plan::FilePlan;
 use crate::archive::writer::Form;
-use crate::cli::rerun::run::ShowPlan;
+use crate::cli::extension::ShowRun;
 use crate::run::scenario::{Scenario, Values};
 use crate::telemetry::Topics;
 
@@ -21,6 +21,6 @@ pub(super) struct RunPlan {
     pub(super) speed: Option<f64>,
     /// The files that are read and written.
     pub(super) files: FilePlan,
-    /// The Rerun output.
-    pub(super) show: ShowPlan,
+    /// Where it is shown.
+    pub(super) show: Option<Box<dyn ShowRun>>,
 }

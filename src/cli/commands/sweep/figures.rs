@@ -1,6 +1,7 @@
 //! Figures of sweeps: their columns and runs.
 
 use crate::cli::arguments::{Override, parse_override};
+use crate::cli::extension::{Extension, MapTable};
 use crate::figures::{CONTEXT_COLUMNS, Map};
 use crate::sweep::Columns;
 use anyhow::{Error, bail};
@@ -9,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// Arguments for a figure of a sweep.
 #[derive(Args, Debug, PartialEq)]
-pub(in crate::cli) struct SweepFigure {
+pub(in crate::cli) struct MapArguments {
     /// Draw the outcomes of a sweep: a map over --x and --y, or curves over --x
     #[arg(long, value_name = "TABLE", conflicts_with_all = ["runs", "only"], requires = "x")]
     sweep: Option<PathBuf>,
@@ -47,7 +48,7 @@ fn parse_where(text: &str) -> Result<Override, WhereError> {
 }
 
 /// A figure of a sweep.
-pub(in crate::cli) struct SweepPlan {
+struct MapPlan {
     table: PathBuf,
     x: String,
     y: Option<String>,
@@ -56,9 +57,8 @@ pub(in crate::cli) struct SweepPlan {
     chosen: Vec<Override>,
 }
 
-impl SweepFigure {
-    /// Resolves the arguments; `None` if figures of runs are wanted.
-    pub(in crate::cli) fn plan(&self) -> Result<Option<SweepPlan>, Error> {
+impl Extension<(), Box<dyn MapTable>> for MapArguments {
+    fn plan(&self, (): ()) -> Result<Option<Box<dyn MapTable>>, Error> {
         // Clap requires --x with --sweep.
         let (Some(table), Some(x)) = (&self.sweep, &self.x) else {
             return Ok(None);
@@ -66,13 +66,13 @@ impl SweepFigure {
         if self.y.as_ref().is_some_and(|y| column(y) == column(x)) {
             bail!("--x and --y are both {x}: choose two columns");
         }
-        Ok(Some(SweepPlan {
+        Ok(Some(Box::new(MapPlan {
             table: table.clone(),
             x: x.clone(),
             y: self.y.clone(),
             show: self.show.clone(),
             chosen: self.chosen.clone(),
-        }))
+        })))
     }
 }
 
@@ -82,14 +82,12 @@ fn column(name: &str) -> String {
     name.replace('.', "_")
 }
 
-impl SweepPlan {
-    /// The file with the table.
-    pub(in crate::cli) fn table(&self) -> &Path {
+impl MapTable for MapPlan {
+    fn path(&self) -> &Path {
         &self.table
     }
 
-    /// Reads what the figure shows.
-    pub(in crate::cli) fn read(&self) -> Result<Map, Error> {
+    fn read(&self) -> Result<Map, Error> {
         let mut names = CONTEXT_COLUMNS.to_vec();
         names.extend([self.x.as_str(), &self.show]);
         names.extend(self.y.as_deref());
@@ -103,7 +101,9 @@ impl SweepPlan {
             .collect();
         Ok(map)
     }
+}
 
+impl MapPlan {
     /// The rows selected by --where.
     fn chosen(&self, columns: &Columns) -> Result<Vec<usize>, Error> {
         let mut rows: Vec<usize> = (0..columns.texts("scenario")?.len()).collect();
