@@ -15,11 +15,24 @@ mod schema;
 pub(super) mod sweep;
 mod verify;
 
+use self::diff::diff;
+use self::explain::explain;
+use self::figures::figures;
+#[cfg(feature = "fit")]
+use self::fit::fit;
+use self::info::info;
+use self::laws::laws;
+use self::presets::presets;
+use self::run::run;
+use self::schema::schema;
+#[cfg(feature = "sweep")]
+use self::sweep::sweep;
+use self::verify::verify;
 use crate::analysis;
 use crate::archive::input::InputError;
 use crate::archive::publish::Drafts;
 #[cfg(feature = "rerun")]
-use crate::cli::rerun;
+use crate::cli::rerun::view::{ViewArguments, ViewReport, view};
 use crate::cli::status::Status;
 use crate::cli::{output, report};
 use crate::run::scenario::ScenarioError;
@@ -42,7 +55,7 @@ pub(super) enum Command {
     #[command(
         after_help = "Exit codes: 0 shown, 2 unreadable or no viewer, 3 shown in part (interrupted, or the file is partly unreadable)."
     )]
-    View(rerun::view::ViewArguments),
+    View(ViewArguments),
     /// Explain why the top rises or falls in a run.
     ///
     /// The report lists the events, the causes of the motion of the axis, and the energy balance.
@@ -121,21 +134,21 @@ pub(super) fn dispatch(
     #[cfg(feature = "sweep")]
     sweep::set_panic_hook();
     match command {
-        Command::Run(arguments) => run::run(&arguments, drafts),
+        Command::Run(arguments) => run(&arguments, drafts),
         #[cfg(feature = "rerun")]
-        Command::View(arguments) => rerun::view::view(&arguments, drafts),
-        Command::Explain(arguments) => explain::explain(&arguments),
-        Command::Diff(arguments) => diff::diff(&arguments, drafts),
+        Command::View(arguments) => view(&arguments, drafts),
+        Command::Explain(arguments) => explain(&arguments),
+        Command::Diff(arguments) => diff(&arguments, drafts),
         #[cfg(feature = "fit")]
-        Command::Fit(arguments) => fit::fit(&arguments, drafts),
-        Command::Figures(arguments) => figures::figures(&arguments, drafts),
+        Command::Fit(arguments) => fit(&arguments, drafts),
+        Command::Figures(arguments) => figures(&arguments, drafts),
         #[cfg(feature = "sweep")]
-        Command::Sweep(arguments) => sweep::sweep(&arguments, drafts),
-        Command::Info(arguments) => info::info(&arguments),
-        Command::Verify(arguments) => verify::verify(&arguments),
-        Command::Presets(arguments) => presets::presets(&arguments),
-        Command::Laws(arguments) => laws::laws(&arguments),
-        Command::Schema(arguments) => schema::schema(&arguments, schemas(), drafts),
+        Command::Sweep(arguments) => sweep(&arguments, drafts),
+        Command::Info(arguments) => info(&arguments),
+        Command::Verify(arguments) => verify(&arguments),
+        Command::Presets(arguments) => presets(&arguments),
+        Command::Laws(arguments) => laws(&arguments),
+        Command::Schema(arguments) => schema(&arguments, schemas(), drafts),
         Command::Completions { shell } => {
             output::print(&completions::script(shell, definition))?;
             Ok(Status::Success)
@@ -168,7 +181,7 @@ pub fn schemas() -> Vec<(String, String)> {
     vec![
         report::schema::<run::RunReport>("RunReport"),
         #[cfg(feature = "rerun")]
-        report::schema::<rerun::view::ViewReport>("ViewReport"),
+        report::schema::<ViewReport>("ViewReport"),
         report::schema::<analysis::explain::Explanation>("ExplainReport"),
         report::schema::<analysis::diff::Report>("DiffReport"),
         #[cfg(feature = "fit")]

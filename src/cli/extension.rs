@@ -8,11 +8,11 @@ pub(super) use super::commands::sweep::RowArgument;
 #[cfg(feature = "sweep")]
 pub(super) use super::commands::sweep::figures::MapArguments;
 #[cfg(feature = "rerun")]
-pub(super) use super::rerun::diff::ShowArguments as ShowPairArguments;
+pub(super) use super::rerun::diff::ShowPairArguments;
 #[cfg(all(feature = "rerun", feature = "fit"))]
-pub(super) use super::rerun::fit::ShowArguments as ShowFitArguments;
+pub(super) use super::rerun::fit::ShowFitArguments;
 #[cfg(feature = "rerun")]
-pub(super) use super::rerun::run::ShowArguments as ShowRunArguments;
+pub(super) use super::rerun::run::ShowRunArguments;
 #[cfg(all(not(feature = "rerun"), feature = "fit"))]
 pub(super) use Absent as ShowFitArguments;
 #[cfg(not(feature = "sweep"))]

@@ -18,7 +18,7 @@ use std::path::PathBuf;
 
 /// Viewer options of `diff`.
 #[derive(Args, Clone, Debug, PartialEq)]
-pub(in crate::cli) struct ShowArguments {
+pub(in crate::cli) struct ShowPairArguments {
     /// Write a Rerun recording of both runs and their differences to this file
     #[arg(short = 'o', long, value_name = "FILE", help_heading = OUTPUT)]
     rrd: Option<PathBuf>,
@@ -38,7 +38,7 @@ struct ShowPlan {
     live: Option<Live>,
 }
 
-impl Extension<&[PathBuf], Box<dyn ShowPair>> for ShowArguments {
+impl Extension<&[PathBuf], Box<dyn ShowPair>> for ShowPairArguments {
     /// Refuses to overwrite an input.
     fn plan(&self, runs: &[PathBuf]) -> Result<Option<Box<dyn ShowPair>>, Error> {
         if let Some(rrd) = &self.rrd {

@@ -22,7 +22,7 @@ use std::sync::Arc;
 
 /// Viewer options of `fit`.
 #[derive(Args, Clone, Debug, Default, PartialEq)]
-pub(in crate::cli) struct ShowArguments {
+pub(in crate::cli) struct ShowFitArguments {
     /// Write a Rerun recording of the best fit, the data and the residuals to this file
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     rrd: Option<PathBuf>,
@@ -37,7 +37,7 @@ struct ShowPlan {
     live: Option<Live>,
 }
 
-impl Extension<(), Box<dyn ShowFit>> for ShowArguments {
+impl Extension<(), Box<dyn ShowFit>> for ShowFitArguments {
     fn plan(&self, (): ()) -> Result<Option<Box<dyn ShowFit>>, Error> {
         if let Some(rrd) = &self.rrd {
             FileKind::Rrd.check("--rrd", rrd)?;

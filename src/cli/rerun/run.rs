@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 
 /// Viewer options of `run`.
 #[derive(Args, Clone, Debug, PartialEq)]
-pub(in crate::cli) struct ShowArguments {
+pub(in crate::cli) struct ShowRunArguments {
     /// Write a Rerun recording (.rrd) to this file
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     rrd: Option<PathBuf>,
@@ -50,7 +50,7 @@ struct ShowPlan {
     playback: Playback,
 }
 
-impl ShowArguments {
+impl ShowRunArguments {
     /// The Rerun recording. Without arguments it is next to the MCAP file, unless that has been named.
     fn rrd(&self, has_output: bool) -> RrdFile {
         match &self.rrd {
@@ -61,7 +61,7 @@ impl ShowArguments {
     }
 }
 
-impl Extension<(Option<&Path>, Option<f64>), Box<dyn ShowRun>> for ShowArguments {
+impl Extension<(Option<&Path>, Option<f64>), Box<dyn ShowRun>> for ShowRunArguments {
     /// Depends on the MCAP file, if it is named, and the speed, if it is limited.
     fn plan(
         &self,
