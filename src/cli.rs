@@ -1,59 +1,38 @@
 //! The command-line program.
 //!
-//! Each command with a report is a file with its arguments, its report and its function. `input` opens the runs named
-//! on the command line; `report` prints a report as JSON or as a `page`; all output goes through `output`.
+//! Each command is a file of `commands`. `input` opens the runs named on the command line; `report` prints a report as
+//! JSON or as a `page`; all output goes through `output`.
 //!
-//! `fit`, `rerun` and `sweep` need the features of these names. Without the feature this file has none of its commands and
-//! reports, and a file `without_…` stands in place of the options that it adds to other commands.
+//! `rerun` and the commands `fit` and `sweep` need the features of these names; `extension` has the arguments that they
+//! add to other commands.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod arguments;
-mod completions;
-mod diff;
-mod explain;
-mod figures;
+mod commands;
+mod extension;
 mod file_kind;
-mod info;
 mod input;
 mod interrupt;
-mod laws;
 mod losses;
 mod output;
-mod presets;
 mod progress;
 mod report;
-mod run;
-mod schema;
 mod status;
 mod terminal;
 mod text;
-mod verify;
 mod version;
 
-#[cfg(feature = "fit")]
-mod fit;
 #[cfg(feature = "rerun")]
 mod rerun;
-#[cfg(not(feature = "rerun"))]
-#[path = "cli/without_rerun.rs"]
-mod rerun;
-#[cfg(feature = "sweep")]
-mod sweep;
-#[cfg(not(feature = "sweep"))]
-#[path = "cli/without_sweep.rs"]
-mod sweep;
 
-use crate::analysis;
-use crate::archive::input::InputError;
-use crate::archive::publish::Drafts;
-use crate::run::scenario::ScenarioError;
-use anyhow::Error;
+pub use commands::schemas;
+
 use arguments::{Format, OUTPUT};
 use clap::builder::StyledStr;
 use clap::error::{ContextKind, ContextValue};
-use clap::{ColorChoice, CommandFactory as _, Parser, Subcommand, ValueEnum};
-use clap_complete::Shell;
+use clap::{ColorChoice, CommandFactory as _, Parser, ValueEnum};
+use commands::Command;
 use interrupt::SignalGuard;
 use status::Status;
 use std::ffi::OsString;
@@ -150,90 +129,6 @@ Exit codes:
      or the motion could not be computed to its end
   130  interrupted without a result";
 
-#[derive(Debug, Subcommand)]
-enum Command {
-    /// Simulate a scenario and record it.
-    #[command(
-        after_help = "Exit codes: 0 recorded, 2 invalid scenario or failed output, 3 recorded in part (interrupted, or the integration failed)."
-    )]
-    Run(run::RunArguments),
-    /// Show recordings in the Rerun viewer, with the layout of `toprise run`.
-    ///
-    /// Starts a viewer unless --connect or --rrd is given.
-    #[cfg(feature = "rerun")]
-    #[command(
-        after_help = "Exit codes: 0 shown, 2 unreadable or no viewer, 3 shown in part (interrupted, or the file is partly unreadable)."
-    )]
-    View(rerun::view::ViewArguments),
-    /// Explain why the top rises or falls in a run.
-    ///
-    /// The report lists the events, the causes of the motion of the axis, and the energy balance.
-    #[command(
-        after_help = "Exit codes: 0 explained, 2 unreadable or nothing to explain, 3 explained in part (the recording is incomplete)."
-    )]
-    Explain(explain::ExplainArguments),
-    /// Compare two runs: scenarios, events, averaged motion, and every field.
-    ///
-    /// Each run is a recording, a preset or a scenario file. MCAP files of other software are compared by topic, time
-    /// and bytes.
-    #[command(
-        after_help = "Exit codes: 0 equal within the tolerances, 1 different, 2 unreadable or nothing to compare, 3 the common part is equal (a run is damaged, interrupted or sampled more finely)."
-    )]
-    Diff(diff::DiffArguments),
-    /// Estimate friction and start from a measured motion, and compare friction laws.
-    ///
-    /// Reports first which parameters the data can determine. Estimates have standard deviations and 95 % intervals.
-    #[cfg(feature = "fit")]
-    #[command(
-        after_help = "Exit codes: 0 fitted (and, comparing laws, decided), 1 the model does not describe the data, or undecided, 2 unreadable, or the data can't determine the parameters, 3 no minimum was found, or the model ends before the data."
-    )]
-    Fit(Box<fit::FitArguments>),
-    /// Draw the paper's figures and others, as SVG and PNG.
-    ///
-    /// figure-2, figure-3 and figure-4 are those of the paper. The others: acceleration (terms of the equations),
-    /// precession (rates of regular precession), torque, slip, energy; for free pegs also track (path of the contact
-    /// point) and hops (normal force and height). Several runs are overlaid; figure-4 compares the others with the
-    /// first. For a sweep (--sweep FILE --x KEY), draws a map over two keys, or curves over one.
-    #[command(
-        after_help = "Exit codes: 0 drawn, 2 unreadable or nothing to draw, 3 drawn in part (a run lacks data)."
-    )]
-    Figures(figures::FiguresArguments),
-    /// Run a scenario for many values of its keys and tabulate the outcomes.
-    ///
-    /// Each row of the Parquet table contains the varied keys and the outcome of one run. To resume an interrupted
-    /// sweep, or to merge shards, run the same command again. The bytes of the table don't depend on threads, shards or
-    /// interruptions.
-    #[cfg(feature = "sweep")]
-    #[command(
-        after_help = "Exit codes: 0 all runs have an outcome, 2 bad usage or failed output, 3 some runs failed (see the column `error`), or the sweep was interrupted."
-    )]
-    Sweep(sweep::SweepArguments),
-    /// List the content of a recording, or of any MCAP file.
-    #[command(
-        after_help = "Exit codes: 0 everything was read, 2 unreadable, 3 the recording was interrupted or damaged."
-    )]
-    Info(info::InfoArguments),
-    /// Verify recordings by rerunning their scenarios and comparing the files.
-    ///
-    /// A file with identical bytes is verified. Otherwise the messages are compared and the first difference is
-    /// reported (time, channel, field, both values).
-    #[command(
-        after_help = "Exit codes: 0 verified, 1 different, 2 unreadable, 3 the common part is equal (incomplete run, or recorded by another version of toprise)."
-    )]
-    Verify(verify::VerifyArguments),
-    /// List the presets, or print one, or the scenario of a recording, as a scenario file.
-    Presets(presets::PresetsArguments),
-    /// List the laws of friction, or describe one: formulas, parameters, typical values and sources.
-    Laws(laws::LawsArguments),
-    /// List the channels of a recording, print the schema of one, or write all schemas.
-    Schema(schema::SchemaArguments),
-    /// Print a completion script for a shell.
-    Completions {
-        /// The shell.
-        shell: Shell,
-    },
-}
-
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
     let words: Vec<OsString> = std::env::args_os().collect();
@@ -250,38 +145,16 @@ pub fn main() -> ExitCode {
         }
     };
     output::set_up(arguments.quiet, arguments.color, arguments.format);
-    #[cfg(feature = "sweep")]
-    sweep::set_panic_hook();
     let signals = SignalGuard::install();
-    match dispatch(arguments.command, signals.drafts()) {
+    match commands::dispatch(arguments.command, Arguments::command(), signals.drafts()) {
         Ok(status) => status.into(),
         Err(error) => {
             let text = output::with_causes(&error);
             output::error(&text);
-            report::print_error(&text, wrong_key(&error));
+            report::print_error(&text, commands::wrong_key(&error));
             Status::Failed.into()
         }
     }
-}
-
-/// The key of the scenario that an error is about.
-fn wrong_key(error: &Error) -> Option<&str> {
-    error.chain().find_map(|cause| {
-        #[cfg(feature = "sweep")]
-        if let Some(error) = cause.downcast_ref::<crate::sweep::SweepError>() {
-            return error.key();
-        }
-        #[cfg(feature = "fit")]
-        if let Some(error) = cause.downcast_ref::<fit::FitFailure>() {
-            return error.key();
-        }
-        // This is transparent: the error of the scenario is no cause of its own in the chain.
-        let scenario_error = match cause.downcast_ref::<InputError>() {
-            Some(error) => error.scenario_error(),
-            None => cause.downcast_ref::<ScenarioError>(),
-        };
-        scenario_error?.key.as_deref()
-    })
 }
 
 /// The features of the program, each with whether it has the feature, its commands, and its options of other commands.
@@ -365,51 +238,6 @@ fn print_usage(usage: &clap::Error) -> ExitCode {
             Status::Failed.into()
         }
     }
-}
-
-fn dispatch(command: Command, drafts: &Drafts) -> Result<Status, Error> {
-    match command {
-        Command::Run(arguments) => run::run(&arguments, drafts),
-        #[cfg(feature = "rerun")]
-        Command::View(arguments) => rerun::view::view(&arguments, drafts),
-        Command::Explain(arguments) => explain::explain(&arguments),
-        Command::Diff(arguments) => diff::diff(&arguments, drafts),
-        #[cfg(feature = "fit")]
-        Command::Fit(arguments) => fit::fit(&arguments, drafts),
-        Command::Figures(arguments) => figures::figures(&arguments, drafts),
-        #[cfg(feature = "sweep")]
-        Command::Sweep(arguments) => sweep::sweep(&arguments, drafts),
-        Command::Info(arguments) => info::info(&arguments),
-        Command::Verify(arguments) => verify::verify(&arguments),
-        Command::Presets(arguments) => presets::presets(&arguments),
-        Command::Laws(arguments) => laws::laws(&arguments),
-        Command::Schema(arguments) => schema::schema(&arguments, schemas(), drafts),
-        Command::Completions { shell } => {
-            output::print(&completions::script(shell, Arguments::command()))?;
-            Ok(Status::Success)
-        }
-    }
-}
-
-/// The JSON Schemas of all reports, as file names and contents for `schemas/`.
-pub fn schemas() -> Vec<(String, String)> {
-    vec![
-        report::schema::<run::RunReport>("RunReport"),
-        #[cfg(feature = "rerun")]
-        report::schema::<rerun::view::ViewReport>("ViewReport"),
-        report::schema::<analysis::explain::Explanation>("ExplainReport"),
-        report::schema::<analysis::diff::Report>("DiffReport"),
-        #[cfg(feature = "fit")]
-        report::schema::<fit::FitReport>("FitReport"),
-        report::schema::<crate::figures::FiguresReport>("FiguresReport"),
-        #[cfg(feature = "sweep")]
-        report::schema::<sweep::report::SweepReport>("SweepReport"),
-        report::schema::<info::InfoReport>("InfoReport"),
-        report::schema::<verify::VerifyReport>("VerifyReport"),
-        report::schema::<presets::PresetsReport>("PresetsReport"),
-        report::schema::<laws::LawsReport>("LawsReport"),
-        report::schema::<schema::SchemaReport>("SchemaReport"),
-    ]
 }
 
 #[cfg(test)]

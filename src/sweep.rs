@@ -5,40 +5,32 @@
 //! on the spec and the part number: the bytes don't depend on threads, machines or interruptions. [`run`] computes what is missing and merges the
 //! parts. [`values_of_row`] are those of the scenario of a row, which can be run again.
 
-mod axis;
-mod base;
 mod cells;
-mod change;
 mod checksum;
 mod counts;
-mod deserialize;
-mod design;
 mod effort;
 mod error;
-mod file;
 mod part;
 mod reader;
 mod reading;
 mod row;
-mod sample;
-mod sobol;
 mod spec;
 mod store;
 mod table;
 mod work;
 
 pub use crate::archive::caught::is_catching;
-pub use axis::{Axis, column_name, find_key};
-pub use base::Base;
 pub use cells::{Cells, cells};
 pub use counts::{Counts, RowError};
-pub use design::Design;
 pub use error::{AxisProblem, CellError, FileProblem, SpecError, SweepError, TableError};
 pub use part::Sweep;
 pub use reading::{Columns, values_of_row};
 pub use row::{Run, RunResult, Watch};
-pub use sample::{Method, Sample};
 pub use spec::Spec;
+pub use spec::axis::{Axis, column_name, find_key};
+pub use spec::base::Base;
+pub use spec::design::Design;
+pub use spec::sample::{Method, Sample};
 pub use store::parts_directory;
 pub use table::Table;
 pub use work::{Finished, Options, Shard, remaining_rows, run, threads};

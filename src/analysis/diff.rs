@@ -25,20 +25,13 @@
 //! ```
 
 mod agreement;
-mod averaged_findings;
 mod averages;
-mod crossing;
-mod derived;
 mod discrepancy;
 mod error;
-mod event_findings;
 mod evidence;
-mod field;
-mod finding;
 mod findings;
 mod integration_error;
 mod observer;
-mod occurrence;
 mod others;
 mod pairing;
 mod report;
@@ -50,14 +43,14 @@ pub use self::agreement::{Agreement, Change, Precision, RunEnd};
 pub use self::averages::{Averaged, Deviation};
 pub use self::discrepancy::{Discrepancy, Residual};
 pub use self::error::{DiffError, ToleranceProblem};
-pub use self::field::FieldDifference;
-pub use self::finding::{EndCondition, Finding, Quantity};
+pub use self::findings::finding::{EndCondition, Finding, Quantity};
 pub use self::integration_error::{IntegrationErrors, IntegratorError};
 pub use self::observer::Observer;
 pub use self::others::TopicBytes;
 pub use self::report::{ComparedRun, Report, Verdict};
 pub use self::setup::{KeyDifference, SetupDifferences};
 pub use self::tolerance::{Options, Tolerance, Tolerances, full_name};
+pub use self::topic::field::FieldDifference;
 pub use self::topic::{ChannelDifference, FirstDifference};
 pub use crate::analysis::history::{PegSummary, RunSummary};
 pub use crate::analysis::subject::Subject;

@@ -15,23 +15,17 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod causes;
 mod chapters;
 mod claim;
-mod conservation;
 mod evidence;
 mod fact;
-mod fall;
-mod flight;
-mod grip;
 mod momentum;
 mod observations;
 mod precession;
-mod rise;
 mod sections;
 mod story;
-mod stretch;
 mod time_span;
-mod tippe;
 
 pub use self::claim::{Claim, Hold, Inversion, Stopped, SufficientSpin, Weakness};
 use self::evidence::Evidence;
@@ -40,6 +34,7 @@ pub use self::fact::{Fact, PrecessionRoot};
 use self::observations::Observations;
 pub use self::precession::Stage;
 pub use self::story::Story;
+use self::story::story;
 pub use self::time_span::TimeSpan;
 
 use crate::analysis::history::{RunHistory, RunSummary};
@@ -268,7 +263,7 @@ fn explanation(evidence: Evidence) -> Explanation {
     let lacks_events = history.has_gaps || history.lacks(EVENTS);
     // A cause must hold for all of the run.
     let story = if evidence.losses.is_empty() && !lacks_averages && !lacks_events {
-        story::story(&evidence)
+        story(&evidence)
     } else {
         Story::default()
     };

@@ -9,6 +9,7 @@ pub(super) enum FileKind {
     /// An MCAP recording.
     Mcap,
     /// A Rerun recording.
+    #[cfg_attr(not(feature = "rerun"), expect(dead_code, reason = "written by Rerun"))]
     Rrd,
     /// The table of a sweep.
     #[cfg_attr(

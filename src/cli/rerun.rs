@@ -1,4 +1,4 @@
-//! The Rerun side of commands. Without the feature `rerun`, `without_rerun.rs` stands here.
+//! The Rerun side of commands.
 
 #[cfg(feature = "fit")]
 mod attached;

@@ -1,9 +1,13 @@
 //! Metadata of a run, needed before its messages.
 
-use super::magnitude::Magnitudes;
+pub(super) mod magnitude;
+mod preview;
+pub(super) mod scale;
+
+use self::magnitude::Magnitudes;
+use self::scale::Scales;
 use super::measurement::Measurement;
-use super::message::store;
-use super::scale::Scales;
+use super::output::message::store;
 use crate::physics::kinematics::Tilt;
 use crate::physics::top::Top;
 use crate::run::scenario::Scenario;

@@ -13,9 +13,9 @@ use rerun::EXTERNAL_IMPORTER_INCOMPATIBLE_EXIT_CODE;
 use thiserror::Error;
 
 use super::error::RerunError;
-use super::explained::ExplainedSink;
 use super::identity::{Identity, Playback, StoreNames};
 use super::output::Destinations;
+use super::streams::explained::ExplainedSink;
 use crate::archive::sink::{RecordedRun, Sink, SinkError, record_all};
 use crate::run::scenario::{FORMAT, Scenario, ScenarioError, Values};
 use crate::run::simulation::SimulationError;

@@ -1,5 +1,8 @@
 //! Measured values that a run was fitted to.
 
+pub(super) mod plots;
+mod recorded;
+
 use rerun::TextDocument;
 
 use crate::telemetry::fields::{NumberField, pose, state};

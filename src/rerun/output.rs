@@ -2,6 +2,11 @@
 //!
 //! They are independent. Viewer failures become warnings; a file error is returned by [`Output::finish`].
 
+pub(super) mod message;
+mod rrd;
+pub(super) mod track;
+pub(super) mod viewer;
+
 use std::cell::RefCell;
 use std::fs::File;
 use std::rc::Rc;
@@ -9,10 +14,10 @@ use std::rc::Rc;
 use rerun::external::re_log_types::LogMsg;
 use rerun::{AsComponents, EntityPath, SerializedComponentColumn, StoreId, TimePoint};
 
+use self::message::{Ids, opening, rows, single_row};
+use self::rrd::RrdFile;
+use self::viewer::{Live, LiveDestination};
 use super::error::{RerunError, ViewerError};
-use super::message::{Ids, opening, rows, single_row};
-use super::rrd::RrdFile;
-use super::viewer::{Live, LiveDestination};
 
 /// The destinations of a recording. With neither, nothing is kept.
 #[derive(Debug, Default)]

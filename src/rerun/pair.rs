@@ -1,9 +1,9 @@
 //! Metadata of a comparison, needed before its messages.
 
-use super::blueprint::charts::compares;
-use super::identity::{Geometry, Identity};
-use super::message::store;
-use super::role::Role;
+use crate::rerun::blueprint::charts::compares;
+use crate::rerun::identity::{Geometry, Identity};
+use crate::rerun::output::message::store;
+use crate::rerun::role::Role;
 use crate::telemetry::fields::{NUTATION, POSE, Plot};
 use crate::telemetry::proportions::Proportions;
 use crate::telemetry::side::Side;

@@ -1,12 +1,14 @@
 //! Plots: every number of every message, as curves.
 
+pub(super) mod outline;
+
 use rerun::Scalars;
 
-use super::outline::Outline;
+use self::outline::Outline;
+use super::output::track::Track;
 use super::output::{ComponentColumns, Output};
 use super::role::Role;
 use super::style;
-use super::track::Track;
 use crate::telemetry::fields::{NumberField, Plot};
 use crate::telemetry::{Message, Topic};
 

@@ -1,11 +1,11 @@
 //! A part of a sweep's table: rows as columns, columns as Parquet.
 
-use super::axis::column_name;
 use super::checksum;
 use super::counts::Counts;
 use super::effort::{BLOCK_ROWS, estimate_steps, part_rows};
 use super::row::{RowResult, Run, Watch, row};
 use super::spec::Spec;
+use super::spec::axis::column_name;
 use crate::run::outcome::{COLUMNS, Column, Outcome, Read, outcome};
 use crate::run::scenario::{Key, Scenario, ScenarioError, Value};
 use arrow_array::{ArrayRef, Float64Array, Int64Array, RecordBatch, StringArray};

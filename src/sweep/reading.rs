@@ -1,9 +1,9 @@
 //! Reading sweep tables.
 
-use super::axis::find_key;
 use super::cells::{Cells, cells};
 use super::error::{CellError, SweepError, TableError};
 use super::reader::{self, Opened};
+use super::spec::axis::find_key;
 use super::store::{SPEC_ENTRY, entry};
 use crate::run::scenario::{Scenario, Value, Values};
 use arrow_array::{Array, RecordBatch, RecordBatchReader as _};

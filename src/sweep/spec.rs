@@ -1,10 +1,19 @@
 //! Sweep specs.
 
-use super::axis::Axis;
-use super::base::Base;
-use super::design::{Design, MAX_ROWS};
+pub(super) mod axis;
+pub(super) mod base;
+pub(super) mod change;
+mod deserialize;
+pub(super) mod design;
+mod file;
+pub(super) mod sample;
+mod sobol;
+
+use self::axis::Axis;
+use self::base::Base;
+use self::design::{Design, MAX_ROWS};
+use self::sample::Points;
 use super::error::{SpecError, SweepError};
-use super::sample::Points;
 use crate::run::scenario::{Key, Value};
 use serde_json::{Map, Value as Json, json};
 use std::collections::HashSet;
@@ -165,7 +174,7 @@ fn repeated<'a>(mut names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sweep::sample::{Method, Sample};
+    use crate::sweep::spec::sample::{Method, Sample};
 
     const SAMPLE: Sample = Sample {
         count: 10,

@@ -1,10 +1,10 @@
 //! Files of a sweep: parts and the complete table.
 
-use super::change::change;
 use super::checksum;
 use super::counts::Counts;
 use super::error::{FileProblem, SweepError};
 use super::part::{COUNTS_ENTRY, Sweep, counts_entry, part_bytes, properties, row_group};
+use super::spec::change::change;
 use crate::archive::input::{open_file, read_file};
 use crate::archive::publish::{self, Draft, Existing, is_same_file};
 use crate::archive::sink::SinkError;

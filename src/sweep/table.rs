@@ -4,10 +4,10 @@ mod column;
 mod csv;
 
 use self::column::Column;
-use super::axis::find_key;
 use super::cells::{cells as column_cells, values_of};
 use super::error::{CellError, SweepError, TableError};
 use super::reader::{self, Opened};
+use super::spec::axis::find_key;
 use crate::archive::input::read_file;
 use crate::run::scenario::{Key, Value};
 use arrow_array::{RecordBatch, new_empty_array};

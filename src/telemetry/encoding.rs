@@ -1,15 +1,22 @@
 //! Message encodings: encoders and decoders.
 
-use super::channel::ChannelInfo;
-pub use super::decoding::{
+mod decoding;
+pub mod json;
+pub mod protobuf;
+pub mod schema;
+pub(super) mod template;
+mod wire;
+
+pub use self::decoding::{
     DecodeError, FieldDifferences, Row, SchemaError, TimestampOverflow, WireError,
 };
-use super::json::{self, JsonDecoder};
+use self::json::JsonDecoder;
+use self::protobuf::{ProtobufDecoder, file_descriptor_set};
+use self::schema::json_schema;
+use self::template::Template;
 use super::message::Message;
-use super::protobuf::{self, ProtobufDecoder, file_descriptor_set};
-use super::schema::json_schema;
+use super::table::channel::ChannelInfo;
 use super::table::channels;
-use super::template::Template;
 use crate::run::listed::listed;
 
 listed! {

@@ -1,9 +1,9 @@
 //! Handles of fields and plots: they read values from messages and return names and units.
 
-use super::channel::Leaf;
-use super::frame;
-use super::message::{Message, Numbers};
-use super::topic::Topic;
+use super::table::channel::Leaf;
+use super::table::frame;
+use crate::telemetry::message::{Message, Numbers};
+use crate::telemetry::topic::Topic;
 use nalgebra::{Quaternion, Vector3};
 use std::fmt;
 

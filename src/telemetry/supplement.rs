@@ -3,11 +3,11 @@
 //! They come from elsewhere, such as the data of a fit, so they don't follow from the scenario: `verify` checks that they
 //! are declared as here and lists them, but can't compare their content. They are not part of the content digest.
 
-use super::channel::{ChannelInfo, Leaf};
-use super::json;
+use super::encoding::json;
+use super::encoding::template::Template;
 use super::message::Message;
-use super::quantity::Quantity;
-use super::template::Template;
+use super::table::channel::{ChannelInfo, Leaf};
+use super::table::quantity::Quantity;
 use std::sync::OnceLock;
 
 /// Topic of the measured values of a fit.

@@ -1,16 +1,19 @@
 //! The channel table: the single definition of recorded data and of the field handles.
 
+pub(super) mod channel;
+pub(super) mod frame;
 mod info;
+pub(super) mod quantity;
+mod sampled;
 
 pub use info::channels;
 
-use super::frame;
-use super::handle::{NumberField, RotationField, TextField, VectorField};
-use super::quantity::Quantity::{
+use self::quantity::Quantity::{
     self, Acceleration, Angle, Direction, Energy, Flag, Force, Impulse, Jellett, Length,
     LinearAcceleration, Momentum, Number, Orientation, Power, Rate, ReferenceRate, Text, Time,
     Torque, Velocity,
 };
+use super::handle::{NumberField, RotationField, TextField, VectorField};
 use super::topic::Topic;
 use crate::run::simulation::{Event, FreeSample, ImpactRecord, NutationCycle, Sample};
 use nalgebra::{UnitQuaternion, Vector3};

@@ -21,6 +21,7 @@ use self::cdr::Cdr;
 use self::envelope::Envelope;
 pub use self::foxglove::foxglove_layout;
 use self::scales::Scales;
+use self::urdf::urdf;
 use super::event::recorded_sentence;
 use super::fields::{
     CONTACT, EVENTS, NUTATION, POSE, STATE, TORQUE, contact, events, pose, state, torque,
@@ -201,7 +202,7 @@ impl Views {
         let period = scenario.sample_period_ns.max(1);
         Self {
             sources,
-            description: Some(urdf::urdf(&proportions, &scales, is_free)),
+            description: Some(urdf(&proportions, &scales, is_free)),
             stride: u32::try_from(PERIOD_NS.div_ceil(period)).unwrap_or(u32::MAX),
             state: [f64::NAN; 2],
             envelope: Envelope::new(),

@@ -1,8 +1,8 @@
 //! Agreement of two runs that are different as a whole: one goes on for longer, or they part at an event.
 
 use super::evidence::Evidence;
-use super::finding::{EndCondition, Finding, Quantity};
 use super::findings::end_conditions;
+use super::findings::finding::{EndCondition, Finding, Quantity};
 use super::topic::ChannelDifference;
 use crate::analysis::history::RunHistory;
 use crate::run::simulation::{EventKind, StopReason};

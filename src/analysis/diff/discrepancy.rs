@@ -3,7 +3,7 @@
 //! Evaluates the torques and accelerations of both models at the states of A. This shows the difference of the models,
 //! independent of phase and drift. For a free peg only sliding states are used.
 
-use super::field::rms;
+use super::topic::field::rms;
 use crate::physics::dynamics::{Integrals, Model, Motion, Peg, Phase};
 use crate::physics::friction::Branch;
 use crate::physics::kinematics::{Euler, Tilt, world_to_lean};

@@ -1,10 +1,10 @@
 //! The basis of findings, and comparisons of numbers that each run has for itself.
 
-use super::averages::Averaged;
-use super::discrepancy::Discrepancy;
-use super::finding::{Finding, Quantity};
-use super::integration_error::{IntegrationError, Integrations, combined};
-use super::pairing::Paired;
+use super::findings::finding::{Finding, Quantity};
+use crate::analysis::diff::averages::Averaged;
+use crate::analysis::diff::discrepancy::Discrepancy;
+use crate::analysis::diff::integration_error::{IntegrationError, Integrations, combined};
+use crate::analysis::diff::pairing::Paired;
 use crate::analysis::history::RunHistory;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::EventKind;

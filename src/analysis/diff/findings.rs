@@ -4,11 +4,16 @@
 //! have recorded them; counts over the time that both have; ends only if they are of one kind. A number that depends on
 //! the integration, because another integration of the same run does not have it, is left out.
 
-use super::averaged_findings::{amplitude, crossing, means, phase_lead};
-use super::crossing::ripple;
-use super::event_findings::events;
+mod averaged;
+mod crossing;
+mod events;
+pub(super) mod finding;
+
+use self::averaged::{amplitude, crossing, means, phase_lead};
+use self::crossing::ripple;
+use self::events::events;
+use self::finding::{EndCondition, Finding, Quantity};
 use super::evidence::Evidence;
-use super::finding::{EndCondition, Finding, Quantity};
 use super::integration_error::{IntegrationError, combined};
 use super::pairing::PairedRun;
 use crate::analysis::history::RunHistory;

@@ -2,13 +2,15 @@
 //!
 //! Each run is read by its own thread in batches. The run that is behind is advanced first, so that few messages wait.
 //! Samples are paired by time while both runs are read; events, impacts and nutation cycles at the end, by their content
-//! ([`super::occurrence`]). The averages over nutation cycles are compared as curves over time ([`super::averages`]).
+//! ([`occurrence`]). The averages over nutation cycles are compared as curves over time ([`super::averages`]).
 
+mod occurrence;
+
+use self::occurrence::{Occurrence, match_occurrences};
 use super::averages;
 use super::discrepancy::Residuals;
 use super::error::DiffError;
 use super::observer::Observer;
-use super::occurrence::{Occurrence, match_occurrences};
 use super::tolerance::{Options, full_name};
 use super::topic::TopicTally;
 use crate::analysis::history::RunHistory;

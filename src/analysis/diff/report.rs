@@ -6,7 +6,7 @@ use super::agreement::{Agreement, agreement};
 use super::averages::{self, Averaged};
 use super::discrepancy::{Discrepancy, Residuals};
 use super::evidence::Evidence;
-use super::finding::Finding;
+use super::findings::finding::Finding;
 use super::findings::findings;
 use super::integration_error::{IntegrationErrors, Integrations};
 use super::others::{self, TopicBytes};

@@ -1,7 +1,10 @@
 //! The comparison of the messages of one topic.
 
-use super::derived::Derived;
-use super::field::{FieldDifference, FieldTally};
+mod derived;
+pub(super) mod field;
+
+use self::derived::Derived;
+use self::field::{FieldDifference, FieldTally};
 use super::tolerance::Tolerances;
 use crate::run::time::seconds;
 use crate::telemetry::fields::{EVENTS, NumberField, events};

@@ -1,10 +1,9 @@
 //! Why a top moves as it does: claims in the order of time.
 
+use super::causes;
 use super::claim::Claim;
 use super::evidence::Evidence;
-use super::stretch::{self, Stretch};
 use super::time_span::TimeSpan;
-use super::{conservation, fall, flight, grip, rise, tippe};
 use crate::words::{Sentence, sentence};
 use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
@@ -73,47 +72,8 @@ impl Story {
 
 /// The causes of a motion whose samples and events are all known.
 pub(super) fn story(evidence: &Evidence) -> Story {
-    let mut claims = Vec::new();
-    claims.extend(conservation::conserves(evidence));
-    claims.extend(rise::friction_speeds_precession(evidence));
-    claims.extend(rise::losses_align(evidence));
-    claims.extend(flight::bounces(evidence));
-    claims.extend(
-        tippe::inverts(evidence)
-            .or_else(|| tippe::stays_upright(evidence))
-            .or_else(|| tippe::not_inverted(evidence)),
-    );
-    claims.extend(fall::weak_top_falls(evidence).or_else(|| fall::swings_down(evidence)));
-    for stretch in stretch::stretches(evidence) {
-        let change = change(evidence, &stretch, &claims);
-        claims.extend(change);
-    }
-    claims.extend(grip::slip_ends(evidence, &claims));
-    claims.extend(grip::rests(evidence));
-    claims.sort_by(|one, other| one.interval().order(other.interval()));
     Story {
-        claims,
+        claims: causes::claims(evidence),
         end: evidence.history.states.map(|[_, last]| last.time),
     }
-}
-
-/// Why the top rises or sinks in a stretch; `None` if a claim on the whole run, or on its fall, says it.
-fn change(evidence: &Evidence, stretch: &Stretch, claims: &[Claim]) -> Option<Claim> {
-    if let Some(raises) = rise::friction_raises(evidence, stretch) {
-        return Some(raises);
-    }
-    let is_told = claims.iter().any(|claim| match claim {
-        Claim::WeakTopFalls { time, .. } | Claim::SwingsDown { time, .. } => {
-            stretch.contains(*time)
-        }
-        _ if stretch.is_rise() => claim.is_rise(),
-        _ => false,
-    });
-    // The mean inclination of a tippe top follows from its inversion; without friction, it does not change.
-    let is_constant = evidence.scenario.is_frictionless();
-    if is_told || is_constant || claims.iter().any(Claim::is_inversion) {
-        return None;
-    }
-    fall::friction_lowers(evidence, stretch)
-        .or_else(|| stretch::mean_inclination_changes(evidence, stretch))
 }

@@ -4,7 +4,8 @@ use super::viewer::{ViewerArguments, complete, warn_all};
 use crate::analysis::diff::{Report, Subject};
 use crate::archive::publish::{Draft, Drafts, Existing, check_not_an_input};
 use crate::cli::arguments::OUTPUT;
-use crate::cli::diff::content;
+use crate::cli::commands::diff::content;
+use crate::cli::extension::{Extension, PairViewer, ShowPair};
 use crate::cli::file_kind::FileKind;
 use crate::cli::output;
 use crate::cli::terminal;
@@ -17,7 +18,7 @@ use std::path::PathBuf;
 
 /// Viewer options of `diff`.
 #[derive(Args, Clone, Debug, PartialEq)]
-pub(in crate::cli) struct ShowArguments {
+pub(in crate::cli) struct ShowPairArguments {
     /// Write a Rerun recording of both runs and their differences to this file
     #[arg(short = 'o', long, value_name = "FILE", help_heading = OUTPUT)]
     rrd: Option<PathBuf>,
@@ -31,79 +32,79 @@ pub(in crate::cli) struct ShowArguments {
 }
 
 /// The Rerun output of a comparison, resolved.
-pub(in crate::cli) struct ShowPlan {
+struct ShowPlan {
     rrd: Option<PathBuf>,
     existing: Existing,
     live: Option<Live>,
 }
 
-impl ShowArguments {
-    /// Resolves the arguments. Refuses to overwrite an input.
-    pub(in crate::cli) fn plan(&self, runs: &[PathBuf]) -> Result<ShowPlan, Error> {
+impl Extension<&[PathBuf], Box<dyn ShowPair>> for ShowPairArguments {
+    /// Refuses to overwrite an input.
+    fn plan(&self, runs: &[PathBuf]) -> Result<Option<Box<dyn ShowPair>>, Error> {
         if let Some(rrd) = &self.rrd {
             FileKind::Rrd.check("--rrd", rrd)?;
             check_not_an_input(rrd, runs.iter().map(PathBuf::as_path))?;
         }
-        Ok(ShowPlan {
+        let live = self.viewer.live();
+        if self.rrd.is_none() && live.is_none() {
+            return Ok(None);
+        }
+        Ok(Some(Box::new(ShowPlan {
             rrd: self.rrd.clone(),
             existing: Existing::forced(self.force),
-            live: self.viewer.live(),
-        })
+            live,
+        })))
+    }
+}
+
+impl ShowPair for ShowPlan {
+    fn open(
+        &self,
+        subjects: [Subject<'_>; 2],
+        names: [&str; 2],
+        drafts: &Drafts,
+    ) -> Result<Box<dyn PairViewer>, Error> {
+        if !subjects.iter().all(|subject| subject.is_ours()) {
+            bail!("the viewer can only show toprise recordings; one input is another MCAP file");
+        }
+        let identity = identity(subjects, names)?;
+        let mut draft = None;
+        if let Some(rrd) = &self.rrd {
+            draft = Some(Draft::new_in(drafts, rrd, self.existing)?);
+            output::warn_of_link(rrd, self.existing == Existing::Replace);
+        }
+        let destinations = Destinations {
+            file: draft.as_ref().map(Draft::file).transpose()?,
+            live: self.live.clone(),
+        };
+        let mut sink = PairSink::new(&identity, destinations);
+        let is_viewer_lost = warn_all(&sink.take_warnings());
+        Ok(Box::new(OpenViewer {
+            sink,
+            draft,
+            is_viewer_lost,
+        }))
     }
 }
 
 /// Rerun output of a comparison.
-pub(in crate::cli) struct PairViewer {
+struct OpenViewer {
     sink: PairSink,
     draft: Option<Draft>,
     /// Whether the viewer went away while the comparison was prepared.
     is_viewer_lost: bool,
 }
 
-impl PairViewer {
-    /// Opens the requested outputs; `None` if there are none.
-    pub(in crate::cli) fn open(
-        plan: &ShowPlan,
-        subjects: [Subject<'_>; 2],
-        names: [&str; 2],
-        drafts: &Drafts,
-    ) -> Result<Option<Self>, Error> {
-        if plan.rrd.is_none() && plan.live.is_none() {
-            return Ok(None);
-        }
-        if !subjects.iter().all(|subject| subject.is_ours()) {
-            bail!("the viewer can only show toprise recordings; one input is another MCAP file");
-        }
-        let identity = identity(subjects, names)?;
-        let mut draft = None;
-        if let Some(rrd) = &plan.rrd {
-            draft = Some(Draft::new_in(drafts, rrd, plan.existing)?);
-            output::warn_of_link(rrd, plan.existing == Existing::Replace);
-        }
-        let destinations = Destinations {
-            file: draft.as_ref().map(Draft::file).transpose()?,
-            live: plan.live.clone(),
-        };
-        let mut sink = PairSink::new(&identity, destinations);
-        let is_viewer_lost = warn_all(&sink.take_warnings());
-        Ok(Some(Self {
-            sink,
-            draft,
-            is_viewer_lost,
-        }))
-    }
-
-    pub(in crate::cli) fn write(&mut self, side: Side, message: &Message<'_>) {
+impl PairViewer for OpenViewer {
+    fn write(&mut self, side: Side, message: &Message<'_>) {
         self.sink.write(side, message);
     }
 
-    pub(in crate::cli) fn write_difference(&mut self, message: &Message<'_>) {
+    fn write_difference(&mut self, message: &Message<'_>) {
         self.sink.difference(message);
     }
 
-    /// Adds the report to the recording and completes the file. Returns whether the viewer went away before it had
-    /// everything.
-    pub(in crate::cli) fn finish(mut self, report: &Report) -> Result<bool, Error> {
+    fn finish(mut self: Box<Self>, report: &Report) -> Result<bool, Error> {
         let markdown = markdown(&summary(report), terminal::option);
         self.sink.summarize(&markdown);
         let completed = complete(self.sink.finish(), self.draft)?;

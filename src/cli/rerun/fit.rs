@@ -4,6 +4,7 @@ use super::viewer::{ViewerArguments, complete, warn_all};
 use crate::archive::publish::{Draft, Drafts, Existing};
 use crate::archive::sink::{RecordedRun, Sink, record_all};
 use crate::cli::arguments::OUTPUT;
+use crate::cli::extension::{Extension, ShowFit};
 use crate::cli::file_kind::FileKind;
 use crate::cli::output;
 use crate::cli::report::Completed;
@@ -21,7 +22,7 @@ use std::sync::Arc;
 
 /// Viewer options of `fit`.
 #[derive(Args, Clone, Debug, Default, PartialEq)]
-pub(in crate::cli) struct ShowArguments {
+pub(in crate::cli) struct ShowFitArguments {
     /// Write a Rerun recording of the best fit, the data and the residuals to this file
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     rrd: Option<PathBuf>,
@@ -31,32 +32,33 @@ pub(in crate::cli) struct ShowArguments {
 }
 
 /// Where a fit is shown.
-pub(in crate::cli) struct ShowPlan {
+struct ShowPlan {
     rrd: Option<PathBuf>,
     live: Option<Live>,
 }
 
-impl ShowArguments {
-    /// Resolves the arguments.
-    pub(in crate::cli) fn plan(&self) -> Result<ShowPlan, Error> {
+impl Extension<(), Box<dyn ShowFit>> for ShowFitArguments {
+    fn plan(&self, (): ()) -> Result<Option<Box<dyn ShowFit>>, Error> {
         if let Some(rrd) = &self.rrd {
             FileKind::Rrd.check("--rrd", rrd)?;
         }
-        Ok(ShowPlan {
+        let live = self.viewer.live();
+        if self.rrd.is_none() && live.is_none() {
+            return Ok(None);
+        }
+        Ok(Some(Box::new(ShowPlan {
             rrd: self.rrd.clone(),
-            live: self.viewer.live(),
-        })
+            live,
+        })))
     }
 }
 
-impl ShowPlan {
-    /// The file to write.
-    pub(in crate::cli) fn file(&self) -> Option<&Path> {
+impl ShowFit for ShowPlan {
+    fn file(&self) -> Option<&Path> {
         self.rrd.as_deref()
     }
 
-    /// Shows the best fit, with a report in Markdown. An unreachable viewer is only a warning.
-    pub(in crate::cli) fn show(
+    fn show(
         &self,
         fit: &Fit,
         report: String,
@@ -72,9 +74,6 @@ impl ShowPlan {
             file: draft.as_ref().map(Draft::file).transpose()?,
             live: self.live.clone(),
         };
-        if destinations.file.is_none() && destinations.live.is_none() {
-            return Ok(Completed::default());
-        }
         let mut sink = ExplainedSink::new(&fit.scenario, &identity(fit, report), destinations);
         let is_viewer_lost = warn_all(&sink.take_warnings());
         record_run(fit, &mut sink)?;

@@ -1,11 +1,13 @@
 //! The Rerun side of a run: a file, a live viewer, or both.
 
 use super::viewer::{ViewerArguments, complete, warn_all};
-use crate::archive::publish::Draft;
+use crate::archive::publish::{Draft, Drafts, check_not_an_input};
 use crate::archive::sink::Sink;
 use crate::cli::arguments::OUTPUT;
+use crate::cli::commands::run::{FilePlan, McapFile};
+use crate::cli::extension::{Extension, RunViewer, ShowRun};
+use crate::cli::file_kind::FileKind;
 use crate::cli::report::{Completed, WrittenFile};
-use crate::cli::run::file_plan::RrdFile;
 use crate::rerun::{Destinations, ExplainedSink, Identity, Live, Playback};
 use crate::run::outcome::Outcome;
 use crate::run::scenario::Scenario;
@@ -16,7 +18,7 @@ use std::path::{Path, PathBuf};
 
 /// Viewer options of `run`.
 #[derive(Args, Clone, Debug, PartialEq)]
-pub(in crate::cli) struct ShowArguments {
+pub(in crate::cli) struct ShowRunArguments {
     /// Write a Rerun recording (.rrd) to this file
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     rrd: Option<PathBuf>,
@@ -29,96 +31,145 @@ pub(in crate::cli) struct ShowArguments {
     viewer: ViewerArguments,
 }
 
+/// The Rerun recording of a run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum RrdFile {
+    None,
+    /// Next to the MCAP file.
+    Adjacent,
+    At(PathBuf),
+}
+
 /// The Rerun output of a run, resolved.
-#[derive(Clone, Debug)]
-pub(in crate::cli) struct ShowPlan {
+#[derive(Debug)]
+struct ShowPlan {
+    rrd: RrdFile,
     /// Whether the arguments leave the Rerun recording out without saying so.
     is_left_out: bool,
     live: Option<Live>,
     playback: Playback,
 }
 
-impl ShowArguments {
+impl ShowRunArguments {
     /// The Rerun recording. Without arguments it is next to the MCAP file, unless that has been named.
-    pub(in crate::cli) fn rrd(&self, has_output: bool) -> RrdFile {
+    fn rrd(&self, has_output: bool) -> RrdFile {
         match &self.rrd {
             Some(path) => RrdFile::At(path.clone()),
             None if self.no_rrd || has_output => RrdFile::None,
             None => RrdFile::Adjacent,
         }
     }
+}
 
-    /// Resolves the arguments.
-    pub(in crate::cli) fn plan(&self, has_output: bool, is_paced: bool) -> ShowPlan {
-        ShowPlan {
+impl Extension<(Option<&Path>, Option<f64>), Box<dyn ShowRun>> for ShowRunArguments {
+    /// Depends on the MCAP file, if it is named, and the speed, if it is limited.
+    fn plan(
+        &self,
+        (mcap, speed): (Option<&Path>, Option<f64>),
+    ) -> Result<Option<Box<dyn ShowRun>>, Error> {
+        let has_output = mcap.is_some();
+        Ok(Some(Box::new(ShowPlan {
+            rrd: self.rrd(has_output),
             is_left_out: has_output && self.rrd.is_none() && !self.no_rrd,
             live: self.viewer.live(),
-            playback: if is_paced {
+            playback: if speed.is_some() {
                 Playback::Following
             } else {
                 Playback::FromStart
             },
-        }
+        })))
     }
 }
 
 impl ShowPlan {
-    /// A note for the report.
-    pub(in crate::cli) fn note(&self) -> Option<&'static str> {
-        self.is_left_out
-            .then_some("no Rerun recording with -o; add --rrd FILE to write one")
+    /// Creates the draft of the Rerun recording, if there is one, for this MCAP file.
+    fn create_rrd(
+        &self,
+        files: &FilePlan,
+        drafts: &Drafts,
+        mcap: &Path,
+    ) -> Result<Option<Draft>, Error> {
+        let path = match &self.rrd {
+            RrdFile::None => return Ok(None),
+            RrdFile::Adjacent => mcap.with_extension("rrd"),
+            RrdFile::At(path) => path.clone(),
+        };
+        FileKind::Rrd.check("--rrd", &path)?;
+        check_not_an_input(&path, [mcap])?;
+        Ok(Some(files.create(drafts, &path)?.make_partial()?))
     }
 }
 
-/// Rerun output of a run.
-pub(in crate::cli) struct RunViewer {
-    sink: ExplainedSink,
-    draft: Option<Draft>,
-    /// Whether the viewer went away while the run was prepared.
-    is_viewer_lost: bool,
-}
+impl ShowRun for ShowPlan {
+    fn note(&self) -> Option<&'static str> {
+        self.is_left_out
+            .then_some("no Rerun recording with -o; add --rrd FILE to write one")
+    }
 
-impl RunViewer {
-    /// Opens the requested outputs, of which `draft` is the file; `None` if there are none. An unreachable viewer is only
-    /// a warning.
-    pub(in crate::cli) fn open(
-        plan: &ShowPlan,
-        mut draft: Option<Draft>,
+    fn open(
+        &self,
+        files: &FilePlan,
+        drafts: &Drafts,
+        mcap: &Path,
         scenario: &Scenario,
         telemetry: &Telemetry,
-        mcap: &Path,
-    ) -> Result<Option<Self>, Error> {
+    ) -> Result<Option<Box<dyn RunViewer>>, Error> {
+        let mut draft = self.create_rrd(files, drafts, mcap)?;
         let destinations = Destinations {
             file: draft.as_ref().map(Draft::file).transpose()?,
-            live: plan.live.clone(),
+            live: self.live.clone(),
         };
         if destinations.file.is_none() && destinations.live.is_none() {
             return Ok(None);
         }
-        let identity = identity(scenario, telemetry, mcap, plan.playback);
+        let identity = identity(scenario, telemetry, mcap, self.playback);
         let mut sink = ExplainedSink::new(scenario, &identity, destinations);
         let is_viewer_lost = warn_all(&sink.take_warnings());
         // As with the MCAP file: until here nothing is lost with it.
         if let Some(draft) = &mut draft {
             draft.keep();
         }
-        Ok(Some(Self {
+        Ok(Some(Box::new(OpenViewer {
             sink,
             draft,
+            is_named: matches!(self.rrd, RrdFile::At(_)),
             is_viewer_lost,
-        }))
+        })))
     }
+}
 
-    pub(in crate::cli) fn sink(&mut self) -> &mut dyn Sink {
+/// Rerun output of a run.
+struct OpenViewer {
+    sink: ExplainedSink,
+    draft: Option<Draft>,
+    /// Whether the arguments name the file. It is then written even if the MCAP file existed already.
+    is_named: bool,
+    /// Whether the viewer went away while the run was prepared.
+    is_viewer_lost: bool,
+}
+
+impl RunViewer for OpenViewer {
+    fn sink(&mut self) -> &mut dyn Sink {
         &mut self.sink
     }
 
-    pub(in crate::cli) fn set_outcome(&mut self, outcome: &Outcome) {
-        self.sink.set_outcome(outcome);
+    fn finish(mut self: Box<Self>, mcap: &McapFile, outcome: &Outcome) -> Result<Completed, Error> {
+        // The Rerun recording of an identical run stands for this one, unless the arguments name a file.
+        let substitute = match mcap {
+            McapFile::Partial(_) => return self.keep_partial(),
+            McapFile::Identical(existing) if !self.is_named => Some(existing),
+            McapFile::Identical(_) | McapFile::New(_) => None,
+        };
+        if outcome.end.stop.is_complete() {
+            self.sink.set_outcome(outcome);
+        }
+        self.publish(substitute)
     }
+}
 
+impl OpenViewer {
     /// Ends the stream of an incomplete run whose file must not replace another: it keeps its partial name.
-    pub(in crate::cli) fn keep_partial(self) -> Result<Completed, Error> {
+    fn keep_partial(self) -> Result<Completed, Error> {
         let mut completed = complete(self.sink.finish(), None)?;
         completed.is_viewer_lost |= self.is_viewer_lost;
         Ok(completed)
@@ -126,10 +177,7 @@ impl RunViewer {
 
     /// Ends the stream and publishes the file, unless there is one next to `substitute`, an existing MCAP file of the
     /// same run. Returns the file, or that one.
-    pub(in crate::cli) fn finish(
-        self,
-        substitute: Option<&WrittenFile>,
-    ) -> Result<Completed, Error> {
+    fn publish(self, substitute: Option<&WrittenFile>) -> Result<Completed, Error> {
         let adjacent = substitute.and_then(adjacent_rrd);
         let mut completed = if adjacent.is_none() {
             complete(self.sink.finish(), self.draft)?

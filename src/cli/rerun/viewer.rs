@@ -9,9 +9,6 @@ use crate::rerun::{Live, RerunError, ViewerError};
 use anyhow::{Context as _, Error};
 use clap::Args;
 
-/// End of a sentence of the report of `diff`: how to see more in the viewer.
-pub(in crate::cli) const SPAWN_HINT: &str = ", --spawn shows both tops in Rerun";
-
 /// Viewer arguments.
 #[derive(Args, Clone, Debug, Default, PartialEq)]
 pub(super) struct ViewerArguments {

@@ -1,9 +1,9 @@
 //! Ranges of value axes: their ticks are labelled, and rounding errors don't fill them.
 
 use crate::physics::math;
-use crate::rerun::magnitude::Magnitudes;
+use crate::rerun::identity::magnitude::Magnitudes;
+use crate::rerun::identity::scale::power_of_ten;
 use crate::rerun::plots::Plots;
-use crate::rerun::scale::power_of_ten;
 use crate::telemetry::fields::Plot;
 
 /// Shortest value axis, relative to the typical magnitude of its quantity.

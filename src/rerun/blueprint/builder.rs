@@ -10,7 +10,7 @@ use rerun::external::re_sdk_types::blueprint::components;
 use rerun::{AsComponents, Clear, StoreId, TimePoint, Timeline};
 
 use crate::rerun::error::RerunError;
-use crate::rerun::message::{Ids, opening, single_row};
+use crate::rerun::output::message::{Ids, opening, single_row};
 
 /// The messages of a layout; the last one activates it.
 pub(crate) type Messages = Vec<Result<LogMsg, RerunError>>;

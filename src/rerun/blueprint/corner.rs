@@ -2,8 +2,8 @@
 
 use rerun::blueprint::components::Corner2D;
 
-use crate::rerun::outline::Outline;
 use crate::rerun::plots::Plots;
+use crate::rerun::plots::outline::Outline;
 use crate::telemetry::fields::Plot;
 
 /// Width of a legend, relative to a chart in a window of 1366 × 768 points. Larger charts leave more room.

@@ -7,7 +7,7 @@ use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 use super::axis::{MAX_TICKS, value_range};
 use super::builder::{Child, Layout, column};
 use super::views::{set_value_range, time_series, titled};
-use crate::rerun::measured::Series;
+use crate::rerun::measurement::plots::Series;
 use crate::rerun::measurement::{MeasuredSignal, Measurement};
 use crate::rerun::plots::Plots;
 

@@ -14,8 +14,8 @@ use super::views::{
     window,
 };
 use crate::rerun::entity::{self, ABOUT, EACH_EVENT, FIT_REPORT};
+use crate::rerun::identity::magnitude::Magnitudes;
 use crate::rerun::identity::{Geometry, Identity, Playback};
-use crate::rerun::magnitude::Magnitudes;
 use crate::rerun::plots::Plots;
 use crate::rerun::role::Role;
 use crate::telemetry::fields::{EVENTS, POSE, Plot};

@@ -12,10 +12,10 @@ use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
 use super::builder::{Child, Layout, row};
 use crate::rerun::entity::{CAMERA_TARGET, EVENTS, STAGE, Shown, paths};
+use crate::rerun::identity::scale::round;
 use crate::rerun::identity::{Geometry, Playback};
-use crate::rerun::message::TIMELINE;
+use crate::rerun::output::message::TIMELINE;
 use crate::rerun::role::Role;
-use crate::rerun::scale::round;
 use crate::telemetry::proportions::Proportions;
 
 /// Approximate time in which a viewer plays a complete run, s.

@@ -6,11 +6,11 @@ use rerun::{Color, Radius};
 
 use super::legend::LegendRow;
 use crate::rerun::identity::Identity;
+use crate::rerun::identity::scale::{self, Scales};
+use crate::rerun::output::track::Track;
 use crate::rerun::output::{ComponentColumns, Output};
 use crate::rerun::palette;
 use crate::rerun::role::Role;
-use crate::rerun::scale::{self, Scales};
-use crate::rerun::track::Track;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{CONTACT, VectorField, contact, momentum, torque};
 use crate::telemetry::proportions::Proportions;

@@ -6,9 +6,9 @@ use rerun::{Color, LineStrips3D, Points3D, Radius};
 
 use crate::rerun::entity::CAMERA_TARGET;
 use crate::rerun::identity::Geometry;
+use crate::rerun::output::track::Track;
 use crate::rerun::output::{ComponentColumns, Output};
 use crate::rerun::role::Role;
-use crate::rerun::track::Track;
 use crate::telemetry::proportions::Proportions;
 
 /// Camera target height and distance, in sizes of the top.

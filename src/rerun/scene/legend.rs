@@ -6,9 +6,9 @@ use rerun::archetypes::Points3D;
 use rerun::{Color, Radius};
 
 use crate::rerun::identity::Identity;
+use crate::rerun::output::track::Track;
 use crate::rerun::output::{ComponentColumns, Output};
 use crate::rerun::role::Role;
-use crate::rerun::track::Track;
 use crate::telemetry::proportions::Proportions;
 
 /// Height of the first row above the table, and of each row above the next one, in heights of the top. The rows are on the

@@ -4,9 +4,9 @@ use nalgebra::Vector3;
 use rerun::archetypes::LineStrips3D;
 use rerun::{Color, Radius};
 
+use crate::rerun::output::track::Track;
 use crate::rerun::output::{ComponentColumns, Output};
 use crate::rerun::role::Role;
-use crate::rerun::track::Track;
 
 /// Time between two pieces of a path, in ns.
 const PIECE_NS: u64 = 10_000_000;

@@ -2,8 +2,8 @@
 
 use super::column::Column;
 use crate::run::scenario::{Key, Value};
-use crate::sweep::axis::find_key;
 use crate::sweep::error::TableError;
+use crate::sweep::spec::axis::find_key;
 use csv::StringRecord;
 
 /// Whether a line of a comma-separated table has no cell with content. Editors leave blank lines, and spreadsheets write

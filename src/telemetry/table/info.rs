@@ -3,7 +3,7 @@
 use super::{CYCLES, Channel, EVENT, Field, IMPACT, SAMPLES, Source};
 use crate::physics::dynamics::Support;
 use crate::telemetry::Topic;
-use crate::telemetry::channel::{ChannelInfo, Leaf};
+use crate::telemetry::table::channel::{ChannelInfo, Leaf};
 use std::sync::OnceLock;
 
 /// All channels, in table order.

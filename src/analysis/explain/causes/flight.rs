@@ -1,0 +1,58 @@
+//! Flights and impacts of a free peg.
+
+use crate::analysis::explain::claim::Claim;
+use crate::analysis::explain::evidence::Evidence;
+use crate::analysis::history::{PegPhase, in_phase};
+use crate::run::simulation::EventKind;
+
+/// A peg that hops or bounces.
+pub(super) fn bounces(evidence: &Evidence) -> Option<Claim> {
+    let peg = evidence.summary.peg.as_ref()?;
+    // Otherwise the end is that of a recording, and not of the run.
+    evidence.history.stop_reason()?;
+    let in_air_at_end = is_in_air_at_end(evidence);
+    let flights = in_phase(&evidence.peg_intervals, PegPhase::Flying);
+    let (first, last) = (flights.first()?, flights.last()?);
+    // Bounces between impacts are one flight.
+    let bounces_to_end = in_air_at_end
+        && flights.len() == 1
+        && evidence
+            .observations
+            .impacts
+            .zip(evidence.history.stop_time())
+            .is_some_and(|(impacts, end)| end - impacts.last <= impacts.longest_gap);
+    Some(Claim::Bounces {
+        from: first.from,
+        hops: peg.hops?,
+        impacts: peg.impacts?,
+        lost: peg.impact_loss?,
+        starts_in_air: starts_in_air(evidence),
+        lands: Some(last.to).filter(|_| !in_air_at_end),
+        bounces_to_end,
+    })
+}
+
+fn starts_in_air(evidence: &Evidence) -> bool {
+    let scenario = &evidence.scenario;
+    // Another may lift off at once: nothing pulls it down to the table.
+    scenario.model.support.is_free() && scenario.start().is_in_flight(scenario.model.top.peg_radius)
+}
+
+/// Whether the peg is in the air at the end: its last event decides, because what follows may take no time.
+fn is_in_air_at_end(evidence: &Evidence) -> bool {
+    let mut is_in_air = starts_in_air(evidence);
+    for event in &evidence.history.events {
+        match event.kind {
+            Some(EventKind::LiftOff) => is_in_air = true,
+            Some(
+                EventKind::Landing
+                | EventKind::RollBegins
+                | EventKind::RollEnds
+                | EventKind::Rest
+                | EventKind::Pivot,
+            ) => is_in_air = false,
+            _ => {}
+        }
+    }
+    is_in_air
+}
