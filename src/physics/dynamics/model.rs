@@ -11,7 +11,7 @@ use crate::physics::top::{PrecessionRoots, Top};
 use nalgebra::Vector3;
 
 /// A top with its friction and support.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Model {
     /// The rigid body and gravity.
     pub top: Top,

@@ -10,7 +10,7 @@ const NEGLIGIBLE_RATIO: f64 = 7.0;
 ///
 /// `k` is always the dimensionless coefficient of friction; speeds are in m/s. The force is opposite to the slip
 /// velocity.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum FrictionLaw {
     /// No friction at all.
     None,
