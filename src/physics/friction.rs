@@ -212,7 +212,8 @@ impl Friction {
             | FrictionLaw::Coulomb { .. }
             | FrictionLaw::Regularised { .. }
             | FrictionLaw::Viscous { .. }
-            | FrictionLaw::Stribeck { .. } => slip_speed,
+            | FrictionLaw::Stribeck { .. }
+            | FrictionLaw::Formula { .. } => slip_speed,
         }
     }
 
@@ -231,7 +232,8 @@ impl Friction {
             | FrictionLaw::Regularised { .. }
             | FrictionLaw::Viscous { .. }
             | FrictionLaw::Stribeck { .. }
-            | FrictionLaw::Contensou { .. } => of_losses,
+            | FrictionLaw::Contensou { .. }
+            | FrictionLaw::Formula { .. } => of_losses,
         }
     }
 

@@ -1,6 +1,7 @@
 //! The error of a scenario.
 
 use super::key::{Key, Kind, short_number};
+use crate::physics::formula::{FormulaError, InvalidCoefficient};
 use crate::run::suggestion::did_you_mean;
 use std::fmt;
 use thiserror::Error;
@@ -65,7 +66,23 @@ pub enum Problem {
         /// The value of the other key.
         current: Option<String>,
         /// Values with which the key applies.
-        needed: &'static [&'static str],
+        needed: Vec<&'static str>,
+    },
+    /// The formula doesn't contain the name of the key.
+    NotInFormula,
+    /// The text is no formula.
+    Formula {
+        /// The problem and its place.
+        error: FormulaError,
+        /// Names similar to an unknown one.
+        similar: Vec<&'static str>,
+    },
+    /// The formula has no coefficient of friction at a speed that the top may have.
+    Coefficient(InvalidCoefficient),
+    /// The coefficient of static friction is less than that of the formula at rest, or the formula has none.
+    StaticFriction {
+        /// The coefficient of the formula at rest.
+        at_rest: f64,
     },
     /// The key requires values of other keys.
     Requires {
@@ -256,6 +273,23 @@ impl fmt::Display for ScenarioError {
                     ": set {other} = {needed}, or remove {key} (--set {key}=)"
                 )
             }
+            Problem::NotInFormula => write!(
+                f,
+                "{key} is not in friction.formula: use {} there, or remove {key} (--set {key}=)",
+                key.rsplit('.').next().unwrap_or(key)
+            ),
+            Problem::Formula { error, similar } => {
+                write!(f, "{error}{}\n{}", did_you_mean(similar), error.excerpt())
+            }
+            Problem::Coefficient(error) => write!(f, "{error}"),
+            Problem::StaticFriction { at_rest: 0.0 } => f.write_str(
+                "a formula that is 0 at v = 0 has no static friction: remove it (--set friction.static_k=)",
+            ),
+            Problem::StaticFriction { at_rest } => write!(
+                f,
+                "must be at least the value of friction.formula at v = 0, which is {}",
+                short_number(*at_rest)
+            ),
             Problem::Requires {
                 requirements,
                 reason,
@@ -300,8 +334,8 @@ impl fmt::Display for ScenarioError {
                 f.write_str("friction.law = \"contensou\" already includes a drilling torque")
             }
             Problem::NeverSticks => f.write_str(
-                "this friction law never sticks; use friction.law = \"coulomb\", \"stribeck\" or \
-                 \"contensou\", or rolling.arm, with friction.dissipation = \"full\"",
+                "this friction law never sticks; use friction.law = \"coulomb\", \"stribeck\", \
+                 \"contensou\", a formula with μ(0) > 0, or rolling.arm, with friction.dissipation = \"full\"",
             ),
             Problem::Endless => f.write_str(
                 "the run would never stop: set stop.duration, stop.theta_risen or stop.theta_fallen (without friction: stop.duration)",

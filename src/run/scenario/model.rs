@@ -39,7 +39,7 @@ fn top(values: &Values) -> Result<Top, ScenarioError> {
 
 fn friction(values: &Values) -> Result<Friction, ScenarioError> {
     let make_law = values.choice("friction.law", find_sliding_law)?;
-    let law = make_law(&|key| values.required_number(key))?;
+    let law = make_law(values)?;
     let losses = losses(values);
     if matches!(law, FrictionLaw::Contensou { .. }) && values.has("drilling.k") {
         return Err(values.invalid("drilling.k", Problem::AlreadyIncluded));

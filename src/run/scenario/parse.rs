@@ -30,7 +30,12 @@ pub(super) fn check_value(key: &Key, value: &toml::Value) -> Result<Value, Scena
     let text = typed.to_set_notation();
     let hint = match key.kind {
         Kind::Choice(words) => Hint::similar(similar_names(&excerpt(&text), words.iter().copied())),
-        Kind::Text | Kind::Name | Kind::Any | Kind::Between(..) | Kind::Nanoseconds => None,
+        Kind::Text
+        | Kind::Name
+        | Kind::Formula
+        | Kind::Any
+        | Kind::Between(..)
+        | Kind::Nanoseconds => None,
     };
     Err(ScenarioError::with_value(
         key.path,
@@ -62,7 +67,8 @@ fn wrong_type(key: &Key, value: &toml::Value) -> ScenarioError {
 pub(super) fn is_allowed(kind: Kind, value: &Value) -> bool {
     match value {
         Value::Text(text) => match kind {
-            Kind::Text => true,
+            // A formula has to be parsed with its parameters.
+            Kind::Text | Kind::Formula => true,
             Kind::Name => is_name(text),
             Kind::Choice(words) => words.contains(&text.as_str()),
             Kind::Any | Kind::Between(..) | Kind::Nanoseconds => false,
@@ -71,7 +77,7 @@ pub(super) fn is_allowed(kind: Kind, value: &Value) -> bool {
             Kind::Any => number.is_finite(),
             Kind::Between(low, high) => (low..=high).contains(number),
             Kind::Nanoseconds => nanoseconds(*number).is_some(),
-            Kind::Text | Kind::Name | Kind::Choice(_) => false,
+            Kind::Text | Kind::Name | Kind::Formula | Kind::Choice(_) => false,
         },
     }
 }

@@ -16,6 +16,7 @@ use super::sample::Sample;
 use super::tally::Tally;
 use super::watch::{WatchedFunction, watched_functions};
 use crate::physics::dynamics::{Entry, Formulation, Model, Motion, Phase, Transition};
+use crate::physics::friction::FrictionLaw;
 use crate::physics::integrate::{Dense, Dop853, IntegrateError, Tolerances};
 use crate::physics::kinematics::Euler;
 use crate::run::scenario::{Scenario, Stop};
@@ -201,6 +202,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             let at = failure_point(system, self.steps(), time, motion);
             return Err(SimulationError::Stalled { at, stall });
         }
+        self.check_formula()?;
         let dense = self.integrator.dense();
         let mut zeros = self.find_zeros(&dense);
         self.discard_unfinished_turns(&dense, &mut zeros);
@@ -223,6 +225,25 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         self.end_at_duration(&dense);
         self.dense = Some(dense);
         Ok(())
+    }
+
+    /// Checks a friction law that is a formula at the end of the step: only a person knows what it was meant for.
+    fn check_formula(&self) -> Result<(), SimulationError> {
+        let system = self.integrator.system();
+        let model = system.model();
+        let is_formula = matches!(model.friction.law, FrictionLaw::Formula { .. });
+        if !is_formula || system.phase() != Phase::Sliding {
+            return Ok(());
+        }
+        let motion = system.motion_without_turns(self.integrator.y(), self.reference);
+        let speed = motion.slip_velocity(&model.top).norm();
+        model.friction.law.check(speed).map_err(|source| {
+            let (time, steps) = (self.integrator.t(), self.steps());
+            SimulationError::Coefficient {
+                at: failure_point(system, steps, time, motion),
+                source,
+            }
+        })
     }
 
     /// Number of steps so far.

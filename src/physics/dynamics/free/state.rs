@@ -233,6 +233,7 @@ impl FreeRotation {
             }
             // Only the first two hold a contact point, which then gives way.
             FrictionLaw::Coulomb { .. }
+            | FrictionLaw::Formula { .. }
             | FrictionLaw::Stribeck { .. }
             | FrictionLaw::None
             | FrictionLaw::Regularised { .. }
