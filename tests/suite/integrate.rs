@@ -556,14 +556,14 @@ fn unchecked<S: System<N>, const N: usize>(integrator: &mut Dop853<S, N>) -> Den
 }
 
 /// Compares the dense output of each step with an integration from the step's start that is a thousand times finer.
-fn dense_errors<S: System<N> + Copy, const N: usize>(
+fn dense_errors<S: System<N> + Clone, const N: usize>(
     system: S,
     y0: [f64; N],
     tolerance: f64,
     end: f64,
     step: impl Fn(&mut Dop853<S, N>) -> Dense<N>,
 ) -> DenseErrors {
-    let mut integrator = start(system, 0.0, y0, tolerance);
+    let mut integrator = start(system.clone(), 0.0, y0, tolerance);
     let mut errors = DenseErrors {
         largest: 0.0,
         defect_per_error: (f64::INFINITY, 0.0),
@@ -580,7 +580,7 @@ fn dense_errors<S: System<N> + Copy, const N: usize>(
             });
             (squares.sum::<f64>() / S::CONTROLLED as f64).sqrt()
         };
-        let mut fine = start(system, dense.t0, before, tolerance / 1000.0);
+        let mut fine = start(system.clone(), dense.t0, before, tolerance / 1000.0);
         let mut error = 0.0_f64;
         for i in 1..16 {
             let s = f64::from(i) / 16.0;
@@ -620,7 +620,7 @@ fn sliding_top(speed: &str) -> (EulerAngles, [f64; EulerAngles::STATE_LENGTH]) {
 
 fn in_euler_angles(scenario: &Scenario) -> (EulerAngles, [f64; EulerAngles::STATE_LENGTH]) {
     let state = EulerAngles::state(scenario.angles, scenario.rates, &scenario.model);
-    let (model, phase) = (scenario.model, Phase::Sliding);
+    let (model, phase) = (scenario.model.clone(), Phase::Sliding);
     (EulerAngles { model, phase }, state)
 }
 
@@ -630,7 +630,7 @@ const DENSE_BOUND: f64 = 10.0 * 2.64;
 #[test]
 fn val_dense_output_keeps_to_the_tolerances_over_stiff_and_soft_tops() {
     let (top, state) = fast_precession();
-    let found = dense_errors(top, state, 1e-9, 0.3, checked);
+    let found = dense_errors(top.clone(), state, 1e-9, 0.3, checked);
     assert!(found.largest < DENSE_BOUND, "{}", found.largest);
     // Where only the error at the ends counts, the dense output exceeds the bound.
     let without = dense_errors(top, state, 1e-9, 0.3, unchecked);
@@ -638,7 +638,7 @@ fn val_dense_output_keeps_to_the_tolerances_over_stiff_and_soft_tops() {
     for speed in ["0.1", "1e-3", "1e-6"] {
         let (top, state) = sliding_top(speed);
         for tolerance in [1e-7, 1e-10] {
-            let found = dense_errors(top, state, tolerance, 0.3, checked);
+            let found = dense_errors(top.clone(), state, tolerance, 0.3, checked);
             assert!(found.largest < DENSE_BOUND, "{speed} {}", found.largest);
         }
     }

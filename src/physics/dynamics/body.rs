@@ -161,7 +161,7 @@ impl<const N: usize> Formulation<N> for BodyRotation {
     fn start(model: &Model, start: &Start) -> Started<Self, N> {
         let state = Self::state(start.angles, start.rates, model);
         let (model, phase) = (model.clone(), Phase::Sliding);
-        fixed::start(Self::new(model, phase), state, start)
+        fixed::start(&Self::new(model, phase), state, start)
     }
 
     fn angles(&self, y: &[f64; N], reference: Euler) -> Euler {

@@ -162,7 +162,7 @@ impl<const N: usize> Formulation<N> for EulerAngles {
     fn start(model: &Model, start: &Start) -> Started<Self, N> {
         let state = Self::state(start.angles, start.rates, model);
         let (model, phase) = (model.clone(), Phase::Sliding);
-        fixed::start(Self { model, phase }, state, start)
+        fixed::start(&Self { model, phase }, state, start)
     }
 
     #[inline]

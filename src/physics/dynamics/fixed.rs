@@ -54,7 +54,7 @@ impl Model {
 
 /// Start of the motion: see [`Formulation::start`].
 pub(super) fn start<F: FixedPeg<N>, const N: usize>(
-    formulation: F,
+    formulation: &F,
     state: [f64; N],
     start: &Start,
 ) -> Started<F, N> {
@@ -70,7 +70,7 @@ pub(super) fn start<F: FixedPeg<N>, const N: usize>(
     };
     // An ablation of the paper's equations says nothing about rest.
     let at_rest = model.friction.can_stick() && model.top.slip_speed(&tilt) <= NO_SLIP;
-    let (next, settled) = settle(&formulation, &state, at_rest, turning, start.angles);
+    let (next, settled) = settle(formulation, &state, at_rest, turning, start.angles);
     let transition = (next.phase() == Phase::Sticking).then(|| transition_to_rest(&next, &settled));
     // Rates that are not zero are kept as they were given.
     let is_changed = next.phase() == Phase::Sticking || next.model().holds_turning();

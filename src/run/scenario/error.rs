@@ -262,17 +262,7 @@ impl fmt::Display for ScenarioError {
                 other,
                 current,
                 needed,
-            } => {
-                match current {
-                    Some(value) => write!(f, "{key} does not apply with {other} = {value:?}")?,
-                    None => write!(f, "{key} does not apply without {other}")?,
-                }
-                let needed = needed.join(" or ");
-                write!(
-                    f,
-                    ": set {other} = {needed}, or remove {key} (--set {key}=)"
-                )
-            }
+            } => write_inapplicable(f, key, other, current.as_deref(), needed),
             Problem::NotInFormula => write!(
                 f,
                 "{key} is not in friction.formula: use {} there, or remove {key} (--set {key}=)",
@@ -282,14 +272,7 @@ impl fmt::Display for ScenarioError {
                 write!(f, "{error}{}\n{}", did_you_mean(similar), error.excerpt())
             }
             Problem::Coefficient(error) => write!(f, "{error}"),
-            Problem::StaticFriction { at_rest: 0.0 } => f.write_str(
-                "a formula that is 0 at v = 0 has no static friction: remove it (--set friction.static_k=)",
-            ),
-            Problem::StaticFriction { at_rest } => write!(
-                f,
-                "must be at least the value of friction.formula at v = 0, which is {}",
-                short_number(*at_rest)
-            ),
+            Problem::StaticFriction { at_rest } => write_static_friction(f, *at_rest),
             Problem::Requires {
                 requirements,
                 reason,
@@ -342,6 +325,37 @@ impl fmt::Display for ScenarioError {
             ),
         }
     }
+}
+
+fn write_inapplicable(
+    f: &mut fmt::Formatter<'_>,
+    key: &str,
+    other: &str,
+    current: Option<&str>,
+    needed: &[&str],
+) -> fmt::Result {
+    match current {
+        Some(value) => write!(f, "{key} does not apply with {other} = {value:?}")?,
+        None => write!(f, "{key} does not apply without {other}")?,
+    }
+    let needed = needed.join(" or ");
+    write!(
+        f,
+        ": set {other} = {needed}, or remove {key} (--set {key}=)"
+    )
+}
+
+fn write_static_friction(f: &mut fmt::Formatter<'_>, at_rest: f64) -> fmt::Result {
+    if at_rest == 0.0 {
+        return f.write_str(
+            "friction.formula is 0 at v = 0, so there is no static friction: remove it (--set friction.static_k=)",
+        );
+    }
+    let at_rest = short_number(at_rest);
+    write!(
+        f,
+        "must be at least the value of friction.formula at v = 0, which is {at_rest}"
+    )
 }
 
 fn write_not_allowed(

@@ -185,10 +185,12 @@ impl Values {
             let is_set = self.has(key.path);
             match self.need(key, formula.as_ref()) {
                 Need::Required if !is_set => absent.push(key.path),
-                Need::Excluded if is_set => match key.presence {
-                    Presence::RequiredWithKey(other) => absent.push(other),
-                    _ => return Err(self.inapplicable(key)),
-                },
+                Need::Excluded if is_set => {
+                    let Presence::RequiredWithKey(other) = key.presence else {
+                        return Err(self.inapplicable(key));
+                    };
+                    absent.push(other);
+                }
                 Need::Required | Need::Optional | Need::Excluded => {}
             }
         }
@@ -233,10 +235,10 @@ impl Values {
 
     /// The error of the formula.
     pub(super) fn invalid_formula(&self, error: FormulaError) -> ScenarioError {
-        let similar = match &error.problem {
-            FormulaProblem::UnknownName(name) => similar_names(name, Formula::names()),
-            _ => Vec::new(),
-        };
+        let mut similar = Vec::new();
+        if let FormulaProblem::UnknownName(name) = &error.problem {
+            similar = similar_names(&excerpt(name), Formula::names());
+        }
         self.invalid("friction.formula", Problem::Formula { error, similar })
     }
 
