@@ -110,6 +110,14 @@ function number(scenario, key, changed) {
   return { parts: [slider, box, unit], update, box };
 }
 
+/** The field of a text, such as a formula. */
+function text(scenario, key, changed) {
+  const value = scenario.value(key.path) ?? "";
+  const box = element("input", { type: "text", value, ariaLabel: key.path, title: value, spellcheck: false });
+  box.oninput = () => changed(key, box.value.trim());
+  return { parts: [box], update() {}, box };
+}
+
 /** The controls of a scenario in `place`. `changed(key, value)` is called on input. */
 export class Controls {
   constructor(place, changed) {
@@ -151,7 +159,7 @@ export class Controls {
     row.dataset.path = key.path;
     if (key.words) row.append(...choice(this.scenario, key, this.changed));
     else {
-      const made = number(this.scenario, key, this.changed);
+      const made = (key.range ? number : text)(this.scenario, key, this.changed);
       row.append(...made.parts);
       this.numbers.set(key.path, made);
     }

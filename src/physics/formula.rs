@@ -12,24 +12,14 @@ mod error;
 mod function;
 mod parser;
 mod program;
+mod step;
 
 pub use error::{FormulaError, FormulaProblem, InvalidCoefficient};
 pub use program::Program;
+pub use step::{PARAMETERS, Parameters};
 
 use self::function::{Function, Operator};
-
-/// Names of the parameters, in the order of [`Parameters`].
-pub const PARAMETERS: [&str; 5] = ["k", "a", "b", "c", "d"];
-
-/// Values of the parameters of a formula.
-pub type Parameters = [f64; PARAMETERS.len()];
-
-/// The name of the slip speed.
-const SPEED: &str = "v";
-/// The name of the circle constant.
-const PI: &str = "pi";
-/// The name of the function for measured points.
-const POINTS: &str = "points";
+use self::step::{Located, PI, POINTS, SPEED, Step};
 
 /// A formula that has been parsed.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,31 +27,6 @@ pub struct Formula {
     text: String,
     /// In the order of their evaluation: operands before what is done with them.
     steps: Vec<Located>,
-}
-
-/// A step and where it is in the text.
-#[derive(Clone, Debug, PartialEq)]
-struct Located {
-    step: Step,
-    /// Byte offset.
-    at: usize,
-}
-
-/// A step of the evaluation with a stack of numbers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Step {
-    /// Pushes a number.
-    Number(f64),
-    /// Pushes the slip speed.
-    Speed,
-    /// Pushes a parameter.
-    Parameter(usize),
-    /// Replaces the last number.
-    Apply(Function),
-    /// Replaces the last two numbers.
-    Combine(Operator),
-    /// Replaces a number and so many points after it: speeds and coefficients in turn.
-    Points(usize),
 }
 
 impl Formula {

@@ -11,7 +11,7 @@
 use super::error::{FormulaError, FormulaProblem};
 use super::function::{Function, Operator};
 use super::program::STACK;
-use super::{Located, PARAMETERS, PI, POINTS, SPEED, Step};
+use super::step::{Located, PARAMETERS, PI, POINTS, SPEED, Step};
 use std::ops::Range;
 
 /// The most bytes of a formula.

@@ -3,7 +3,7 @@
 use super::curve::Curve;
 use super::error::{FormulaProblem, InvalidCoefficient};
 use super::function::{Function, Operator};
-use super::{Located, Parameters, Step};
+use super::step::{Located, Parameters, Step};
 
 /// The most numbers that wait for an operator. The parser refuses formulas that need more.
 pub(super) const STACK: usize = 32;

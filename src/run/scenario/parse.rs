@@ -6,16 +6,20 @@ use crate::run::suggestion::similar_names;
 
 /// Parses a TOML value whose quotes may be omitted. What isn't valid is returned as text, for the error message.
 pub(super) fn parse_value(key: &Key, text: &str) -> toml::Value {
+    // Only a text in quotes is one in TOML: any other is what it says, however long it is.
+    if key.kind.is_text() && !text.trim_start().starts_with(['"', '\'']) {
+        return toml::Value::from(text);
+    }
     let parsed = match format!("value = {text}").parse::<toml::Table>() {
         // A text with line breaks could hold more keys.
         Ok(mut table) if table.len() == 1 => table.remove("value"),
         Ok(_) | Err(_) => None,
     };
     match parsed {
-        Some(value) if value.is_str() || !key.kind.is_text() => value,
-        Some(_) | None if key.kind.is_text() => toml::Value::from(text),
+        Some(value) => value,
+        None if key.kind.is_text() => toml::Value::from(text),
         // Accept numbers such as `.5` and `1.`, which are not valid TOML.
-        Some(_) | None => text
+        None => text
             .parse()
             .map_or_else(|_| toml::Value::from(text), toml::Value::Float),
     }
