@@ -340,7 +340,7 @@ fn refuses_coefficients_that_no_contact_has() {
         ("v^1e9", "is inf at v = 1."),
         (
             "0.1 - v",
-            "it must be finite and not negative where the top slips",
+            "but must be finite and not negative where the top slips",
         ),
         ("ln(v)", "is -inf at v = 0 m/s"),
     ] {

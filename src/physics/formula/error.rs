@@ -6,9 +6,7 @@ use thiserror::Error;
 
 /// A coefficient of friction that no contact can have.
 #[derive(Clone, Debug, PartialEq, Error)]
-#[error(
-    "μ(v) = {formula} is {value} at v = {speed} m/s: it must be finite and not negative where the top slips"
-)]
+#[error("μ(v) = {formula} {}", self.fault())]
 pub struct InvalidCoefficient {
     /// The formula.
     pub formula: String,
@@ -16,6 +14,16 @@ pub struct InvalidCoefficient {
     pub speed: f64,
     /// The coefficient at that speed.
     pub value: f64,
+}
+
+impl InvalidCoefficient {
+    /// What is wrong, without the formula.
+    pub fn fault(&self) -> String {
+        let Self { speed, value, .. } = self;
+        format!(
+            "is {value} at v = {speed} m/s, but must be finite and not negative where the top slips"
+        )
+    }
 }
 
 /// The most characters of the formula that an error shows.

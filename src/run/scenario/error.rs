@@ -271,7 +271,7 @@ impl fmt::Display for ScenarioError {
             Problem::Formula { error, similar } => {
                 write!(f, "{error}{}\n{}", did_you_mean(similar), error.excerpt())
             }
-            Problem::Coefficient(error) => write!(f, "{error}"),
+            Problem::Coefficient(error) => write!(f, "μ(v) {}", error.fault()),
             Problem::StaticFriction { at_rest } => write_static_friction(f, *at_rest),
             Problem::Requires {
                 requirements,
