@@ -322,6 +322,11 @@ fn parameters_are_those_that_the_formula_contains() {
             "friction.dissipation"
         ]
     );
+    // While the formula is being written, its parameters stay.
+    let values = with_formula("paper", "0.1*tanh(v/", &[("friction.a", "0.1")]);
+    let keys = values.applicable_keys();
+    assert!(keys.iter().any(|key| key.key.path == "friction.a"));
+    assert!(!keys.iter().any(|key| key.key.path == "friction.b"));
     // Changing the law by a click adds a usual formula with its parameters, and removes them again.
     let mut values = Preset::find("viscous").unwrap().values().unwrap();
     values.change("friction.law", "formula").unwrap();

@@ -191,7 +191,7 @@ impl Values {
     /// Whether these values are not valid without a key; `is_valid` is whether they are with it.
     fn requires(&self, key: &Key, is_valid: bool) -> bool {
         if !is_valid || !self.has(key.path) {
-            return self.need(key, self.formula().ok().flatten().as_ref()) == Need::Required;
+            return self.need_now(key) == Need::Required;
         }
         let mut values = self.clone();
         values.remove(key.path);
@@ -230,9 +230,19 @@ impl Values {
         self.has_place_for(key).then(|| words.to_vec())
     }
 
+    /// Whether a key has to be set, given the others. While a person still writes a formula, its parameters stay as they are.
+    fn need_now(&self, key: &Key) -> Need {
+        match self.formula() {
+            Ok(formula) => self.need(key, formula.as_ref()),
+            Err(_) if !matches!(key.presence, Presence::Parameter(_)) => self.need(key, None),
+            Err(_) if self.has(key.path) => Need::Optional,
+            Err(_) => Need::Excluded,
+        }
+    }
+
     /// Whether the table of keys allows a key, given the others.
     fn has_place_for(&self, key: &Key) -> bool {
-        self.need(key, self.formula().ok().flatten().as_ref()) != Need::Excluded
+        self.need_now(key) != Need::Excluded
     }
 
     /// The interval of numbers around the current value, or a usual one, with which the scenario is valid.

@@ -1,10 +1,7 @@
 //! The table of friction laws: names, formulas, sources and constructors.
 
-use super::error::{Problem, ScenarioError};
-use super::values::Values;
-use crate::physics::formula::PARAMETERS;
+use super::error::ScenarioError;
 use crate::physics::friction::{FrictionLaw, Smoothing};
-use std::sync::Arc;
 
 /// A friction law of a scenario.
 #[derive(Debug)]
@@ -23,8 +20,16 @@ pub struct Law {
     make: Option<MakeLaw>,
 }
 
+/// The keys of a scenario from which a law is made.
+pub(super) trait LawKeys {
+    /// The number of a key that is required.
+    fn number(&self, path: &'static str) -> Result<f64, ScenarioError>;
+    /// The law of `friction.formula`.
+    fn formula_law(&self) -> Result<FrictionLaw, ScenarioError>;
+}
+
 /// Constructs a sliding law from the values of its keys.
-pub(super) type MakeLaw = fn(&Values) -> Result<FrictionLaw, ScenarioError>;
+pub(super) type MakeLaw = fn(&dyn LawKeys) -> Result<FrictionLaw, ScenarioError>;
 
 const ZHURAVLEV: &str = "V. F. Zhuravlev, J. Appl. Math. Mech. 62 (1998) 705";
 
@@ -56,35 +61,11 @@ const fn additional_loss(
     }
 }
 
-fn regularised(values: &Values, shape: Smoothing) -> Result<FrictionLaw, ScenarioError> {
+fn regularised(keys: &dyn LawKeys, shape: Smoothing) -> Result<FrictionLaw, ScenarioError> {
     Ok(FrictionLaw::Regularised {
-        k: values.required_number("friction.k")?,
-        speed: values.required_number("friction.smoothing_speed")?,
+        k: keys.number("friction.k")?,
+        speed: keys.number("friction.smoothing_speed")?,
         shape,
-    })
-}
-
-/// The law of `friction.formula`.
-fn formula(values: &Values) -> Result<FrictionLaw, ScenarioError> {
-    let key = "friction.formula";
-    let Some(formula) = values.formula()? else {
-        return Err(values.not_allowed(key));
-    };
-    let parameters = PARAMETERS.map(|name| values.number_or_zero(&format!("friction.{name}")));
-    let coefficient = formula
-        .with_parameters(&parameters)
-        .map_err(|error| values.invalid_formula(error))?;
-    coefficient
-        .check(0.0)
-        .map_err(|error| values.invalid(key, Problem::Coefficient(error)))?;
-    let at_rest = coefficient.at(0.0);
-    let static_k = values.optional_number("friction.static_k");
-    if static_k.is_some_and(|static_k| static_k < at_rest || at_rest == 0.0) {
-        return Err(values.invalid("friction.static_k", Problem::StaticFriction { at_rest }));
-    }
-    Ok(FrictionLaw::Formula {
-        coefficient: Arc::new(coefficient),
-        static_k: static_k.unwrap_or(at_rest),
     })
 }
 
@@ -95,40 +76,40 @@ pub const LAWS: &[Law] = &[
     sliding("coulomb", "f = −k N v/|v|; at rest |f| ≤ k N",
         "k: steel on PTFE 0.04, lubricated 0.05 to 0.1, steel on plastic 0.2 to 0.3",
         "V. Tanrıverdi, arXiv:2204.14060, section 2",
-        |values| Ok(FrictionLaw::Coulomb { k: values.required_number("friction.k")? })),
+        |keys| Ok(FrictionLaw::Coulomb { k: keys.number("friction.k")? })),
     sliding("coulomb-sqrt", "f = −k N v/√(v² + v_ε²)", "v_ε: 0.001 to 0.01 m/s",
         "usual regularisation of Coulomb's law",
-        |values| regularised(values, Smoothing::SquareRoot)),
+        |keys| regularised(keys, Smoothing::SquareRoot)),
     sliding("coulomb-tanh", "f = −k N tanh(|v|/v_ε) v/|v|", "v_ε: 0.001 to 0.01 m/s",
         "usual regularisation of Coulomb's law",
-        |values| regularised(values, Smoothing::Tanh)),
+        |keys| regularised(keys, Smoothing::Tanh)),
     sliding("coulomb-rational", "f = −k N v/(|v| + v_ε)", "v_ε: 0.001 to 0.01 m/s",
         "T. Ueda, K. Sasaki, S. Watanabe, SIAM J. Appl. Dyn. Syst. 4 (2005) 1159",
-        |values| regularised(values, Smoothing::Rational)),
+        |keys| regularised(keys, Smoothing::Rational)),
     sliding("viscous", "f = −k N v/v_0", "k/v_0: 0.3 s/m",
         "N. M. Bou-Rabee, J. E. Marsden, L. A. Romero, SIAM J. Appl. Dyn. Syst. 3 (2004) 352",
-        |values| Ok(FrictionLaw::Viscous {
-            k: values.required_number("friction.k")?,
-            speed: values.required_number("friction.viscous_speed")?,
+        |keys| Ok(FrictionLaw::Viscous {
+            k: keys.number("friction.k")?,
+            speed: keys.number("friction.viscous_speed")?,
         })),
     sliding("stribeck", "f = −N (k + (k_s − k) exp(−(v/v_s)²) + c_v |v|) v/|v|; at rest |f| ≤ k_s N",
         "k_s/k: 1.2 to 1.7; v_s: 0.01 to 0.1 m/s",
         "B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083",
-        |values| Ok(FrictionLaw::Stribeck {
-            k: values.required_number("friction.k")?,
-            static_k: values.required_number("friction.static_k")?,
-            speed: values.required_number("friction.stribeck_speed")?,
-            slope: values.required_number("friction.viscous_slope")?,
+        |keys| Ok(FrictionLaw::Stribeck {
+            k: keys.number("friction.k")?,
+            static_k: keys.number("friction.static_k")?,
+            speed: keys.number("friction.stribeck_speed")?,
+            slope: keys.number("friction.viscous_slope")?,
         })),
     sliding("contensou", "f = −k N v/(|v| + 8 a |ω_z′|/3π), M_z′ = −(3π/16) k N a · a ω_z′/(a |ω_z′| + 15π |v|/16)",
         "a = (3 N R/4 E*)^(1/3): 0.14 mm for E* = 2 GPa", ZHURAVLEV,
-        |values| Ok(FrictionLaw::Contensou {
-            k: values.required_number("friction.k")?,
-            patch_radius: values.required_number("friction.patch_radius")?,
+        |keys| Ok(FrictionLaw::Contensou {
+            k: keys.number("friction.k")?,
+            patch_radius: keys.number("friction.patch_radius")?,
         })),
     sliding("formula", "f = −μ(v) N v/|v| with μ(v) = friction.formula; at rest |f| ≤ μ(0) N, or k_s N if it is set",
         "friction.formula: k*tanh(v/a), k*(1 + a*exp(-(v/b)^2)) + c*v", "your own; docs/laws.md has the grammar",
-        formula),
+        |keys| keys.formula_law()),
     additional_loss("rolling", "M = −δ N ω_⊥/|ω_⊥|; without rolling |M| ≤ δ N", "δ: 0.01 to 0.3 mm",
         "R. Cross, Am. J. Phys. 81 (2013) 280"),
     additional_loss("drilling", "M_z′ = −(3π/16) k N a sgn ω_z′; without turning |M_z′| ≤ (3π/16) k N a", "a: as for contensou", ZHURAVLEV),
