@@ -44,7 +44,7 @@ impl Function {
     ];
 
     #[inline]
-    pub(super) fn of(self, x: f64) -> f64 {
+    pub(super) fn apply(self, x: f64) -> f64 {
         match self {
             Self::Negate => -x,
             Self::Exp => math::exp(x),
@@ -65,7 +65,7 @@ impl Operator {
     pub(super) const FUNCTIONS: [(&str, Self); 2] = [("min", Self::Min), ("max", Self::Max)];
 
     #[inline]
-    pub(super) fn of(self, x: f64, y: f64) -> f64 {
+    pub(super) fn apply(self, x: f64, y: f64) -> f64 {
         match self {
             Self::Add => x + y,
             Self::Subtract => x - y,

@@ -68,9 +68,9 @@ impl Program {
     fn push(&mut self, instruction: Instruction) {
         use Instruction::{Apply, Combine, CombineWith, Curve, Number};
         let (taken, instruction) = match (instruction, self.instructions.as_slice()) {
-            (Combine(operator), [.., Number(x), Number(y)]) => (2, Number(operator.of(*x, *y))),
+            (Combine(operator), [.., Number(x), Number(y)]) => (2, Number(operator.apply(*x, *y))),
             (Combine(operator), [.., Number(y)]) => (1, CombineWith(operator, *y)),
-            (Apply(function), [.., Number(x)]) => (1, Number(function.of(*x))),
+            (Apply(function), [.., Number(x)]) => (1, Number(function.apply(*x))),
             (Curve(index), [.., Number(x)]) => (1, Number(self.curves[index].at(*x))),
             (other, _) => (0, other),
         };
@@ -118,11 +118,11 @@ impl Program {
                     height += 1;
                     speed
                 }
-                Instruction::Apply(function) => function.of(last),
-                Instruction::CombineWith(operator, number) => operator.of(last, number),
+                Instruction::Apply(function) => function.apply(last),
+                Instruction::CombineWith(operator, number) => operator.apply(last, number),
                 Instruction::Combine(operator) => {
                     height -= 1;
-                    operator.of(stack[height], last)
+                    operator.apply(stack[height], last)
                 }
                 Instruction::Curve(index) => self.curves[index].at(last),
             };
