@@ -163,6 +163,16 @@ fn laws(criterion: &mut Criterion) {
             ],
         ),
         ("contensou", &[("friction.patch_radius", "1.4e-4")]),
+        ("formula", &[("friction.formula", "k")]),
+        (
+            "formula",
+            &[
+                ("friction.formula", "k + (a - k)*exp(-(v/b)^2) + c*v"),
+                ("friction.a", "0.045"),
+                ("friction.b", "0.05"),
+                ("friction.c", "0.01"),
+            ],
+        ),
         (
             "coulomb",
             &[
@@ -191,12 +201,12 @@ fn laws(criterion: &mut Criterion) {
                 values.set(key, value).expect("the key exists");
             }
             let scenario = Scenario::new(values).expect("the scenario is sound");
-            let losses = if parameters.len() > 4 {
-                " + losses"
-            } else {
-                ""
+            let detail = match parameters {
+                [("friction.formula", formula), ..] => format!(" {formula}"),
+                [("rolling.arm", _), ..] => " + losses".to_owned(),
+                _ => String::new(),
             };
-            group.bench_function(format!("{law}{losses}"), |b| {
+            group.bench_function(format!("{law}{detail}"), |b| {
                 b.iter(|| Simulation::new(&scenario).expect("regular").count());
             });
         }

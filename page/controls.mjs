@@ -1,7 +1,7 @@
 // All keys of a scenario as controls, made from the program's list of the keys that apply.
 
 import { element } from "./elements.mjs";
-import { imagined, typed } from "./numbers.mjs";
+import { imagined, typed, written } from "./numbers.mjs";
 
 const SLIDER_STEPS = 1000;
 const SECTIONS = [
@@ -110,6 +110,27 @@ function number(scenario, key, changed) {
   return { parts: [slider, box, unit], update, box };
 }
 
+/** The picture of μ(v), as large as its values. */
+function curvePicture(curve) {
+  const largest = Math.max(...curve.map(([, value]) => value), Number.MIN_VALUE);
+  const end = curve.at(-1)[0];
+  const points = curve.map(([speed, value]) => `${(100 * speed) / end},${40 - (38 * value) / largest}`).join(" ");
+  return `<svg viewBox="0 0 100 40" role="img" aria-label="μ from v = 0 to ${written(end, 2)} m/s, up to ${written(largest, 2)}"><polyline points="${points}" /></svg>`;
+}
+
+/** The field of a formula, with its curve. */
+function formula(scenario, key, changed) {
+  const box = element("input", { type: "text", value: scenario.value(key.path) ?? "", ariaLabel: "μ(v) =", spellcheck: false });
+  const picture = element("span", { className: "curve" });
+  const update = () => {
+    box.title = scenario.value(key.path) ?? "";
+    picture.innerHTML = key.curve ? curvePicture(key.curve) : "";
+  };
+  update();
+  box.oninput = () => changed(key, box.value.trim());
+  return { parts: [box, picture], update, box };
+}
+
 /** The controls of a scenario in `place`. `changed(key, value)` is called on input. */
 export class Controls {
   constructor(place, changed) {
@@ -132,7 +153,8 @@ export class Controls {
   }
 
   build() {
-    const focused = document.activeElement?.closest?.(".key")?.dataset.path;
+    const active = document.activeElement;
+    const focused = active?.closest?.(".key")?.dataset.path;
     const open = new Set([...this.place.querySelectorAll("details[open]")].map((section) => section.dataset.name));
     this.numbers = new Map();
     const sections = SECTIONS.map(([name, prefixes]) => {
@@ -143,7 +165,13 @@ export class Controls {
       return section;
     });
     this.place.replaceChildren(...sections);
-    if (focused) this.place.querySelector(`[data-path="${focused}"] :is(select, input)`)?.focus();
+    const again = focused && this.place.querySelector(`[data-path="${focused}"] :is(select, input)`);
+    again?.focus();
+    // A formula is still being typed when the first of its parameters appear.
+    if (again?.type === "text" && again !== active) {
+      again.value = active.value;
+      again.setSelectionRange(active.selectionStart, active.selectionEnd);
+    }
   }
 
   row(key) {
@@ -151,7 +179,7 @@ export class Controls {
     row.dataset.path = key.path;
     if (key.words) row.append(...choice(this.scenario, key, this.changed));
     else {
-      const made = number(this.scenario, key, this.changed);
+      const made = (key.range ? number : formula)(this.scenario, key, this.changed);
       row.append(...made.parts);
       this.numbers.set(key.path, made);
     }

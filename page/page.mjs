@@ -462,8 +462,8 @@ const describedScenario = () => ({
   values: { ...state.scenario.preset.values, ...state.scenario.set },
 });
 const fitPanel = new FitPanel(module, { scenario: describedScenario, titleOf, take: takeFit, copy, startFrom: startPreset });
-/** Whether other keys may have to change with a key: it is a choice, or is set or removed. */
-const hasFollowers = (key, value) => key.words || value === "" || state.scenario.value(key.path) === undefined;
+/** Whether other keys may have to change with a key: it is a choice or a formula, or is set or removed. */
+const hasFollowers = (key, value) => !key.range || value === "" || state.scenario.value(key.path) === undefined;
 const controls = new Controls(at("controls"), (key, value) => (hasFollowers(key, value) ? change(key, value) : put(key, value)));
 
 at("presets").replaceChildren(

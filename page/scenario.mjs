@@ -36,7 +36,9 @@ export class Scenario {
   }
 
   get command() {
-    const words = Object.entries(this.set).map(([path, value]) => ` --set ${path}=${value}`);
+    // A shell takes a formula apart unless it is quoted.
+    const quoted = (text) => (/^[\w.,=:+-]*$/.test(text) ? text : `'${text}'`);
+    const words = Object.entries(this.set).map(([path, value]) => ` --set ${quoted(`${path}=${value}`)}`);
     return `toprise run ${this.preset.name}${words.join("")}`;
   }
 }

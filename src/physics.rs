@@ -11,6 +11,7 @@
 )]
 
 pub mod dynamics;
+pub mod formula;
 pub mod friction;
 pub mod integrate;
 pub mod kinematics;

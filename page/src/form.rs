@@ -2,19 +2,39 @@
 
 use serde_json::{Value as Json, json};
 use std::collections::BTreeMap;
-use toprise::run::scenario::{Allowed, ApplicableKey, KEYS, Value, Values};
+use toprise::run::scenario::{Allowed, ApplicableKey, KEYS, Kind, Scenario, Value, Values};
 
 /// Keys that don't change the run.
 const HIDDEN: [&str; 3] = ["format", "name", "description"];
 
 /// The keys that apply with the values of the others, and what they may be.
 pub fn keys(values: &Values) -> Json {
-    values
-        .applicable_keys()
-        .iter()
-        .filter(|applicable| !HIDDEN.contains(&applicable.key.path))
-        .map(describe)
-        .collect()
+    let scenario = Scenario::new(values.clone()).ok();
+    let mut keys = Vec::new();
+    for applicable in values.applicable_keys() {
+        if HIDDEN.contains(&applicable.key.path) {
+            continue;
+        }
+        let mut key = describe(&applicable);
+        if applicable.key.kind == Kind::Formula {
+            key["curve"] = json!(scenario.as_ref().map(curve));
+        }
+        keys.push(key);
+    }
+    Json::Array(keys)
+}
+
+/// Points of the coefficient of friction over the slip speeds that the energy allows: `[v, μ]`.
+fn curve(scenario: &Scenario) -> Vec<[f64; 2]> {
+    const INTERVALS: u32 = 100;
+    let largest = scenario.model.largest_slip_speed(&scenario.start());
+    let mut points = Vec::new();
+    for point in 1..=INTERVALS {
+        let speed = largest * f64::from(point) / f64::from(INTERVALS);
+        let per_speed = scenario.model.friction.law.resistance(speed, 0.0, 1.0);
+        points.push([speed, per_speed * speed]);
+    }
+    points
 }
 
 fn describe(applicable: &ApplicableKey) -> Json {

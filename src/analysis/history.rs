@@ -91,7 +91,7 @@ impl RunHistory {
         Self {
             peg: scenario
                 .filter(|scenario| scenario.model.support.is_free())
-                .map(|scenario| PegHistory::new(scenario.model)),
+                .map(|scenario| PegHistory::new(&scenario.model)),
             rise: level.map(FirstCrossing::at_level),
             sample_period_ns: scenario.map(|scenario| scenario.sample_period_ns),
             ..Self::default()

@@ -9,7 +9,10 @@ pub(super) enum FileKind {
     /// An MCAP recording.
     Mcap,
     /// A Rerun recording.
-    #[cfg_attr(not(feature = "rerun"), expect(dead_code, reason = "written by Rerun"))]
+    #[cfg_attr(
+        not(any(feature = "rerun", test)),
+        expect(dead_code, reason = "written by Rerun")
+    )]
     Rrd,
     /// The table of a sweep.
     #[cfg_attr(

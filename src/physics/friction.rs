@@ -62,7 +62,7 @@ impl Mul<f64> for Wrench {
 }
 
 /// A sliding law, its included components, and the losses.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Friction {
     /// The law of sliding.
     pub law: FrictionLaw,
@@ -212,7 +212,8 @@ impl Friction {
             | FrictionLaw::Coulomb { .. }
             | FrictionLaw::Regularised { .. }
             | FrictionLaw::Viscous { .. }
-            | FrictionLaw::Stribeck { .. } => slip_speed,
+            | FrictionLaw::Stribeck { .. }
+            | FrictionLaw::Formula { .. } => slip_speed,
         }
     }
 
@@ -231,14 +232,19 @@ impl Friction {
             | FrictionLaw::Regularised { .. }
             | FrictionLaw::Viscous { .. }
             | FrictionLaw::Stribeck { .. }
-            | FrictionLaw::Contensou { .. } => of_losses,
+            | FrictionLaw::Contensou { .. }
+            | FrictionLaw::Formula { .. } => of_losses,
         }
     }
 
     /// The same friction on other branches.
     #[inline]
-    pub fn on_branch(self, branch: Branch) -> Self {
-        Self { branch, ..self }
+    pub fn on_branch(&self, branch: Branch) -> Self {
+        Self {
+            law: self.law.clone(),
+            branch,
+            ..*self
+        }
     }
 
     /// Whether friction can hold the contact point of a free peg. With Coulomb–Contensou friction, it holds only a

@@ -45,6 +45,16 @@ pub fn log10(x: f64) -> f64 {
     libm::log10(x)
 }
 
+/// The angle in [−π/2, π/2] whose tangent is x, in radians.
+pub fn atan(x: f64) -> f64 {
+    libm::atan(x)
+}
+
+/// `x` to the power of `y`.
+pub fn pow(x: f64, y: f64) -> f64 {
+    libm::pow(x, y)
+}
+
 /// `sqrt(x² + y²)`, without protection against overflow and underflow.
 ///
 /// Faster than `libm::hypot`; inputs here are far from the limits.

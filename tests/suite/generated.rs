@@ -43,6 +43,15 @@ fn keys_page() -> String {
             }
             Presence::RequiredWith(other, _) => format!("with any `{other}` but none"),
             Presence::RequiredWithKey(other) => format!("with `{other}`"),
+            Presence::OfLaws(required, optional) => format!(
+                "with `friction.law` = {}; optional with {}",
+                required.join(", "),
+                optional.join(", ")
+            ),
+            Presence::Parameter(["formula"]) => "if `friction.formula` contains it".to_owned(),
+            Presence::Parameter(_) => {
+                "with any `friction.law` but none; with formula, if it contains it".to_owned()
+            }
             Presence::OptionalWith(other, words) => {
                 format!("optional with `{other}` = {}", words.join(", "))
             }

@@ -2,7 +2,8 @@
 //!
 //! A change here is a change of physics or numerics: it needs a reason in the changelog.
 
-use toprise::run::scenario::{PRESETS, Preset};
+use crate::formula::{GOLDEN_FORMULAS, with_parameters};
+use toprise::run::scenario::{PRESETS, Scenario};
 use toprise::run::simulation::{RunEnd, Simulation};
 use toprise::telemetry::digest::ContentDigest;
 use toprise::telemetry::{Telemetry, TelemetryError};
@@ -31,9 +32,32 @@ const GOLDEN: &[(&str, u64, u64, &str)] = &[
     ("tippe-top-hangs", 49391, 3033, "4c647ed876bb769284c27aa32c7b1e859f7f68c3e095629d61511ca5e71b5e79"),
 ];
 
-fn digest_of(preset: &Preset) -> (u64, RunEnd, String) {
-    let scenario = preset.scenario().unwrap();
-    let mut simulation = Simulation::new(&scenario).unwrap();
+/// Content digests of half a second of the paper's top under the formulas of the tests, on a fixed and on a free peg.
+const FORMULAS: [[&str; 2]; 5] = [
+    [
+        "48ce13222cf843300df23a950f86765622d22ef082a1d9bcf35e6019e46960c5",
+        "3a74ee98ad5e8e916259539cd9eeb70bb128c607642fc4f612d5d50f8422c888",
+    ],
+    [
+        "6e5ff63b4fcb039f3020dc88c04541f211f74b0f9ef13c256a5e0d8dc3d9d667",
+        "8581cd706ab9a38f3736e7b4cf4effe9f87daa2284c612655721c6736a4a9158",
+    ],
+    [
+        "cda28ede2c01a41225f16e6fbf440fa6c698bc553f1f0e202da511592f2bc6b5",
+        "d34b3927d1a62186511a5febac985689483cef463547650ec394a7615aa3c9ce",
+    ],
+    [
+        "2fbdf96c92948f901313048bb356e0e5734bd7e3d182cf78e798efc4f02bc50e",
+        "e4579727f46cde29c9ee3230b1da1b9fc6283a73e0415ca2c0653d0615d4da4d",
+    ],
+    [
+        "4729f4af58497fb4e0a086ada243e494024d45dfafa0916af58c6be414cbadec",
+        "bfd5344a7db200e9a05660ba0177968aa45d3b31858bde5bc6e65f2590fddb26",
+    ],
+];
+
+fn digest_of(scenario: &Scenario) -> (u64, RunEnd, String) {
+    let mut simulation = Simulation::new(scenario).unwrap();
     let mut telemetry = Telemetry::default();
     let mut digest = ContentDigest::default();
     let mut messages = 0;
@@ -52,7 +76,7 @@ fn digest_of(preset: &Preset) -> (u64, RunEnd, String) {
 fn regress_content_digests() {
     let mut found = String::new();
     for preset in PRESETS.iter() {
-        let (messages, end, digest) = digest_of(preset);
+        let (messages, end, digest) = digest_of(&preset.scenario().unwrap());
         let steps = end.statistics.accepted;
         found.push_str(&format!(
             "    (\"{}\", {messages}, {steps}, \"{digest}\"),\n",
@@ -65,5 +89,16 @@ fn regress_content_digests() {
     assert!(
         found == expected.collect::<Vec<_>>().concat(),
         "the runs have changed; they are now\n{found}"
+    );
+}
+
+#[test]
+fn regress_content_digests_of_formulas() {
+    let found = GOLDEN_FORMULAS.map(|formula| {
+        ["paper", "free-paper"].map(|preset| digest_of(&with_parameters(preset, formula)).2)
+    });
+    assert!(
+        found == FORMULAS,
+        "the runs have changed; they are now\n{found:#?}"
     );
 }

@@ -556,14 +556,14 @@ fn unchecked<S: System<N>, const N: usize>(integrator: &mut Dop853<S, N>) -> Den
 }
 
 /// Compares the dense output of each step with an integration from the step's start that is a thousand times finer.
-fn dense_errors<S: System<N> + Copy, const N: usize>(
-    system: S,
+fn dense_errors<S: System<N> + Clone, const N: usize>(
+    system: &S,
     y0: [f64; N],
     tolerance: f64,
     end: f64,
     step: impl Fn(&mut Dop853<S, N>) -> Dense<N>,
 ) -> DenseErrors {
-    let mut integrator = start(system, 0.0, y0, tolerance);
+    let mut integrator = start(system.clone(), 0.0, y0, tolerance);
     let mut errors = DenseErrors {
         largest: 0.0,
         defect_per_error: (f64::INFINITY, 0.0),
@@ -580,7 +580,7 @@ fn dense_errors<S: System<N> + Copy, const N: usize>(
             });
             (squares.sum::<f64>() / S::CONTROLLED as f64).sqrt()
         };
-        let mut fine = start(system, dense.t0, before, tolerance / 1000.0);
+        let mut fine = start(system.clone(), dense.t0, before, tolerance / 1000.0);
         let mut error = 0.0_f64;
         for i in 1..16 {
             let s = f64::from(i) / 16.0;
@@ -620,7 +620,7 @@ fn sliding_top(speed: &str) -> (EulerAngles, [f64; EulerAngles::STATE_LENGTH]) {
 
 fn in_euler_angles(scenario: &Scenario) -> (EulerAngles, [f64; EulerAngles::STATE_LENGTH]) {
     let state = EulerAngles::state(scenario.angles, scenario.rates, &scenario.model);
-    let (model, phase) = (scenario.model, Phase::Sliding);
+    let (model, phase) = (scenario.model.clone(), Phase::Sliding);
     (EulerAngles { model, phase }, state)
 }
 
@@ -630,15 +630,15 @@ const DENSE_BOUND: f64 = 10.0 * 2.64;
 #[test]
 fn val_dense_output_keeps_to_the_tolerances_over_stiff_and_soft_tops() {
     let (top, state) = fast_precession();
-    let found = dense_errors(top, state, 1e-9, 0.3, checked);
+    let found = dense_errors(&top, state, 1e-9, 0.3, checked);
     assert!(found.largest < DENSE_BOUND, "{}", found.largest);
     // Where only the error at the ends counts, the dense output exceeds the bound.
-    let without = dense_errors(top, state, 1e-9, 0.3, unchecked);
+    let without = dense_errors(&top, state, 1e-9, 0.3, unchecked);
     assert!(without.largest > DENSE_BOUND, "{}", without.largest);
     for speed in ["0.1", "1e-3", "1e-6"] {
         let (top, state) = sliding_top(speed);
         for tolerance in [1e-7, 1e-10] {
-            let found = dense_errors(top, state, tolerance, 0.3, checked);
+            let found = dense_errors(&top, state, tolerance, 0.3, checked);
             assert!(found.largest < DENSE_BOUND, "{speed} {}", found.largest);
         }
     }
@@ -647,7 +647,7 @@ fn val_dense_output_keeps_to_the_tolerances_over_stiff_and_soft_tops() {
 #[test]
 fn val_dense_output_keeps_to_the_tolerances_over_the_papers_top() {
     let (top, state) = in_euler_angles(&scenario("paper", &[]));
-    let found = dense_errors(top, state, 1e-10, 2.0, checked);
+    let found = dense_errors(&top, state, 1e-10, 2.0, checked);
     assert!(found.largest < 10.0, "{}", found.largest);
 }
 
@@ -655,10 +655,10 @@ fn val_dense_output_keeps_to_the_tolerances_over_the_papers_top() {
 #[test]
 fn val_dense_output_defect_estimates_error() {
     let (top, state) = fast_precession();
-    let (least, most) = dense_errors(top, state, 1e-9, 0.3, unchecked).defect_per_error;
+    let (least, most) = dense_errors(&top, state, 1e-9, 0.3, unchecked).defect_per_error;
     assert!(least > 2.3 && most < 3.8, "{least} {most}");
     let (top, state) = sliding_top("1e-3");
-    let (least, most) = dense_errors(top, state, 1e-9, 0.3, unchecked).defect_per_error;
+    let (least, most) = dense_errors(&top, state, 1e-9, 0.3, unchecked).defect_per_error;
     assert!(least > 0.7 && most < 9.4, "{least} {most}");
 }
 

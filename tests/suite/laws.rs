@@ -1,13 +1,17 @@
 //! Laws of friction: what each must keep in every state, their limits, sticking, whole lives.
 
-use crate::support::{Run, archive, assert_near, scenario, sliding_friction, verified};
+use crate::support::{
+    Run, archive, assert_contains, assert_near, scenario, sliding_friction, verified,
+};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
+use std::sync::Arc;
 use toprise::archive::verify::Verdict;
 use toprise::archive::writer::Form;
 use toprise::physics::dynamics::{BodyRotation, EulerAngles, Formulation, Guard, Model, Phase};
+use toprise::physics::formula::Formula;
 use toprise::physics::friction::{
     Air, Branch, Dissipation, Drilling, Friction, FrictionLaw, Losses, Smoothing, drilling_torque,
 };
@@ -46,6 +50,23 @@ fn smoothing() -> impl Strategy<Value = Smoothing> {
     ]
 }
 
+/// Formulas of laws that are not negative at any speed.
+const FORMULAS: [&str; 4] = [
+    "k",
+    "k*tanh(v/a)",
+    "k*(1 + 0.5*exp(-(v/a)^2)) + 0.1*v",
+    "points(v; 0, k; a, 0.1; 2*a, 0.3)",
+];
+
+fn formula(text: &str, k: f64, a: f64) -> FrictionLaw {
+    let formula = Formula::parse(text).unwrap();
+    let coefficient = formula.with_parameters(&[k, a, 0.0, 0.0, 0.0]).unwrap();
+    FrictionLaw::Formula {
+        static_k: coefficient.at(0.0),
+        coefficient: Arc::new(coefficient),
+    }
+}
+
 fn law() -> impl Strategy<Value = FrictionLaw> {
     let k = || 0.0..2.0_f64;
     let speed = || 1e-4..2.0_f64;
@@ -68,6 +89,7 @@ fn law() -> impl Strategy<Value = FrictionLaw> {
         }),
         (k(), 1e-6..1e-2_f64)
             .prop_map(|(k, patch_radius)| FrictionLaw::Contensou { k, patch_radius }),
+        (k(), speed(), 0..FORMULAS.len()).prop_map(|(k, a, index)| formula(FORMULAS[index], k, a)),
     ]
 }
 
@@ -111,8 +133,8 @@ proptest! {
     #[test]
     fn friction_never_adds_energy(tilt in state(), law in law(), losses in losses()) {
         for part in [Dissipation::Full, Dissipation::WithoutNutationPart] {
-            let mut friction = sliding_friction(law, part);
-            let alone = model(friction);
+            let mut friction = sliding_friction(law.clone(), part);
+            let alone = model(friction.clone());
             // Exactly: each product of a component and its rate is negative or zero.
             prop_assert!(changes(&alone, &tilt)[2] <= 0.0);
             friction.losses = Some(losses);
@@ -152,7 +174,7 @@ proptest! {
 
     #[test]
     fn force_opposes_slip_within_its_bound(tilt in state(), law in law()) {
-        let contact = sliding(law).contact(&tilt);
+        let contact = sliding(law.clone()).contact(&tilt);
         let size = contact.force.norm() * contact.slip_speed;
         prop_assert!(contact.force.cross(&contact.slip).norm() <= 4.0 * f64::EPSILON * size);
         prop_assert!(contact.force.dot(&contact.slip) <= 0.0);
@@ -164,7 +186,7 @@ proptest! {
     fn val_each_part_changes_momenta_and_energy_as_derived(tilt in state(), law in law(), part in part()) {
         // With τ = −C ω_⊥ and K F = C ψ̇ in general; drilling is left aside, it is about the vertical alone.
         prop_assume!(!matches!(law, FrictionLaw::Contensou { .. }));
-        let whole = sliding(law);
+        let whole = sliding(law.clone());
         let contact = whole.contact(&tilt);
         let radius = whole.top.peg_radius;
         let c_of_v = radius * radius * law.resistance(contact.slip_speed, tilt.omega_lean.z, contact.normal_force);
@@ -622,7 +644,8 @@ fn every_law_name_selects_its_law() {
     let sections = ["friction", "rolling", "drilling", "air"];
     let is_parameter = |path: &str| {
         let section = path.split_once('.').map_or("", |(section, _)| section);
-        sections.contains(&section) && !["friction.law", "friction.dissipation"].contains(&path)
+        let words = ["friction.law", "friction.formula", "friction.dissipation"];
+        sections.contains(&section) && !words.contains(&path)
     };
     let all: BTreeSet<_> = KEYS
         .iter()
@@ -638,6 +661,17 @@ fn every_law_name_selects_its_law() {
     for law in &LAWS[1..] {
         assert!(law.parameters().count() > 0, "{}", law.name);
         assert!(!law.formula.is_empty() && !law.typical.is_empty() && !law.source.is_empty());
+        if law.is_sliding() {
+            // In tables of Markdown, a bar is escaped.
+            let force = law.formula.replace('|', "\\|");
+            let force = force.split([';', ',']).next().unwrap();
+            let row = format!(
+                "| `{}` | {}",
+                law.name,
+                force.replace(" with μ(v) = friction.formula", "")
+            );
+            assert_contains(include_str!("../../docs/laws.md"), &row);
+        }
     }
 }
 
@@ -668,8 +702,11 @@ fn formulations_agree_on_derivatives_at_rest() {
         ..Euler::default()
     };
     let phase = Phase::Sticking;
-    let euler = EulerAngles { model, phase };
-    let body = BodyRotation::new(model, phase);
+    let euler = EulerAngles {
+        model: model.clone(),
+        phase,
+    };
+    let body = BodyRotation::new(model.clone(), phase);
     let y: [f64; EulerAngles::STATE_LENGTH] = EulerAngles::state(angles, rates, &model);
     let z: [f64; BodyRotation::STATE_LENGTH] = BodyRotation::state(angles, rates, &model);
     // dL_z/dt = I φ̈, and the work is that of the air.

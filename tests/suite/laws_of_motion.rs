@@ -330,7 +330,7 @@ fn laws(scenario: &Scenario) -> Vec<PhysicalLaw> {
     if scenario.model.support.is_free() {
         return laws_of_free_peg(scenario);
     }
-    let friction = scenario.model.friction;
+    let friction = &scenario.model.friction;
     let mut laws = vec![
         orientation(),
         slip(scenario),
@@ -361,7 +361,7 @@ fn laws(scenario: &Scenario) -> Vec<PhysicalLaw> {
 
 /// Friction never adds energy, up to rounding for torques that mix directions, such as air drag.
 fn only_takes(scenario: &Scenario) -> PhysicalLaw {
-    let Model { top, friction, .. } = scenario.model;
+    let Model { top, friction, .. } = scenario.model.clone();
     law("friction only takes", "W", move |now, _| {
         let power = energy::FRICTION_POWER.of(now);
         if !friction.has_losses() {
@@ -453,7 +453,7 @@ fn torque_of_force(scenario: &Scenario) -> PhysicalLaw {
 
 /// Parts of r × f, and the torques beside it that follow from rates and slip speed.
 fn torque_of_parts(scenario: &Scenario) -> PhysicalLaw {
-    let Model { top, friction, .. } = scenario.model;
+    let Model { top, friction, .. } = scenario.model.clone();
     law("torque of friction", "N m", move |now, _| {
         let (normal, axis) = (contact::NORMAL_FORCE.of(now), pose::AXIS.of(now));
         let slip_speed = contact::SLIP_WORLD.of(now).norm();
@@ -590,7 +590,7 @@ fn regular_precession(scenario: &Scenario) -> PhysicalLaw {
 /// too. A contact point that slides may have no slip at an instant, and doesn't roll. In the air there is no constant term:
 /// the slow root is 0, and the fast root solves the rest.
 fn regular_precession_of_free_peg(scenario: &Scenario) -> PhysicalLaw {
-    let (model, central) = (scenario.model, scenario.model.nutating_top());
+    let (model, central) = (scenario.model.clone(), scenario.model.nutating_top());
     let weightless = Top {
         gravity: 0.0,
         ..central
@@ -626,7 +626,7 @@ fn regular_excess(top: &Top, [a, b]: [f64; 2], root: f64, now: &Instant<'_>) -> 
 
 /// The friction force is no larger than the law's, and doesn't push along the slip.
 fn bound_of_force(scenario: &Scenario) -> PhysicalLaw {
-    let friction_law = scenario.model.friction.law;
+    let friction_law = scenario.model.friction.law.clone();
     law("bound of the force", "of the force", move |now, _| {
         let force = contact::FRICTION_FORCE.of(now);
         let slip = contact::SLIP_WORLD.of(now);
@@ -654,7 +654,7 @@ fn energy_balance() -> PhysicalLaw {
 
 /// The laws that hold for a top whose peg is free.
 fn laws_of_free_peg(scenario: &Scenario) -> Vec<PhysicalLaw> {
-    let friction = scenario.model.friction;
+    let friction = &scenario.model.friction;
     let mut laws = vec![
         orientation(),
         slip_of_free_peg(scenario),
@@ -740,7 +740,7 @@ fn energies_of_free_peg() -> PhysicalLaw {
 /// The friction force is no larger than the law's, and doesn't push along the slip. Where rolling ends, the force is the
 /// largest there is, up to the error of the integrator; where it began, the slip is too slow to have a direction.
 fn bound_of_free_force(scenario: &Scenario) -> PhysicalLaw {
-    let friction_law = scenario.model.friction.law;
+    let friction_law = scenario.model.friction.law.clone();
     law("bound of the force", "N", move |now, history| {
         let force = contact::FRICTION_FORCE.of(now);
         let (slip, normal) = (contact::SLIP_WORLD.of(now), contact::NORMAL_FORCE.of(now));

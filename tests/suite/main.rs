@@ -36,6 +36,7 @@ mod fit_clocks;
 mod fit_laws;
 mod foreign;
 mod forgeries;
+mod formula;
 mod free_peg;
 mod frozen;
 mod fuzz_corpus;

@@ -146,7 +146,7 @@ proptest! {
         // Take a tiny Euler step with each formulation's derivative and compare the motions.
         let model = model(part, 0.03);
         let phase = Phase::Sliding;
-        let (euler, body) = (EulerAngles { model, phase }, BodyRotation::new(model, phase));
+        let (euler, body) = (EulerAngles { model: model.clone(), phase }, BodyRotation::new(model.clone(), phase));
         let h = 1e-7;
         let y: [f64; EulerAngles::STATE_LENGTH] = EulerAngles::state(a, r, &model);
         let dy = euler.derivative(0.0, &y);

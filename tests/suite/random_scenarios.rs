@@ -161,6 +161,16 @@ fn scenario(random: &mut Random, reach: Reach) -> Option<Scenario> {
             set("friction.stribeck_speed", spread(random, 0.05, 1.0));
             set("friction.viscous_slope", 0.01 * random.unit());
         }
+        "formula" => {
+            let formulas = [
+                "k*tanh(v/a)",
+                "k*(1 + 0.5*exp(-(v/a)^2))",
+                "min(k, v/a) + 0.01*v",
+            ];
+            let formula = formulas[random.below(formulas.len())];
+            set("friction.a", spread(random, 0.05, 1.0));
+            values.set("friction.formula", formula).unwrap();
+        }
         "contensou" => {
             set("friction.patch_radius", spread(random, 1e-4, 0.5));
         }

@@ -179,7 +179,7 @@ impl Residuals {
     }
 
     fn add(&mut self, time_ns: u64, motion: &Motion) {
-        let [a, b] = self.models.map(|model| action(&model, motion));
+        let [a, b] = self.models.each_ref().map(|model| action(model, motion));
         let differences = quantities(std::array::from_fn(|i| b[i] - a[i]));
         self.states += 1;
         for ((sums, difference), a) in self.sums.iter_mut().zip(differences).zip(quantities(a)) {

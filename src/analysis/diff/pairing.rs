@@ -179,7 +179,9 @@ impl<'o> Pairing<'o> {
         observer: &'o mut dyn Observer,
     ) -> Self {
         let scenarios = runs.map(Subject::scenario);
-        let models = scenarios.each_ref().map(|s| s.as_ref().map(|s| s.model));
+        let models = scenarios
+            .each_ref()
+            .map(|s| s.as_ref().map(|s| s.model.clone()));
         let risen = scenarios.each_ref().map(|s| s.as_ref()?.stop.theta_risen);
         let missing = runs.map(missing_fields);
         let periods = scenarios

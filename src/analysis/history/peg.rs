@@ -91,7 +91,7 @@ pub(crate) struct PegHistory {
 }
 
 impl PegHistory {
-    pub(super) fn new(model: Model) -> Self {
+    pub(super) fn new(model: &Model) -> Self {
         Self {
             center_distance: model.top.center_distance,
             peg_radius: model.top.peg_radius,

@@ -7,12 +7,15 @@ use crate::fit::error::FitError;
 use crate::fit::failure::Failure;
 use crate::fit::search::fitted::Fitted;
 use crate::fit::search::step_limit::MAX_MOTIONS;
-use crate::run::scenario::{KEYS, LAWS, Law, Scenario, ScenarioError, Values};
+use crate::run::scenario::{KEYS, LAWS, Law, Presence, Scenario, ScenarioError, Values};
 use crate::run::simulation::sample_at;
 use crate::words::sentence;
 
 /// Relative change of χ² that counts as none in a comparison: superfluous parameters run away in many small steps.
 const PRECISION: f64 = 1e-7;
+
+/// The law that has its own parameters.
+const FORMULA: &str = "formula";
 
 /// Coefficient of friction of a typical top.
 const TYPICAL_K: f64 = 0.03;
@@ -52,18 +55,31 @@ fn unknown_law(name: &str) -> FitError {
     ))
 }
 
-/// The keys of a law that data determine: with viscous friction only k/v_0, whatever the data.
-fn keys(law: &Law) -> impl Iterator<Item = &'static str> {
-    law.parameters()
-        .map(|key| key.path)
-        .filter(|path| *path != "friction.viscous_speed")
+/// The keys of a law that data determine: with viscous friction only k/v_0, whatever the data; of a formula those that it
+/// contains, which a scenario of this law has.
+fn keys(law: &Law, scenario: &Scenario) -> Vec<&'static str> {
+    let mut keys = Vec::new();
+    for key in law.parameters() {
+        let is_determined = match key.presence {
+            Presence::Parameter(_) => {
+                law.name != FORMULA || parameter::value(scenario, key.path).is_some()
+            }
+            // Only a top at rest tells the static friction of a formula.
+            Presence::OfLaws(..) => law.name != FORMULA,
+            _ => key.path != "friction.viscous_speed",
+        };
+        if is_determined {
+            keys.push(key.path);
+        }
+    }
+    keys
 }
 
 /// The names of the parameters that are usually free: those of the scenario's law, and the start.
 pub fn usual_parameters(scenario: &Scenario) -> Vec<String> {
     let mut names = Vec::new();
     if let Some(law) = find(scenario.word("friction.law")) {
-        names.extend(keys(law).map(str::to_owned));
+        names.extend(keys(law, scenario).into_iter().map(str::to_owned));
     }
     names.push(INITIAL.to_owned());
     names
@@ -77,7 +93,9 @@ pub(in crate::fit) fn request_for(request: &Request, law: &Law) -> Result<Reques
     other.scenario = scenario_with(&request.scenario, law, speed)?;
     // The parameters of the scenario's law have no meaning in another.
     other.free.retain(|name| !name.starts_with("friction."));
-    other.free.extend(keys(law).map(str::to_owned));
+    other
+        .free
+        .extend(keys(law, &other.scenario).into_iter().map(str::to_owned));
     other.bounds.retain(|(name, _)| {
         !name.starts_with("friction.") || other.free.iter().any(|free| free == name)
     });
@@ -130,7 +148,7 @@ pub(in crate::fit) fn problem_for(
             parameters.push(kept);
         }
     }
-    for path in keys(law) {
+    for path in keys(law, &scenario) {
         let mut bounds = request.bounds.clone();
         bounds.retain(|(name, _)| name == path);
         for selected in parameter::select(&[path.to_owned()], &bounds, &scenario, 1)? {

@@ -84,9 +84,12 @@ impl Parameter {
         };
         let bounds = match key.kind {
             Kind::Between(low, high) => [low, high],
-            Kind::Text | Kind::Name | Kind::Choice(_) | Kind::Any | Kind::Nanoseconds => {
-                [f64::MIN, f64::MAX]
-            }
+            Kind::Text
+            | Kind::Name
+            | Kind::Formula
+            | Kind::Choice(_)
+            | Kind::Any
+            | Kind::Nanoseconds => [f64::MIN, f64::MAX],
         };
         let [low, high] = key.typical.unwrap_or([start.abs(), start.abs()]);
         let half = 0.5 * (high - low);

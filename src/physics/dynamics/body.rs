@@ -25,7 +25,7 @@ use std::f64::consts::SQRT_2;
 /// The world-frame angular momentum varies only with the slow precession, which allows longer steps than the body-frame
 /// angular velocity, and its conserved components stay exactly constant. The quaternion norm drifts by rounding only;
 /// it is divided out on use.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct BodyRotation {
     /// The physics.
     pub model: Model,
@@ -129,12 +129,8 @@ impl BodyRotation {
 }
 
 impl<const N: usize> FixedPeg<N> for BodyRotation {
-    fn with_model(self, model: Model, phase: Phase) -> Self {
-        Self {
-            model,
-            phase,
-            ..self
-        }
+    fn with_model(&self, model: Model, phase: Phase) -> Self {
+        Self::new(model, phase)
     }
 
     fn at_rest(&self, y: &[f64; N], turns: bool) -> [f64; N] {
@@ -142,10 +138,7 @@ impl<const N: usize> FixedPeg<N> for BodyRotation {
             return self.with_momentum(y, &Vector3::zeros());
         }
         let lean = Lean::new(&quaternion(y), |_| self.momentum(y));
-        let held = Self {
-            phase: Phase::Sticking,
-            ..*self
-        };
+        let held = Self::new(self.model.clone(), Phase::Sticking);
         let tilt = held.tilt(&lean, &self.momentum(y));
         let top = &self.model.top;
         let momentum = lean.lean_to_world(&top.turning_momentum(&tilt, tilt.omega_lean.z));
@@ -157,11 +150,7 @@ impl<const N: usize> FixedPeg<N> for BodyRotation {
 
     fn without_turning(&self, y: &[f64; N]) -> [f64; N] {
         let lean = Lean::new(&quaternion(y), |_| self.momentum(y));
-        let held = Self {
-            model: self.model.with_turning(Turning::Held),
-            phase: Phase::Sliding,
-            ..*self
-        };
+        let held = Self::new(self.model.with_turning(Turning::Held), Phase::Sliding);
         let tilt = held.tilt(&lean, &self.momentum(y));
         let momentum_lean = tilt.node_to_lean(&self.model.top.angular_momentum_node(&tilt));
         self.with_momentum(y, &lean.lean_to_world(&momentum_lean))
@@ -171,8 +160,8 @@ impl<const N: usize> FixedPeg<N> for BodyRotation {
 impl<const N: usize> Formulation<N> for BodyRotation {
     fn start(model: &Model, start: &Start) -> Started<Self, N> {
         let state = Self::state(start.angles, start.rates, model);
-        let (model, phase) = (*model, Phase::Sliding);
-        fixed::start(Self::new(model, phase), state, start)
+        let (model, phase) = (model.clone(), Phase::Sliding);
+        fixed::start(&Self::new(model, phase), state, start)
     }
 
     fn angles(&self, y: &[f64; N], reference: Euler) -> Euler {

@@ -16,7 +16,7 @@ use nalgebra::UnitQuaternion;
 /// Equations (7) in Euler angles, as printed. Singular at θ = 0 and θ = π.
 ///
 /// State: φ, θ, ψ (rad), φ̇, θ̇, ψ̇ (rad/s), then the running integrals.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct EulerAngles {
     /// The physics.
     pub model: Model,
@@ -136,7 +136,7 @@ impl EulerAngles {
 }
 
 impl<const N: usize> FixedPeg<N> for EulerAngles {
-    fn with_model(self, model: Model, phase: Phase) -> Self {
+    fn with_model(&self, model: Model, phase: Phase) -> Self {
         Self { model, phase }
     }
 
@@ -161,8 +161,8 @@ impl<const N: usize> FixedPeg<N> for EulerAngles {
 impl<const N: usize> Formulation<N> for EulerAngles {
     fn start(model: &Model, start: &Start) -> Started<Self, N> {
         let state = Self::state(start.angles, start.rates, model);
-        let (model, phase) = (*model, Phase::Sliding);
-        fixed::start(Self { model, phase }, state, start)
+        let (model, phase) = (model.clone(), Phase::Sliding);
+        fixed::start(&Self { model, phase }, state, start)
     }
 
     #[inline]

@@ -17,10 +17,10 @@ const SINGULAR: f64 = 1e-6;
 /// Equations of a top with a fixed peg.
 pub(super) trait FixedPeg<const N: usize>: Formulation<N> {
     /// These equations with another model, in another phase.
-    fn with_model(self, model: Model, phase: Phase) -> Self;
+    fn with_model(&self, model: Model, phase: Phase) -> Self;
 
     /// These equations in another phase and on other branches of friction.
-    fn in_phase(self, phase: Phase, branch: Branch) -> Self {
+    fn in_phase(&self, phase: Phase, branch: Branch) -> Self {
         let model = self.model();
         let model = Model {
             friction: model.friction.on_branch(branch),
@@ -40,21 +40,21 @@ pub(super) trait FixedPeg<const N: usize>: Formulation<N> {
 impl Model {
     /// The same model on another branch of drilling friction. The branch belongs to the model, because forces and torques
     /// that are computed from it have to be those of the phase.
-    pub(super) fn with_turning(self, turning: Turning) -> Self {
+    pub(super) fn with_turning(&self, turning: Turning) -> Self {
         let branch = Branch {
             turning,
             ..self.friction.branch
         };
         Self {
             friction: self.friction.on_branch(branch),
-            ..self
+            ..*self
         }
     }
 }
 
 /// Start of the motion: see [`Formulation::start`].
 pub(super) fn start<F: FixedPeg<N>, const N: usize>(
-    formulation: F,
+    formulation: &F,
     state: [f64; N],
     start: &Start,
 ) -> Started<F, N> {
@@ -143,7 +143,7 @@ pub(super) fn enter<F: FixedPeg<N>, const N: usize>(
                 turning
             };
             let at_rest = guard != Guard::Turning || phase == Phase::Sticking;
-            settle(*formulation, state, at_rest, turning, reference)
+            settle(formulation, state, at_rest, turning, reference)
         }
         Guard::TurningGrip => {
             let rate = model.turning_acceleration(&motion.tilt);
@@ -154,14 +154,14 @@ pub(super) fn enter<F: FixedPeg<N>, const N: usize>(
             let held = formulation.without_turning(state);
             (formulation.in_phase(phase, branch), held)
         }
-        Guard::Departure => (sliding(*formulation, turning, Rocking::Any), *state),
+        Guard::Departure => (sliding(formulation, turning, Rocking::Any), *state),
         Guard::Grip => (
-            sliding(*formulation, turning, Rocking::Breakaway),
+            sliding(formulation, turning, Rocking::Breakaway),
             formulation.at_rest(state, true),
         ),
         Guard::NormalForce | Guard::Gap | Guard::Mobility | Guard::RollingGrip | Guard::Regular => {
             (
-                sliding(*formulation, turning, Rocking::Any),
+                sliding(formulation, turning, Rocking::Any),
                 formulation.at_rest(state, true),
             )
         }
@@ -196,7 +196,7 @@ pub(super) fn enter<F: FixedPeg<N>, const N: usize>(
 /// The phase and state of a top whose contact point is at rest or slips, and which turns about the vertical, or doesn't
 /// ([`Turning::Held`]; whether friction really holds it is found here).
 fn settle<F: FixedPeg<N>, const N: usize>(
-    formulation: F,
+    formulation: &F,
     state: &[f64; N],
     at_rest: bool,
     turning: Turning,
@@ -233,7 +233,7 @@ fn settle<F: FixedPeg<N>, const N: usize>(
 
 /// The equations of a top that slides. Only drilling friction that is set-valued has branches.
 fn sliding<F: FixedPeg<N>, const N: usize>(
-    formulation: F,
+    formulation: &F,
     turning: Turning,
     rocking: Rocking,
 ) -> F {
@@ -247,7 +247,7 @@ fn sliding<F: FixedPeg<N>, const N: usize>(
 
 /// The equations of a top whose contact point is at rest. Coulomb–Contensou friction has branches only there.
 fn sticking<F: FixedPeg<N>, const N: usize>(
-    formulation: F,
+    formulation: &F,
     rested: &[f64; N],
     turning: Turning,
     reference: Euler,

@@ -78,7 +78,7 @@ pub enum Transition {
 }
 
 /// The beginning of a phase.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Entry<F, const N: usize> {
     /// The equations of the phase.
     pub formulation: F,
@@ -104,7 +104,7 @@ pub type Entered<F, const N: usize> = Result<Entry<F, N>, IntegrateError>;
 
 /// The equations of motion in some set of variables, with `N` state components. The last components are the running
 /// integrals: all [`INTEGRALS`](super::INTEGRALS), or only [`FEW_INTEGRALS`](super::FEW_INTEGRALS).
-pub trait Formulation<const N: usize>: System<N> + Copy {
+pub trait Formulation<const N: usize>: System<N> + Clone {
     /// Tolerances per step for these tolerances of the motion.
     fn step_tolerances(tolerances: Tolerances) -> Tolerances {
         tolerances

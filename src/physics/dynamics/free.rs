@@ -104,7 +104,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
         set_vector(&mut state, VELOCITY, &velocity);
         // Only in flight are all components of the state used.
         let flying = Self {
-            model: *model,
+            model: model.clone(),
             phase: Phase::Flying,
             departure: None,
             inertia: Inertia::new(top),
@@ -288,7 +288,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
                 // The slip is fast enough for the law to give the direction of friction.
                 let departed = Self {
                     departure: None,
-                    ..*self
+                    ..self.clone()
                 };
                 (departed, Transition::Departs)
             }
@@ -298,7 +298,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
                 (state, impact) = (contact.state, contact.impact);
                 (contact.formulation, contact.transition)
             }
-            Guard::Mobility => (*self, Transition::Jams),
+            Guard::Mobility => (self.clone(), Transition::Jams),
             Guard::Rolling => {
                 let resting = Resting {
                     rocking: true,
@@ -329,7 +329,7 @@ impl<const N: usize> Formulation<N> for FreeRotation {
                 (next, transition)
             }
             Guard::TurningGrip => (self.turning_again(&state), Transition::TurningResumes),
-            Guard::Regular => (*self, Transition::BecomesSingular),
+            Guard::Regular => (self.clone(), Transition::BecomesSingular),
         };
         let transition = if formulation.is_jammed(&state) {
             Transition::Jams
@@ -337,13 +337,13 @@ impl<const N: usize> Formulation<N> for FreeRotation {
             transition
         };
         Ok(Entry {
-            formulation,
             state,
             delay,
             transition,
             impact,
             motion: formulation.motion(&state, reference),
             first_step: formulation.first_step(&state),
+            formulation,
         })
     }
 

@@ -2,7 +2,7 @@
 
 use super::accelerations::{Accelerations, accelerations_about, inertial_terms_with_gravity};
 use super::integrals::{Integrals, TermIntegrals};
-use super::motion::Motion;
+use super::motion::{Motion, Start};
 use super::reaction::{FreeBody, Inertia};
 use super::support::{Phase, Support};
 use crate::physics::friction::{Contact, Friction, Grip, Turning};
@@ -11,7 +11,7 @@ use crate::physics::top::{PrecessionRoots, Top};
 use nalgebra::Vector3;
 
 /// A top with its friction and support.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Model {
     /// The rigid body and gravity.
     pub top: Top,
@@ -203,6 +203,26 @@ impl Model {
                 above_peg + self.top.weight() * gap
             }
         }
+    }
+
+    /// Upper bound of the slip speed in a motion that gains no energy, m/s.
+    pub fn largest_slip_speed(&self, start: &Start) -> f64 {
+        let top = self.nutating_top();
+        let tilt = Tilt::from_rates(start.angles.theta, start.rates);
+        let distance = top.center_distance.abs();
+        let height = start.peg_position.z - top.peg_radius;
+        // Above the lowest place that the centre of mass may have.
+        let drop = height + top.center_distance * tilt.cos + distance;
+        let energy = top.kinetic_energy(&tilt) + top.weight() * drop;
+        let least_moment = top.transverse_moment.min(top.axial_moment);
+        if !self.support.is_free() {
+            return top.peg_radius * (2.0 * energy / least_moment).sqrt();
+        }
+        let center = top.center_distance * tilt.omega_lean.cross(&tilt.axis());
+        let speed = start.peg_velocity.norm() + center.norm();
+        let energy = energy + 0.5 * top.mass * speed * speed;
+        (2.0 * energy / top.mass).sqrt()
+            + (top.peg_radius + distance) * (2.0 * energy / least_moment).sqrt()
     }
 
     /// Total energy in a motion, J.

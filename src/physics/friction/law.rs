@@ -1,7 +1,9 @@
 //! Sliding friction laws and drilling torque.
 
+use crate::physics::formula::{InvalidCoefficient, Program};
 use crate::physics::math::{exp, tanh};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// Above this multiple of the Stribeck velocity, e^(−ratio²) is below 1e-21.
 const NEGLIGIBLE_RATIO: f64 = 7.0;
@@ -10,7 +12,7 @@ const NEGLIGIBLE_RATIO: f64 = 7.0;
 ///
 /// `k` is always the dimensionless coefficient of friction; speeds are in m/s. The force is opposite to the slip
 /// velocity.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum FrictionLaw {
     /// No friction at all.
     None,
@@ -57,6 +59,13 @@ pub enum FrictionLaw {
         /// Radius `a` of the contact patch, m.
         patch_radius: f64,
     },
+    /// A person's own law `f = −μ(v) N v / |v|`. At rest, |f| ≤ k_s N.
+    Formula {
+        /// The coefficient of friction `μ(v)`.
+        coefficient: Arc<Program>,
+        /// Coefficient of static friction `k_s`; 0 if the law is smooth, `μ(0) = 0`.
+        static_k: f64,
+    },
 }
 
 /// The function that replaces the jump of Coulomb's law: `f = −k N g(|v|) v / |v|`.
@@ -102,6 +111,9 @@ impl FrictionLaw {
                 let rim_speed = patch_radius * drilling.abs();
                 k * normal_force / (slip_speed + 8.0 / (3.0 * PI) * rim_speed)
             }
+            Self::Formula {
+                ref coefficient, ..
+            } => coefficient.at(slip_speed) * normal_force / slip_speed,
         }
     }
 
@@ -116,10 +128,14 @@ impl FrictionLaw {
             Self::Stribeck {
                 k, static_k, slope, ..
             } => (k.max(static_k) + slope * slip_speed) * normal_force,
+            Self::Formula {
+                ref coefficient,
+                static_k,
+            } => coefficient.at(slip_speed).max(static_k) * normal_force,
         }
     }
 
-    /// Upper bound of |f|/N over all slip speeds; infinite if it grows with the slip speed.
+    /// Upper bound of |f|/N over all slip speeds; infinite if it grows with the slip speed, or may do so.
     pub fn largest_coefficient(&self) -> f64 {
         match *self {
             Self::None | Self::Viscous { k: 0.0, .. } => 0.0,
@@ -130,6 +146,12 @@ impl FrictionLaw {
                 slope: 0.0,
                 ..
             } => k.max(static_k),
+            Self::Formula {
+                ref coefficient,
+                static_k,
+            } => coefficient
+                .constant()
+                .map_or(f64::INFINITY, |k| k.max(static_k)),
             Self::Viscous { .. } | Self::Stribeck { .. } => f64::INFINITY,
         }
     }
@@ -146,7 +168,8 @@ impl FrictionLaw {
             | Self::Regularised { .. }
             | Self::Viscous { .. }
             | Self::Stribeck { .. }
-            | Self::Contensou { .. } => self.static_bound(normal_force),
+            | Self::Contensou { .. }
+            | Self::Formula { .. } => self.static_bound(normal_force),
         }
     }
 
@@ -172,7 +195,8 @@ impl FrictionLaw {
             | Self::Coulomb { .. }
             | Self::Regularised { .. }
             | Self::Viscous { .. }
-            | Self::Stribeck { .. } => self.static_bound(normal_force) - force,
+            | Self::Stribeck { .. }
+            | Self::Formula { .. } => self.static_bound(normal_force) - force,
         }
     }
 
@@ -181,11 +205,30 @@ impl FrictionLaw {
     pub fn static_bound(&self, normal_force: f64) -> f64 {
         match *self {
             Self::Coulomb { k } => k * normal_force,
-            Self::Stribeck { static_k, .. } => static_k * normal_force,
+            Self::Stribeck { static_k, .. } | Self::Formula { static_k, .. } => {
+                static_k * normal_force
+            }
             Self::None
             | Self::Regularised { .. }
             | Self::Viscous { .. }
             | Self::Contensou { .. } => 0.0,
+        }
+    }
+
+    /// Checks the law at a slip speed, m/s.
+    ///
+    /// # Errors
+    /// If a formula has no coefficient of friction there.
+    #[inline]
+    pub fn check(&self, slip_speed: f64) -> Result<(), InvalidCoefficient> {
+        match self {
+            Self::Formula { coefficient, .. } => coefficient.check(slip_speed),
+            Self::None
+            | Self::Coulomb { .. }
+            | Self::Regularised { .. }
+            | Self::Viscous { .. }
+            | Self::Stribeck { .. }
+            | Self::Contensou { .. } => Ok(()),
         }
     }
 

@@ -5,11 +5,11 @@
 
 use super::definition::Scenario;
 use super::error::{Problem, Requirement, ScenarioError};
-use super::key::{Key, Kind, Presence, Value};
+use super::key::{EXAMPLE_FORMULA, Key, Kind, Presence, Value};
 use super::keys::KEYS;
 use super::parse::nanoseconds;
 use super::presets::PRESETS;
-use super::values::{Values, find_key};
+use super::values::{Need, Values, find_key};
 use std::sync::LazyLock;
 
 /// A key that can be set in a scenario, given the other keys.
@@ -106,11 +106,15 @@ impl Values {
                 self.remove_unless(changed, path) || self.remove_unless(changed, other)
             }
             Problem::Inapplicable { .. }
+            | Problem::NotInFormula
             | Problem::TippeTop
             | Problem::AlreadyIncluded
             | Problem::NeverSticks => self.remove_unless(changed, path),
             Problem::Endless => self.fulfil(changed, Requirement::Set("stop.duration")),
             Problem::Syntax(_)
+            | Problem::Formula { .. }
+            | Problem::Coefficient(_)
+            | Problem::StaticFriction { .. }
             | Problem::UnknownPreset { .. }
             | Problem::UnknownKey { .. }
             | Problem::NotAllowed { .. }
@@ -187,12 +191,7 @@ impl Values {
     /// Whether these values are not valid without a key; `is_valid` is whether they are with it.
     fn requires(&self, key: &Key, is_valid: bool) -> bool {
         if !is_valid || !self.has(key.path) {
-            return match key.presence {
-                Presence::Required | Presence::RequiredWith(..) | Presence::RequiredWithKey(_) => {
-                    true
-                }
-                Presence::Optional | Presence::OptionalWith(..) => false,
-            };
+            return self.need_now(key) == Need::Required;
         }
         let mut values = self.clone();
         values.remove(key.path);
@@ -204,7 +203,9 @@ impl Values {
     /// The values that a key may have; `None` if the key doesn't apply.
     fn allowed(&self, key: &Key, is_valid: bool) -> Option<Allowed> {
         match key.kind {
-            Kind::Text | Kind::Name => Some(Allowed::Text),
+            Kind::Text | Kind::Name | Kind::Formula => {
+                self.has_place_for(key).then_some(Allowed::Text)
+            }
             Kind::Choice(words) => self.words(key, words).map(Allowed::Words),
             Kind::Any => self.range(key, [f64::MIN, f64::MAX], is_valid),
             Kind::Between(low, high) => self.range(key, [low, high], is_valid),
@@ -229,15 +230,19 @@ impl Values {
         self.has_place_for(key).then(|| words.to_vec())
     }
 
+    /// Whether a key has to be set, given the others. While a person still writes a formula, its parameters stay as they are.
+    fn need_now(&self, key: &Key) -> Need {
+        match self.formula() {
+            Ok(formula) => self.need(key, formula.as_ref()),
+            Err(_) if !matches!(key.presence, Presence::Parameter(_)) => self.need(key, None),
+            Err(_) if self.has(key.path) => Need::Optional,
+            Err(_) => Need::Excluded,
+        }
+    }
+
     /// Whether the table of keys allows a key, given the others.
     fn has_place_for(&self, key: &Key) -> bool {
-        match key.presence {
-            Presence::Required | Presence::Optional => true,
-            Presence::RequiredWith(other, words) | Presence::OptionalWith(other, words) => {
-                self.has_one_of(other, words)
-            }
-            Presence::RequiredWithKey(other) => self.has(other),
-        }
+        self.need_now(key) != Need::Excluded
     }
 
     /// The interval of numbers around the current value, or a usual one, with which the scenario is valid.
@@ -296,6 +301,7 @@ fn usual_value(key: &Key) -> Option<Value> {
         return Some(value.clone());
     }
     match (key.kind, key.typical) {
+        (Kind::Formula, _) => Some(Value::Text(EXAMPLE_FORMULA.to_owned())),
         (Kind::Choice(words), _) => words.first().map(|word| Value::Text((*word).to_owned())),
         (_, Some(range)) => Some(Value::Number(middle(key, range))),
         (_, None) => None,

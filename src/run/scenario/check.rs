@@ -4,8 +4,8 @@ use super::choice::FormulationKind;
 use super::error::{Problem, Requirement, ScenarioError};
 use super::stop::Stop;
 use super::values::Values;
-use crate::physics::dynamics::Model;
-use crate::physics::friction::Dissipation;
+use crate::physics::dynamics::{Model, Start};
+use crate::physics::friction::{Dissipation, FrictionLaw};
 use std::f64::consts::PI;
 
 /// Keys of the position and of the velocity: those of the peg and of the centre of mass exclude each other.
@@ -144,6 +144,19 @@ impl Check<'_> {
         self.ensure(is_above, "stop.theta_risen", problem.clone())?;
         let is_below = fallen.is_none_or(|limit| theta < limit);
         self.ensure(is_below, "stop.theta_fallen", problem)
+    }
+
+    /// Checks a formula at the slip speeds that the energy allows.
+    pub(super) fn friction(&self, start: &Start) -> Result<(), ScenarioError> {
+        let FrictionLaw::Formula { coefficient, .. } = &self.model.friction.law else {
+            return Ok(());
+        };
+        coefficient
+            .check_up_to(self.model.largest_slip_speed(start))
+            .map_err(|error| {
+                self.values
+                    .invalid("friction.formula", Problem::Coefficient(error))
+            })
     }
 
     /// Checks that the run stops, and that its samples can be numbered.

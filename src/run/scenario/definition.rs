@@ -95,6 +95,7 @@ impl Scenario {
         check.support()?;
         check.body()?;
         check.start()?;
+        check.friction(&self.start())?;
         check.end()
     }
 

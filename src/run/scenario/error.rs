@@ -1,6 +1,7 @@
 //! The error of a scenario.
 
 use super::key::{Key, Kind, short_number};
+use crate::physics::formula::{FormulaError, InvalidCoefficient};
 use crate::run::suggestion::did_you_mean;
 use std::fmt;
 use thiserror::Error;
@@ -65,7 +66,23 @@ pub enum Problem {
         /// The value of the other key.
         current: Option<String>,
         /// Values with which the key applies.
-        needed: &'static [&'static str],
+        needed: Vec<&'static str>,
+    },
+    /// The formula doesn't contain the name of the key.
+    NotInFormula,
+    /// The text is no formula.
+    Formula {
+        /// The problem and its place.
+        error: FormulaError,
+        /// Names similar to an unknown one.
+        similar: Vec<&'static str>,
+    },
+    /// The formula has no coefficient of friction at a speed that the top may have.
+    Coefficient(InvalidCoefficient),
+    /// The coefficient of static friction is less than that of the formula at rest, or the formula has none.
+    StaticFriction {
+        /// The coefficient of the formula at rest.
+        at_rest: f64,
     },
     /// The key requires values of other keys.
     Requires {
@@ -245,17 +262,17 @@ impl fmt::Display for ScenarioError {
                 other,
                 current,
                 needed,
-            } => {
-                match current {
-                    Some(value) => write!(f, "{key} does not apply with {other} = {value:?}")?,
-                    None => write!(f, "{key} does not apply without {other}")?,
-                }
-                let needed = needed.join(" or ");
-                write!(
-                    f,
-                    ": set {other} = {needed}, or remove {key} (--set {key}=)"
-                )
+            } => write_inapplicable(f, key, other, current.as_deref(), needed),
+            Problem::NotInFormula => write!(
+                f,
+                "{key} is not in friction.formula: use {} there, or remove {key} (--set {key}=)",
+                key.rsplit('.').next().unwrap_or(key)
+            ),
+            Problem::Formula { error, similar } => {
+                write!(f, "{error}{}\n{}", did_you_mean(similar), error.excerpt())
             }
+            Problem::Coefficient(error) => write!(f, "μ(v) {}", error.fault()),
+            Problem::StaticFriction { at_rest } => write_static_friction(f, *at_rest),
             Problem::Requires {
                 requirements,
                 reason,
@@ -300,14 +317,45 @@ impl fmt::Display for ScenarioError {
                 f.write_str("friction.law = \"contensou\" already includes a drilling torque")
             }
             Problem::NeverSticks => f.write_str(
-                "this friction law never sticks; use friction.law = \"coulomb\", \"stribeck\" or \
-                 \"contensou\", or rolling.arm, with friction.dissipation = \"full\"",
+                "this friction law never sticks; use friction.law = \"coulomb\", \"stribeck\", \
+                 \"contensou\", a formula with μ(0) > 0, or rolling.arm, with friction.dissipation = \"full\"",
             ),
             Problem::Endless => f.write_str(
                 "the run would never stop: set stop.duration, stop.theta_risen or stop.theta_fallen (without friction: stop.duration)",
             ),
         }
     }
+}
+
+fn write_inapplicable(
+    f: &mut fmt::Formatter<'_>,
+    key: &str,
+    other: &str,
+    current: Option<&str>,
+    needed: &[&str],
+) -> fmt::Result {
+    match current {
+        Some(value) => write!(f, "{key} does not apply with {other} = {value:?}")?,
+        None => write!(f, "{key} does not apply without {other}")?,
+    }
+    let needed = needed.join(" or ");
+    write!(
+        f,
+        ": set {other} = {needed}, or remove {key} (--set {key}=)"
+    )
+}
+
+fn write_static_friction(f: &mut fmt::Formatter<'_>, at_rest: f64) -> fmt::Result {
+    if at_rest == 0.0 {
+        return f.write_str(
+            "friction.formula is 0 at v = 0, so there is no static friction: remove it (--set friction.static_k=)",
+        );
+    }
+    let at_rest = short_number(at_rest);
+    write!(
+        f,
+        "must be at least the value of friction.formula at v = 0, which is {at_rest}"
+    )
 }
 
 fn write_not_allowed(

@@ -53,6 +53,9 @@ pub(in crate::run) fn short_number(number: f64) -> String {
     }
 }
 
+/// A usual formula: Coulomb's law, smoothed around zero slip.
+pub(super) const EXAMPLE_FORMULA: &str = "k*tanh(v/a)";
+
 /// Allowed values of a key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
@@ -60,6 +63,8 @@ pub enum Kind {
     Text,
     /// A portable file name.
     Name,
+    /// A formula: [`Formula`](crate::physics::formula::Formula).
+    Formula,
     /// One of these strings.
     Choice(&'static [&'static str]),
     /// Any finite number.
@@ -73,7 +78,10 @@ pub enum Kind {
 impl Kind {
     /// Whether the values are text rather than numbers.
     pub fn is_text(self) -> bool {
-        matches!(self, Self::Text | Self::Name | Self::Choice(_))
+        matches!(
+            self,
+            Self::Text | Self::Name | Self::Formula | Self::Choice(_)
+        )
     }
 }
 
@@ -84,6 +92,10 @@ impl fmt::Display for Kind {
             Self::Name => write!(
                 f,
                 "a name of at most 100 letters, digits, '-', '_' and '.', not beginning with '.'"
+            ),
+            Self::Formula => write!(
+                f,
+                "a formula of v, k, a, b, c and d, e.g. {EXAMPLE_FORMULA}"
             ),
             Self::Choice(words) => write!(f, "one of {}", words.join(", ")),
             Self::Any => write!(f, "a finite number"),
@@ -109,6 +121,10 @@ pub enum Presence {
     RequiredWithKey(&'static str),
     /// Optional if another key has one of these values; otherwise not allowed.
     OptionalWith(&'static str, &'static [&'static str]),
+    /// Required with the first of these friction laws, optional with the second ones; otherwise not allowed.
+    OfLaws(&'static [&'static str], &'static [&'static str]),
+    /// Required with these friction laws, with a formula if it contains the name of the key; otherwise not allowed.
+    Parameter(&'static [&'static str]),
 }
 
 /// A row of the table of keys.

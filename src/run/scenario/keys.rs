@@ -2,9 +2,11 @@
 
 use super::choice::{DISSIPATIONS, FormulationKind, OnStick, SupportKind};
 use super::key::Key;
-use super::key::Kind::{self, Any, Between, Choice, Name, Nanoseconds, Text};
-use super::key::Presence::{self, Optional, OptionalWith, Required, RequiredWith, RequiredWithKey};
-use super::laws::{FRICTIONAL_LAWS, Law, SLIDING_LAWS};
+use super::key::Kind::{self, Any, Between, Choice, Formula, Name, Nanoseconds, Text};
+use super::key::Presence::{
+    self, OfLaws, Optional, OptionalWith, Parameter, Required, RequiredWith, RequiredWithKey,
+};
+use super::laws::{FORMULA, FRICTIONAL_LAWS, Law, SLIDING_LAWS};
 use std::f64::consts::PI;
 
 const fn key(
@@ -32,6 +34,9 @@ const INERTIA: Kind = Between(1e-30, 1e30);
 const SCALE: Kind = Between(1e-15, 1e15);
 /// Range of slip speed parameters.
 const SPEED: Kind = Between(1e-9, 1e6);
+
+/// Range of the parameters of a formula, in the units that it gives them.
+const PARAMETER: Kind = Between(-1e6, 1e6);
 
 const SMOOTH_LAWS: &[&str] = &["coulomb-sqrt", "coulomb-tanh", "coulomb-rational"];
 
@@ -78,9 +83,15 @@ pub const KEYS: &[Key] = &[
     key("support.restitution", "", Between(0.0, 1.0), FREE,
         "coefficient of restitution e of impacts (Stronge's); default 0").typically(0.0, 1.0).denoted("e"),
     key("friction.law", "", Choice(SLIDING_LAWS), Required, "friction law at the contact"),
-    key("friction.k", "", Between(0.0, 100.0), RequiredWith("friction.law", FRICTIONAL_LAWS),
+    key("friction.formula", "", Formula, RequiredWith("friction.law", FORMULA),
+        "coefficient of friction μ at the slip speed v in m/s"),
+    key("friction.k", "", Between(0.0, 100.0), Parameter(FRICTIONAL_LAWS),
         "coefficient of friction k").typically(0.001, 1.0).denoted("k"),
-    key("friction.static_k", "", Between(0.0, 100.0), RequiredWith("friction.law", &["stribeck"]),
+    key("friction.a", "", PARAMETER, Parameter(FORMULA), "parameter a of the formula").typically(0.001, 1.0).denoted("a"),
+    key("friction.b", "", PARAMETER, Parameter(FORMULA), "parameter b of the formula").typically(0.001, 1.0).denoted("b"),
+    key("friction.c", "", PARAMETER, Parameter(FORMULA), "parameter c of the formula").typically(0.001, 1.0).denoted("c"),
+    key("friction.d", "", PARAMETER, Parameter(FORMULA), "parameter d of the formula").typically(0.001, 1.0).denoted("d"),
+    key("friction.static_k", "", Between(0.0, 100.0), OfLaws(&["stribeck"], FORMULA),
         "coefficient of static friction k_s").typically(0.001, 1.0).denoted("k_s"),
     key("friction.smoothing_speed", "m/s", SPEED,
         RequiredWith("friction.law", SMOOTH_LAWS),
@@ -127,7 +138,8 @@ impl Law {
 
     fn has_parameter(&self, key: &Key) -> bool {
         match key.presence {
-            RequiredWith("friction.law", words) => words.contains(&self.name),
+            RequiredWith("friction.law", words) | Parameter(words) => words.contains(&self.name),
+            OfLaws(required, optional) => [required, optional].concat().contains(&self.name),
             // Additional losses have the name of their section.
             Required | Optional | RequiredWith(..) | RequiredWithKey(_) | OptionalWith(..) => {
                 key.section() == self.name

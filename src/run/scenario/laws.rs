@@ -20,11 +20,16 @@ pub struct Law {
     make: Option<MakeLaw>,
 }
 
-/// Looks up the numeric value of a key.
-pub(super) type Number<'a> = &'a dyn Fn(&'static str) -> Result<f64, ScenarioError>;
+/// The keys of a scenario from which a law is made.
+pub(super) trait LawKeys {
+    /// The number of a key that is required.
+    fn number(&self, path: &'static str) -> Result<f64, ScenarioError>;
+    /// The law of `friction.formula`.
+    fn formula_law(&self) -> Result<FrictionLaw, ScenarioError>;
+}
 
 /// Constructs a sliding law from the values of its keys.
-pub(super) type MakeLaw = fn(Number<'_>) -> Result<FrictionLaw, ScenarioError>;
+pub(super) type MakeLaw = fn(&dyn LawKeys) -> Result<FrictionLaw, ScenarioError>;
 
 const ZHURAVLEV: &str = "V. F. Zhuravlev, J. Appl. Math. Mech. 62 (1998) 705";
 
@@ -56,10 +61,10 @@ const fn additional_loss(
     }
 }
 
-fn regularised(number: Number<'_>, shape: Smoothing) -> Result<FrictionLaw, ScenarioError> {
+fn regularised(keys: &dyn LawKeys, shape: Smoothing) -> Result<FrictionLaw, ScenarioError> {
     Ok(FrictionLaw::Regularised {
-        k: number("friction.k")?,
-        speed: number("friction.smoothing_speed")?,
+        k: keys.number("friction.k")?,
+        speed: keys.number("friction.smoothing_speed")?,
         shape,
     })
 }
@@ -71,37 +76,40 @@ pub const LAWS: &[Law] = &[
     sliding("coulomb", "f = −k N v/|v|; at rest |f| ≤ k N",
         "k: steel on PTFE 0.04, lubricated 0.05 to 0.1, steel on plastic 0.2 to 0.3",
         "V. Tanrıverdi, arXiv:2204.14060, section 2",
-        |number| Ok(FrictionLaw::Coulomb { k: number("friction.k")? })),
+        |keys| Ok(FrictionLaw::Coulomb { k: keys.number("friction.k")? })),
     sliding("coulomb-sqrt", "f = −k N v/√(v² + v_ε²)", "v_ε: 0.001 to 0.01 m/s",
         "usual regularisation of Coulomb's law",
-        |number| regularised(number, Smoothing::SquareRoot)),
+        |keys| regularised(keys, Smoothing::SquareRoot)),
     sliding("coulomb-tanh", "f = −k N tanh(|v|/v_ε) v/|v|", "v_ε: 0.001 to 0.01 m/s",
         "usual regularisation of Coulomb's law",
-        |number| regularised(number, Smoothing::Tanh)),
+        |keys| regularised(keys, Smoothing::Tanh)),
     sliding("coulomb-rational", "f = −k N v/(|v| + v_ε)", "v_ε: 0.001 to 0.01 m/s",
         "T. Ueda, K. Sasaki, S. Watanabe, SIAM J. Appl. Dyn. Syst. 4 (2005) 1159",
-        |number| regularised(number, Smoothing::Rational)),
+        |keys| regularised(keys, Smoothing::Rational)),
     sliding("viscous", "f = −k N v/v_0", "k/v_0: 0.3 s/m",
         "N. M. Bou-Rabee, J. E. Marsden, L. A. Romero, SIAM J. Appl. Dyn. Syst. 3 (2004) 352",
-        |number| Ok(FrictionLaw::Viscous {
-            k: number("friction.k")?,
-            speed: number("friction.viscous_speed")?,
+        |keys| Ok(FrictionLaw::Viscous {
+            k: keys.number("friction.k")?,
+            speed: keys.number("friction.viscous_speed")?,
         })),
     sliding("stribeck", "f = −N (k + (k_s − k) exp(−(v/v_s)²) + c_v |v|) v/|v|; at rest |f| ≤ k_s N",
         "k_s/k: 1.2 to 1.7; v_s: 0.01 to 0.1 m/s",
         "B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083",
-        |number| Ok(FrictionLaw::Stribeck {
-            k: number("friction.k")?,
-            static_k: number("friction.static_k")?,
-            speed: number("friction.stribeck_speed")?,
-            slope: number("friction.viscous_slope")?,
+        |keys| Ok(FrictionLaw::Stribeck {
+            k: keys.number("friction.k")?,
+            static_k: keys.number("friction.static_k")?,
+            speed: keys.number("friction.stribeck_speed")?,
+            slope: keys.number("friction.viscous_slope")?,
         })),
     sliding("contensou", "f = −k N v/(|v| + 8 a |ω_z′|/3π), M_z′ = −(3π/16) k N a · a ω_z′/(a |ω_z′| + 15π |v|/16)",
         "a = (3 N R/4 E*)^(1/3): 0.14 mm for E* = 2 GPa", ZHURAVLEV,
-        |number| Ok(FrictionLaw::Contensou {
-            k: number("friction.k")?,
-            patch_radius: number("friction.patch_radius")?,
+        |keys| Ok(FrictionLaw::Contensou {
+            k: keys.number("friction.k")?,
+            patch_radius: keys.number("friction.patch_radius")?,
         })),
+    sliding("formula", "f = −μ(v) N v/|v| with μ(v) = friction.formula; at rest |f| ≤ μ(0) N, or k_s N if it is set",
+        "friction.formula: k*tanh(v/a), k*(1 + a*exp(-(v/b)^2)) + c*v", "your own; docs/laws.md has the grammar",
+        |keys| keys.formula_law()),
     additional_loss("rolling", "M = −δ N ω_⊥/|ω_⊥|; without rolling |M| ≤ δ N", "δ: 0.01 to 0.3 mm",
         "R. Cross, Am. J. Phys. 81 (2013) 280"),
     additional_loss("drilling", "M_z′ = −(3π/16) k N a sgn ω_z′; without turning |M_z′| ≤ (3π/16) k N a", "a: as for contensou", ZHURAVLEV),
@@ -113,6 +121,9 @@ pub const LAWS: &[Law] = &[
 pub(super) const SLIDING_LAWS: &[&str] = &sliding_laws::<{ count_of_sliding_laws() }>();
 /// All sliding laws except `none`.
 pub(super) const FRICTIONAL_LAWS: &[&str] = SLIDING_LAWS.split_at(1).1;
+
+/// The law of `friction.formula`, as a list of words.
+pub(super) const FORMULA: &[&str] = &["formula"];
 
 const fn count_of_sliding_laws() -> usize {
     let mut count = 0;

@@ -2,11 +2,13 @@
 
 use super::choice::{SupportKind, find_dissipation};
 use super::error::{Problem, ScenarioError};
-use super::laws::find_sliding_law;
+use super::laws::{LawKeys, find_sliding_law};
 use super::values::Values;
 use crate::physics::dynamics::{Model, Support};
+use crate::physics::formula::PARAMETERS;
 use crate::physics::friction::{Air, Branch, Dissipation, Drilling, Friction, FrictionLaw, Losses};
 use crate::physics::top::Top;
+use std::sync::Arc;
 
 /// The model of complete values.
 pub(super) fn model(values: &Values) -> Result<Model, ScenarioError> {
@@ -37,9 +39,38 @@ fn top(values: &Values) -> Result<Top, ScenarioError> {
     })
 }
 
+impl LawKeys for Values {
+    fn number(&self, path: &'static str) -> Result<f64, ScenarioError> {
+        self.required_number(path)
+    }
+
+    fn formula_law(&self) -> Result<FrictionLaw, ScenarioError> {
+        let key = "friction.formula";
+        let Some(formula) = self.formula()? else {
+            return Err(self.not_allowed(key));
+        };
+        let parameters = PARAMETERS.map(|name| self.number_or_zero(&format!("friction.{name}")));
+        let coefficient = formula
+            .with_parameters(&parameters)
+            .map_err(|error| self.invalid_formula(error))?;
+        coefficient
+            .check(0.0)
+            .map_err(|error| self.invalid(key, Problem::Coefficient(error)))?;
+        let at_rest = coefficient.at(0.0);
+        let static_k = self.optional_number("friction.static_k");
+        if static_k.is_some_and(|static_k| static_k < at_rest || at_rest == 0.0) {
+            return Err(self.invalid("friction.static_k", Problem::StaticFriction { at_rest }));
+        }
+        Ok(FrictionLaw::Formula {
+            coefficient: Arc::new(coefficient),
+            static_k: static_k.unwrap_or(at_rest),
+        })
+    }
+}
+
 fn friction(values: &Values) -> Result<Friction, ScenarioError> {
     let make_law = values.choice("friction.law", find_sliding_law)?;
-    let law = make_law(&|key| values.required_number(key))?;
+    let law = make_law(values)?;
     let losses = losses(values);
     if matches!(law, FrictionLaw::Contensou { .. }) && values.has("drilling.k") {
         return Err(values.invalid("drilling.k", Problem::AlreadyIncluded));

@@ -6,16 +6,20 @@ use crate::run::suggestion::similar_names;
 
 /// Parses a TOML value whose quotes may be omitted. What isn't valid is returned as text, for the error message.
 pub(super) fn parse_value(key: &Key, text: &str) -> toml::Value {
+    // Only a text in quotes is one in TOML: any other is what it says, however long it is.
+    if key.kind.is_text() && !text.trim_start().starts_with(['"', '\'']) {
+        return toml::Value::from(text);
+    }
     let parsed = match format!("value = {text}").parse::<toml::Table>() {
         // A text with line breaks could hold more keys.
         Ok(mut table) if table.len() == 1 => table.remove("value"),
         Ok(_) | Err(_) => None,
     };
     match parsed {
-        Some(value) if value.is_str() || !key.kind.is_text() => value,
-        Some(_) | None if key.kind.is_text() => toml::Value::from(text),
+        Some(value) => value,
+        None if key.kind.is_text() => toml::Value::from(text),
         // Accept numbers such as `.5` and `1.`, which are not valid TOML.
-        Some(_) | None => text
+        None => text
             .parse()
             .map_or_else(|_| toml::Value::from(text), toml::Value::Float),
     }
@@ -30,7 +34,12 @@ pub(super) fn check_value(key: &Key, value: &toml::Value) -> Result<Value, Scena
     let text = typed.to_set_notation();
     let hint = match key.kind {
         Kind::Choice(words) => Hint::similar(similar_names(&excerpt(&text), words.iter().copied())),
-        Kind::Text | Kind::Name | Kind::Any | Kind::Between(..) | Kind::Nanoseconds => None,
+        Kind::Text
+        | Kind::Name
+        | Kind::Formula
+        | Kind::Any
+        | Kind::Between(..)
+        | Kind::Nanoseconds => None,
     };
     Err(ScenarioError::with_value(
         key.path,
@@ -62,7 +71,8 @@ fn wrong_type(key: &Key, value: &toml::Value) -> ScenarioError {
 pub(super) fn is_allowed(kind: Kind, value: &Value) -> bool {
     match value {
         Value::Text(text) => match kind {
-            Kind::Text => true,
+            // A formula has to be parsed with its parameters.
+            Kind::Text | Kind::Formula => true,
             Kind::Name => is_name(text),
             Kind::Choice(words) => words.contains(&text.as_str()),
             Kind::Any | Kind::Between(..) | Kind::Nanoseconds => false,
@@ -71,7 +81,7 @@ pub(super) fn is_allowed(kind: Kind, value: &Value) -> bool {
             Kind::Any => number.is_finite(),
             Kind::Between(low, high) => (low..=high).contains(number),
             Kind::Nanoseconds => nanoseconds(*number).is_some(),
-            Kind::Text | Kind::Name | Kind::Choice(_) => false,
+            Kind::Text | Kind::Name | Kind::Formula | Kind::Choice(_) => false,
         },
     }
 }

@@ -35,7 +35,7 @@ fn key_schema(key: &Key) -> Value {
     // The names that `is_name` in `parse.rs` accepts.
     let pattern = "^[A-Za-z0-9_-][A-Za-z0-9._-]{0,99}$";
     let mut schema = match key.kind {
-        Kind::Text => json!({ "type": "string" }),
+        Kind::Text | Kind::Formula => json!({ "type": "string" }),
         Kind::Name => json!({ "type": "string", "pattern": pattern }),
         Kind::Choice(words) => json!({ "enum": words }),
         Kind::Any => json!({ "type": "number" }),

@@ -3,13 +3,22 @@
 use super::error::{Problem, ScenarioError, excerpt};
 use super::key::{Key, Presence, Value};
 use super::keys::KEYS;
-use super::laws::{LAWS, Law};
+use super::laws::{FORMULA, LAWS, Law};
 use super::parse::{check_value, parse_value};
-use crate::run::suggestion::{most_similar, similarity};
+use crate::physics::formula::{Formula, FormulaError, FormulaProblem};
+use crate::run::suggestion::{most_similar, similar_names, similarity};
 use std::collections::BTreeMap;
 
 /// Maximum length of a syntax error, bytes.
 const MAX_SYNTAX_LENGTH: usize = 1000;
+
+/// Whether a key has to be set, given the others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Need {
+    Required,
+    Optional,
+    Excluded,
+}
 
 /// Keys and type-checked values; combinations are not checked.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -171,30 +180,18 @@ impl Values {
     /// Checks that required keys are set and inapplicable keys are not.
     pub(super) fn check_presence(&self) -> Result<(), ScenarioError> {
         let mut absent = Vec::new();
+        let formula = self.formula()?;
         for key in KEYS {
             let is_set = self.has(key.path);
-            match key.presence {
-                Presence::Optional => {}
-                Presence::Required => {
-                    if !is_set {
-                        absent.push(key.path);
-                    }
+            match self.need(key, formula.as_ref()) {
+                Need::Required if !is_set => absent.push(key.path),
+                Need::Excluded if is_set => {
+                    let Presence::RequiredWithKey(other) = key.presence else {
+                        return Err(self.inapplicable(key));
+                    };
+                    absent.push(other);
                 }
-                Presence::RequiredWith(other, words) => match self.has_one_of(other, words) {
-                    true if !is_set => absent.push(key.path),
-                    false if is_set => return Err(self.inapplicable(key, other, words)),
-                    true | false => {}
-                },
-                Presence::RequiredWithKey(other) => match self.has(other) {
-                    true if !is_set => absent.push(key.path),
-                    false if is_set => absent.push(other),
-                    true | false => {}
-                },
-                Presence::OptionalWith(other, words) => {
-                    if is_set && !self.has_one_of(other, words) {
-                        return Err(self.inapplicable(key, other, words));
-                    }
-                }
+                Need::Required | Need::Optional | Need::Excluded => {}
             }
         }
         if absent.is_empty() {
@@ -203,23 +200,73 @@ impl Values {
         Err(missing_keys(&absent))
     }
 
+    /// Whether a key has to be set; `formula` is that of the friction law, if it has one.
+    pub(super) fn need(&self, key: &Key, formula: Option<&Formula>) -> Need {
+        let is_law = |words: &[&str]| self.has_one_of("friction.law", words);
+        let (required, optional) = match key.presence {
+            Presence::Required => (true, true),
+            Presence::Optional => (false, true),
+            Presence::RequiredWith(other, words) => (self.has_one_of(other, words), false),
+            Presence::RequiredWithKey(other) => (self.has(other), false),
+            Presence::OptionalWith(other, words) => (false, self.has_one_of(other, words)),
+            Presence::OfLaws(required, optional) => (is_law(required), is_law(optional)),
+            Presence::Parameter(laws) => {
+                let applies = formula.is_none_or(|formula| formula.uses(key.name()));
+                (applies && is_law(laws), false)
+            }
+        };
+        match (required, optional) {
+            (true, _) => Need::Required,
+            (false, true) => Need::Optional,
+            (false, false) => Need::Excluded,
+        }
+    }
+
+    /// The formula of the friction law, if it has one.
+    pub(super) fn formula(&self) -> Result<Option<Formula>, ScenarioError> {
+        if !self.has_one_of("friction.law", FORMULA) {
+            return Ok(None);
+        }
+        let text = self.required_text("friction.formula")?;
+        Formula::parse(text)
+            .map(Some)
+            .map_err(|error| self.invalid_formula(error))
+    }
+
+    /// The error of the formula.
+    pub(super) fn invalid_formula(&self, error: FormulaError) -> ScenarioError {
+        let mut similar = Vec::new();
+        if let FormulaProblem::UnknownName(name) = &error.problem {
+            similar = similar_names(&excerpt(name), Formula::names());
+        }
+        self.invalid("friction.formula", Problem::Formula { error, similar })
+    }
+
     /// Whether a key has one of these values.
     pub(super) fn has_one_of(&self, path: &str, words: &[&str]) -> bool {
         self.optional_text(path)
             .is_some_and(|value| words.contains(&value))
     }
 
-    /// The error for a key that applies only if another key has one of these values.
-    fn inapplicable(
-        &self,
-        key: &Key,
-        other: &'static str,
-        needed: &'static [&'static str],
-    ) -> ScenarioError {
+    /// The error for a key that doesn't apply with the others.
+    fn inapplicable(&self, key: &Key) -> ScenarioError {
+        let (other, needed) = match key.presence {
+            Presence::RequiredWith(other, words) | Presence::OptionalWith(other, words) => {
+                (other, vec![words])
+            }
+            Presence::OfLaws(required, optional) => ("friction.law", vec![required, optional]),
+            Presence::Parameter(_) if self.has_one_of("friction.law", FORMULA) => {
+                return ScenarioError::with_key(key.path, Problem::NotInFormula);
+            }
+            Presence::Parameter(laws) => ("friction.law", vec![laws]),
+            // The other key is missing instead.
+            Presence::RequiredWithKey(other) => (other, Vec::new()),
+            Presence::Required | Presence::Optional => ("", Vec::new()),
+        };
         let problem = Problem::Inapplicable {
             other,
             current: self.optional_text(other).map(str::to_owned),
-            needed,
+            needed: needed.concat(),
         };
         ScenarioError::with_key(key.path, problem)
     }

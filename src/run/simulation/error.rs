@@ -3,6 +3,7 @@
 use super::failure_point::FailurePoint;
 use super::progress::Stall;
 use crate::physics::dynamics::Guard;
+use crate::physics::formula::InvalidCoefficient;
 use crate::physics::integrate::IntegrateError;
 use thiserror::Error;
 
@@ -29,6 +30,14 @@ pub enum SimulationError {
         /// The sign of it.
         stall: Stall,
     },
+    /// The formula of the friction law has no coefficient of friction at a slip speed of the motion.
+    #[error("the motion can't be computed further {at}: {source}")]
+    Coefficient {
+        /// The end of the last step.
+        at: Box<FailurePoint>,
+        /// The formula, the slip speed and the coefficient.
+        source: InvalidCoefficient,
+    },
     /// The number of samples is limited.
     #[error(
         "the run has more than {max} samples: set a longer sampling.period or a shorter stop.duration",
@@ -41,7 +50,9 @@ impl SimulationError {
     /// The time up to which the motion was computed, s; `None` if the motion is not the reason.
     pub fn time(&self) -> Option<f64> {
         match self {
-            Self::Integration { at, .. } | Self::Stalled { at, .. } => Some(at.time),
+            Self::Integration { at, .. }
+            | Self::Stalled { at, .. }
+            | Self::Coefficient { at, .. } => Some(at.time),
             Self::TooManySamples => None,
         }
     }

@@ -55,7 +55,7 @@ impl NutationCycle {
 }
 
 /// Collects the data of the current cycle.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct NutationTracker {
     model: Model,
     /// Number of completed cycles.

@@ -16,6 +16,7 @@ use super::sample::Sample;
 use super::tally::Tally;
 use super::watch::{WatchedFunction, watched_functions};
 use crate::physics::dynamics::{Entry, Formulation, Model, Motion, Phase, Transition};
+use crate::physics::friction::FrictionLaw;
 use crate::physics::integrate::{Dense, Dop853, IntegrateError, Tolerances};
 use crate::physics::kinematics::Euler;
 use crate::run::scenario::{Scenario, Stop};
@@ -92,7 +93,7 @@ pub(super) struct Runner<F, const N: usize> {
 }
 
 /// The early end of a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 struct EarlyEnd<F, const N: usize> {
     /// Time, s.
     time: f64,
@@ -100,7 +101,7 @@ struct EarlyEnd<F, const N: usize> {
 }
 
 /// Consequence of the early end of a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 enum Action<F, const N: usize> {
     /// The run ends.
     Stop {
@@ -145,9 +146,10 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             stop = stop.or(Some(StopReason::SlipStopped));
         }
         let tolerances = F::step_tolerances(scenario.tolerances);
+        let at = failure_point(&formulation, 0, 0.0, motion);
         let integrator = Dop853::new(formulation, 0.0, state, tolerances).map_err(|source| {
             SimulationError::Integration {
-                at: failure_point(&formulation, 0, 0.0, motion),
+                at,
                 guard: None,
                 source,
             }
@@ -168,7 +170,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             tolerances: scenario.tolerances,
             sense,
             is_looping: false,
-            nutation: NutationTracker::new(scenario.model, 0.0, motion),
+            nutation: NutationTracker::new(scenario.model.clone(), 0.0, motion),
             dense: None,
             reference: scenario.angles,
             queue,
@@ -200,6 +202,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
             let at = failure_point(system, self.steps(), time, motion);
             return Err(SimulationError::Stalled { at, stall });
         }
+        self.check_formula()?;
         let dense = self.integrator.dense();
         let mut zeros = self.find_zeros(&dense);
         self.discard_unfinished_turns(&dense, &mut zeros);
@@ -222,6 +225,25 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         self.end_at_duration(&dense);
         self.dense = Some(dense);
         Ok(())
+    }
+
+    /// Checks a friction law that is a formula at the end of the step: only a person knows what it was meant for.
+    fn check_formula(&self) -> Result<(), SimulationError> {
+        let system = self.integrator.system();
+        let model = system.model();
+        let is_formula = matches!(model.friction.law, FrictionLaw::Formula { .. });
+        if !is_formula || system.phase() != Phase::Sliding {
+            return Ok(());
+        }
+        let motion = system.motion_without_turns(self.integrator.y(), self.reference);
+        let speed = motion.slip_velocity(&model.top).norm();
+        model.friction.law.check(speed).map_err(|source| {
+            let (time, steps) = (self.integrator.t(), self.steps());
+            SimulationError::Coefficient {
+                at: failure_point(system, steps, time, motion),
+                source,
+            }
+        })
     }
 
     /// Number of steps so far.
@@ -267,14 +289,15 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         };
         let step_end = dense.t0 + dense.h;
         // What ends the step earlier also ends its equations.
-        let earliest = self.early_end.map_or(step_end, |end| end.time);
+        let earliest = self.early_end.as_ref().map_or(step_end, |end| end.time);
         if duration <= earliest {
             let after = self
                 .early_end
+                .as_ref()
                 .filter(|end| end.time <= duration)
-                .and_then(|end| match end.action {
-                    Action::Enter(entry) => motion_after_change(&entry),
-                    Action::Stop { after, .. } => after,
+                .and_then(|end| match &end.action {
+                    Action::Enter(entry) => motion_after_change(entry),
+                    Action::Stop { after, .. } => *after,
                 });
             self.early_end = Some(EarlyEnd {
                 time: duration,
@@ -340,7 +363,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
     /// Continues when all records of a step are emitted: stops, enters the next phase, or takes a step. Returns false
     /// if `carry_on` does.
     fn advance(&mut self, carry_on: &mut dyn FnMut() -> bool) -> Result<bool, SimulationError> {
-        let advanced = match self.early_end {
+        let advanced = match self.early_end.take() {
             Some(EarlyEnd { time, action }) => match action {
                 Action::Stop { reason, after } => {
                     self.stop(time, reason, after);

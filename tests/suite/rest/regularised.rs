@@ -129,11 +129,12 @@ impl<'a> Regularised<'a> {
         let omega = state.omega;
         let speed = (slip.norm_squared() + eps * eps).sqrt();
         let mut couple = Vector3::zeros();
-        let force = match self.model.friction.law {
+        let force = match &self.model.friction.law {
             FrictionLaw::None => Vector3::zeros(),
-            FrictionLaw::Coulomb { k } => -k / speed * slip,
-            FrictionLaw::Viscous { k, speed } => -k / speed * slip,
-            FrictionLaw::Contensou { k, patch_radius: a } => {
+            FrictionLaw::Coulomb { k } => -*k / speed * slip,
+            FrictionLaw::Viscous { k, speed } => -*k / *speed * slip,
+            FrictionLaw::Contensou { k, patch_radius } => {
+                let (k, a) = (*k, *patch_radius);
                 // Force and torque are smoothed together. Smoothed one by one, they would hold loads beyond the limit of
                 // slow motion by creeping.
                 let (sliding, rim) = (slip.norm(), (a * omega.z).abs());

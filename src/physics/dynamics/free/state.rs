@@ -29,7 +29,7 @@ const NO_TURNING: f64 = NO_ROLLING;
 ///
 /// On the table, the height of the centre of mass is computed from the inclination; while rolling, its velocity is
 /// computed from the angular velocity. The corresponding components are used only in flight and sliding.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct FreeRotation {
     /// The physics.
     pub model: Model,
@@ -233,6 +233,7 @@ impl FreeRotation {
             }
             // Only the first two hold a contact point, which then gives way.
             FrictionLaw::Coulomb { .. }
+            | FrictionLaw::Formula { .. }
             | FrictionLaw::Stribeck { .. }
             | FrictionLaw::None
             | FrictionLaw::Regularised { .. }

@@ -56,7 +56,7 @@ impl FreeRotation {
     /// These equations of sliding, or those of flight if the table would have to pull the peg.
     ///
     /// A peg that [jams](Self::is_jammed) can do neither, and keeps the equations of sliding.
-    fn slides_or_flies<const N: usize>(self, y: &[f64; N]) -> Self {
+    fn slides_or_flies<const N: usize>(&self, y: &[f64; N]) -> Self {
         let flying = self.with_phase(Phase::Flying);
         let slides = if self.is_jamming(y) {
             // A normal force that pulls the peg into the table is positive where the peg would rise without it. The peg
@@ -65,7 +65,7 @@ impl FreeRotation {
         } else {
             self.reaction(&self.parts(y)).normal > 0.0
         };
-        if slides { self } else { flying }
+        if slides { self.clone() } else { flying }
     }
 
     /// Whether friction that slides turns every normal force into one that pulls the peg into the table.
@@ -316,7 +316,7 @@ impl FreeRotation {
         let Support::FreePeg { restitution } = self.model.support else {
             // A fixed peg has other equations.
             return Ok(Landing {
-                formulation: *self,
+                formulation: self.clone(),
                 state: *y,
                 transition: Transition::LiftsOff,
                 impact: None,
@@ -391,7 +391,7 @@ impl FreeRotation {
         velocity: Vector3<f64>,
     ) -> Landing<N> {
         let next = if velocity.z > 0.0 {
-            *self
+            self.clone()
         } else {
             self.on_table(y, false)
         };

@@ -21,11 +21,11 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         motion: Motion,
     ) -> Result<(), SimulationError> {
         let stops_at_rest = !self.stop.may_stick;
-        let system = *self.integrator.system();
+        let system = self.integrator.system();
         let entry = system
             .enter(guard, state, self.reference)
             .map_err(|source| SimulationError::Integration {
-                at: failure_point(&system, self.steps(), time, motion),
+                at: failure_point(system, self.steps(), time, motion),
                 guard: Some(guard),
                 source,
             })?;
@@ -114,13 +114,13 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         // Samples up to here have been taken from the dense output.
         self.dense = None;
         let phase = self.integrator.system().phase();
-        let system = entry.formulation;
+        let system = &entry.formulation;
         let steps = self.steps();
         self.reference = system.angles(&entry.state, self.reference);
         self.integrator
-            .restart(system, time, entry.state)
+            .restart(system.clone(), time, entry.state)
             .map_err(|source| SimulationError::Integration {
-                at: failure_point(&system, steps, time, entry.motion),
+                at: failure_point(system, steps, time, entry.motion),
                 guard: None,
                 source,
             })?;
@@ -128,7 +128,7 @@ impl<F: Formulation<N>, const N: usize> Runner<F, N> {
         let quarters = 4_u32.pow((phases - 1).min(10));
         self.integrator
             .limit_next_step(entry.first_step / f64::from(quarters));
-        let next = self.detail.watched_functions(&self.stop, &system);
+        let next = self.detail.watched_functions(&self.stop, system);
         let before = std::mem::replace(&mut self.watched, next);
         let motion = system.motion(&entry.state, self.reference);
         // A fixed peg that sticks has no nutation; a free one goes on nutating in every phase.
