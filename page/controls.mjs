@@ -64,15 +64,14 @@ export function roundText(key, place, step) {
 const choiceName = (path) => path.replace(".", " ").replaceAll("_", " ").replace(/ kind$/, "");
 
 /** The label of a key: its symbol (or its name, for a number without a symbol) and a short description. */
-function labelOf({ path, symbol, meaning, words: choices }) {
+function labelOf({ path, symbol, meaning, label, words: choices }) {
   const [letter, index] = (symbol ?? "").split("_");
   const name = path.split(".").at(-1).replaceAll("_", " ");
-  const words = meaning.split(/[;:(]/)[0].split(" ").filter((word) => word !== symbol).join(" ");
-  // A choice shows its words itself; a meaning that begins with the name says it already.
+  // A choice shows its words itself; a label that begins with the name says it already.
   if (choices) return element("span", { className: "label", title: `${path}: ${meaning}` }, element("small", { textContent: choiceName(path) }));
-  const isNamed = words.startsWith(name);
+  const isNamed = label.startsWith(name);
   const sign = symbol ? [element("i", { textContent: letter }), element("sub", { textContent: index ?? "" }), " "] : isNamed ? [] : [`${name} `];
-  return element("span", { className: "label", title: `${path}: ${meaning}` }, ...sign, element("small", { textContent: words }));
+  return element("span", { className: "label", title: `${path}: ${meaning}` }, ...sign, element("small", { textContent: label }));
 }
 
 function choice(scenario, key, changed) {

@@ -48,6 +48,7 @@ fn describe(applicable: &ApplicableKey) -> Json {
         "path": key.path,
         "unit": key.unit,
         "meaning": key.meaning,
+        "label": key.label,
         "symbol": key.symbol,
         "words": words,
         "range": range,

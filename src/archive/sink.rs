@@ -102,13 +102,13 @@ pub fn record(
             for sink in &mut *sinks {
                 sink.write(message)?;
             }
-            Ok::<(), RecordError>(())
+            Ok::<(), Unrecorded>(())
         });
         match next {
             Some(Ok(record)) if between(&record, sinks)?.is_continue() => {}
             Some(Ok(_)) | None => break,
-            Some(Err(RecordError::Run(reason))) => error = Some(reason),
-            Some(Err(RecordError::Sink(error))) => return Err(error),
+            Some(Err(Unrecorded::Run(reason))) => error = Some(reason),
+            Some(Err(Unrecorded::Sink(error))) => return Err(error),
         }
     }
     let outcome = run.outcome();
@@ -127,18 +127,18 @@ pub fn record_all(
 }
 
 /// The reason why a message was not recorded.
-enum RecordError {
+enum Unrecorded {
     Run(RunError),
     Sink(SinkError),
 }
 
-impl From<RunError> for RecordError {
+impl From<RunError> for Unrecorded {
     fn from(error: RunError) -> Self {
         Self::Run(error)
     }
 }
 
-impl From<SinkError> for RecordError {
+impl From<SinkError> for Unrecorded {
     fn from(error: SinkError) -> Self {
         Self::Sink(error)
     }

@@ -27,7 +27,7 @@ pub use difference::Difference;
 pub use error::VerifyError;
 use messages::RerunComparison;
 pub use releases::release_entry;
-use releases::{RELEASES, Release};
+use releases::{KnownRelease, RELEASES};
 use rerun::Rerun;
 use schemars::JsonSchema;
 use scope::Scope;
@@ -250,7 +250,10 @@ fn compare(
 
 /// Compares the words of a recording of another version with those of its release.
 fn check_schemas(recording: &Recording, releases: &str) -> (SchemaCheck, Option<Difference>) {
-    match recording.run().and_then(|run| Release::find(releases, run)) {
+    match recording
+        .run()
+        .and_then(|run| KnownRelease::find(releases, run))
+    {
         Some(release) => (SchemaCheck::Released, release.difference(recording)),
         None => (SchemaCheck::Unknown, None),
     }

@@ -42,7 +42,7 @@ use std::fmt::Debug;
 use std::path::Path;
 
 /// Arguments that a feature adds to a command.
-pub(super) trait Extension<Context, Plan> {
+pub(super) trait FeatureArguments<Context, Plan> {
     /// Resolves the arguments; `None` if they ask for nothing.
     fn plan(&self, context: Context) -> Result<Option<Plan>, Error>;
 }
@@ -51,7 +51,7 @@ pub(super) trait Extension<Context, Plan> {
 #[derive(Args, Clone, Debug, Default, PartialEq)]
 pub(super) struct Absent {}
 
-impl<Context, Plan> Extension<Context, Plan> for Absent {
+impl<Context, Plan> FeatureArguments<Context, Plan> for Absent {
     fn plan(&self, _: Context) -> Result<Option<Plan>, Error> {
         Ok(None)
     }

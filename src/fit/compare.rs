@@ -26,7 +26,7 @@ const DECISIVE: f64 = 6.0;
 const MUCH_WORSE: f64 = 1.5;
 
 /// A comparison, and the fit of the law that it prefers if that is another one.
-pub(super) struct Compared {
+pub(super) struct ComparedLaws {
     pub comparison: Comparison,
     pub preferred: Option<Fitted>,
 }
@@ -38,7 +38,7 @@ pub(super) fn compare(
     own: &Fitted,
     refused: Vec<Refused>,
     monitor: &Monitor<'_>,
-) -> Result<Compared, FitError> {
+) -> Result<ComparedLaws, FitError> {
     let mut laws = find_laws(&request.compare)?;
     // The law that is fitted already is what others are compared with.
     if let Some(law) = find(own.law()).filter(|own| laws.iter().all(|law| law.name != own.name)) {
@@ -94,7 +94,7 @@ pub(super) fn compare(
         comparison.laws.push(failed);
     }
     let best = candidates.into_iter().next();
-    Ok(Compared {
+    Ok(ComparedLaws {
         comparison,
         preferred: best.filter(|best| is_decided && best.law() != own.law()),
     })

@@ -50,7 +50,7 @@ impl Failure {
 
 /// The members of a failure in reports.
 #[derive(Serialize, Deserialize, JsonSchema)]
-pub(super) struct Members {
+pub(super) struct FailureMembers {
     /// Why there is no fit; other members are then meaningless.
     #[serde(skip_serializing_if = "Option::is_none")]
     failure: Option<String>,
@@ -59,7 +59,7 @@ pub(super) struct Members {
     cause: Option<Failure>,
 }
 
-impl Members {
+impl FailureMembers {
     #[allow(clippy::ref_option, reason = "serde passes the field")]
     pub(super) fn serialize<S: serde::Serializer>(
         failure: &Option<Failure>,

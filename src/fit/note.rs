@@ -109,7 +109,7 @@ impl Note {
 
 /// The members of notes in reports.
 #[derive(Serialize, Deserialize, JsonSchema)]
-pub(super) struct Members {
+pub(super) struct NoteMembers {
     /// Remarks on the data and on what they determine.
     notes: Vec<String>,
     /// The same remarks with their numbers.
@@ -117,7 +117,7 @@ pub(super) struct Members {
     remarks: Option<Vec<Note>>,
 }
 
-impl Members {
+impl NoteMembers {
     pub(super) fn serialize<S: serde::Serializer>(
         notes: &[Note],
         serializer: S,

@@ -45,10 +45,10 @@ pub struct Report {
     /// Remarks on the data and on what they determine.
     #[serde(
         flatten,
-        serialize_with = "note::Members::serialize",
-        deserialize_with = "note::Members::deserialize"
+        serialize_with = "note::NoteMembers::serialize",
+        deserialize_with = "note::NoteMembers::deserialize"
     )]
-    #[schemars(with = "note::Members")]
+    #[schemars(with = "note::NoteMembers")]
     pub notes: Vec<Note>,
     /// The parameters.
     pub parameters: Vec<Estimate>,
@@ -309,10 +309,10 @@ pub struct LawFit {
     /// Why there is no fit; other members are then meaningless.
     #[serde(
         flatten,
-        serialize_with = "failure::Members::serialize",
-        deserialize_with = "failure::Members::deserialize"
+        serialize_with = "failure::FailureMembers::serialize",
+        deserialize_with = "failure::FailureMembers::deserialize"
     )]
-    #[schemars(with = "failure::Members")]
+    #[schemars(with = "failure::FailureMembers")]
     pub failure: Option<Failure>,
 }
 

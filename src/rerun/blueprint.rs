@@ -3,7 +3,7 @@
 //! Blueprints are built chunk by chunk here, because the SDK's builder supports neither cameras nor visible time
 //! ranges, and uses random identifiers.
 //!
-//! From the outside in: a `Layout` collects the messages of a window; its parts, of type `Child`, are containers and
+//! From the outside in: a `BlueprintLayout` collects the messages of a window; its parts, of type `Child`, are containers and
 //! views. A `Page` is a container of charts, one tab among others. A `Chart` is a view of curves. A `Plot` is the group
 //! of fields of one topic that share the axis of a chart, as the table of channels names it.
 

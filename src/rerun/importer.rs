@@ -83,12 +83,12 @@ impl ImportError {
 
 /// The arguments that the viewer passes.
 #[derive(Debug, Default, PartialEq)]
-struct Request {
+struct ImportRequest {
     path: Option<PathBuf>,
     names: StoreNames,
 }
 
-impl Request {
+impl ImportRequest {
     /// Parses the arguments. Unknown options are ignored, because later versions of Rerun may pass more of them.
     fn parse(arguments: impl IntoIterator<Item = OsString>) -> Self {
         let mut request = Self::default();
@@ -133,7 +133,7 @@ pub fn import(
     arguments: impl IntoIterator<Item = OsString>,
     output: File,
 ) -> Result<(), ImportError> {
-    let Request { path, names } = Request::parse(arguments);
+    let ImportRequest { path, names } = ImportRequest::parse(arguments);
     let path = path.ok_or(ImportError::NoFile)?;
     let scenario = read_scenario(&path)?;
     let topics: Vec<_> = Topic::all_with(scenario.model.support).collect();
@@ -205,13 +205,13 @@ fn show(scenario: &Scenario, identity: &Identity, output: File) -> Result<(), Im
 mod tests {
     use super::*;
 
-    fn parse(line: &str) -> Request {
-        Request::parse(line.split_whitespace().map(OsString::from))
+    fn parse(line: &str) -> ImportRequest {
+        ImportRequest::parse(line.split_whitespace().map(OsString::from))
     }
 
     #[test]
     fn reads_the_arguments_of_the_viewer() {
-        let expected = Request {
+        let expected = ImportRequest {
             path: Some("a.toml".into()),
             names: StoreNames {
                 application: Some("app".to_owned()),

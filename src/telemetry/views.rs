@@ -20,7 +20,7 @@ mod urdf;
 use self::cdr::Cdr;
 use self::envelope::Envelope;
 pub use self::foxglove::foxglove_layout;
-use self::scales::Scales;
+use self::scales::ViewScales;
 use self::urdf::urdf;
 use super::event::recorded_sentence;
 use super::fields::{
@@ -75,7 +75,7 @@ enum ViewKind {
 
 impl ViewKind {
     /// Whether there is a scale for the arrow of the view, if it is one.
-    fn has_scale(self, scales: &Scales) -> bool {
+    fn has_scale(self, scales: &ViewScales) -> bool {
         match self {
             Self::SlipVelocity => scales.slip.is_some(),
             Self::FrictionTorque => scales.torque.is_some(),
@@ -168,7 +168,7 @@ pub const VIEW_CHANNELS: &[ViewChannel] = &[
 #[derive(Clone, Debug)]
 pub struct Views {
     top: Top,
-    scales: Scales,
+    scales: ViewScales,
     /// Number of samples from one view to the next.
     stride: u32,
     /// For each view, the topic that triggers it; `None` if the view is not written.
@@ -190,7 +190,7 @@ impl Views {
         let top = scenario.model.top;
         let is_free = scenario.model.support.is_free();
         let proportions = Proportions::new(&top);
-        let scales = Scales::new(scenario, &proportions);
+        let scales = ViewScales::new(scenario, &proportions);
         let mut sources = Vec::new();
         for view in VIEW_CHANNELS {
             let has_channel = is_free || !view.is_free_peg_only;

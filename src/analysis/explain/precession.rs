@@ -117,12 +117,12 @@ fn roots(evidence: &Evidence, cycle: &Cycle) -> Option<PrecessionRoots> {
 }
 
 /// The mean φ̇ of a cycle, and the rates of regular precession then, rad/s.
-struct Comparison {
+struct RootComparison {
     phi_dot: f64,
     roots: PrecessionRoots,
 }
 
-impl Comparison {
+impl RootComparison {
     /// The distance from a rate of regular precession, if φ̇ is near it.
     fn near(&self, root: PrecessionRoot) -> Option<f64> {
         let rate = match root {
@@ -135,7 +135,7 @@ impl Comparison {
 }
 
 /// The largest distance from a rate of regular precession, if φ̇ is always near it.
-fn follows(cycles: &[Comparison], root: PrecessionRoot) -> Option<f64> {
+fn follows(cycles: &[RootComparison], root: PrecessionRoot) -> Option<f64> {
     let mut largest = 0.0_f64;
     for cycle in cycles {
         largest = largest.max(cycle.near(root)?);
@@ -150,7 +150,7 @@ pub(super) fn regular(evidence: &Evidence) -> Option<Fact> {
     for cycle in cycles {
         if let Some(roots) = roots(evidence, cycle) {
             let phi_dot = cycle.means[2];
-            known.push(Comparison { phi_dot, roots });
+            known.push(RootComparison { phi_dot, roots });
         }
     }
     // Only report findings that hold for the whole run.

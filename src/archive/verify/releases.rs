@@ -20,12 +20,12 @@ pub(super) const RELEASES: &str = include_str!("releases.txt");
 const RELEASE: &str = "release";
 
 /// The schemas of a release: SHA-256 by name and encoding.
-pub(super) struct Release<'t> {
+pub(super) struct KnownRelease<'t> {
     version: &'t str,
     schemas: BTreeMap<(&'t str, &'t str), &'t str>,
 }
 
-impl<'t> Release<'t> {
+impl<'t> KnownRelease<'t> {
     /// Finds the release that made a recording, if its version is one of `table`.
     pub(super) fn find(table: &'t str, run: &Entries) -> Option<Self> {
         let (version, telemetry) = (run.get(VERSION)?, run.get(TELEMETRY)?);

@@ -6,7 +6,7 @@ use crate::analysis::diff::{Observer, Options, Tolerance, Tolerances, Verdict, c
 use crate::archive::publish::Drafts;
 use crate::archive::sink::SinkError;
 use crate::cli::arguments::{Format, Override, parse_override};
-use crate::cli::extension::{Extension as _, PairViewer, ShowPair, ShowPairArguments};
+use crate::cli::extension::{FeatureArguments as _, PairViewer, ShowPair, ShowPairArguments};
 use crate::cli::input::{OpenRun, open};
 use crate::cli::progress::Progress;
 use crate::cli::status::Status;

@@ -5,7 +5,7 @@ mod files;
 use self::files::{FigureFiles, ImageFormat};
 use crate::archive::publish::{Drafts, Existing};
 use crate::cli::arguments::OUTPUT;
-use crate::cli::extension::{Extension as _, MapArguments, MapTable};
+use crate::cli::extension::{FeatureArguments as _, MapArguments, MapTable};
 use crate::cli::input::{OpenRun, open};
 use crate::cli::output;
 use crate::cli::progress::Progress;

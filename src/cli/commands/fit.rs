@@ -4,7 +4,7 @@ use crate::archive::publish::{
     Draft, Drafts, Existing, check_not_an_input, check_target, is_same_file,
 };
 use crate::cli::arguments::{Override, parse_override, parse_positive};
-use crate::cli::extension::{Extension as _, ShowFit, ShowFitArguments};
+use crate::cli::extension::{FeatureArguments as _, ShowFit, ShowFitArguments};
 use crate::cli::file_kind::FileKind;
 use crate::cli::input::open_scenario;
 use crate::cli::interrupt;

@@ -38,7 +38,7 @@ struct LawReport {
     /// Force or torque.
     formula: &'static str,
     /// Scenario keys of the law.
-    parameters: Vec<Parameter>,
+    parameters: Vec<LawParameter>,
     /// Typical values of the parameters.
     typical: &'static str,
     /// Literature reference.
@@ -47,7 +47,7 @@ struct LawReport {
 
 /// A parameter of a law.
 #[derive(Debug, Serialize, JsonSchema)]
-struct Parameter {
+struct LawParameter {
     /// Key in a scenario.
     key: &'static str,
     /// Unit; empty for a pure number.
@@ -102,7 +102,7 @@ impl LawsReport {
     }
 }
 
-impl Parameter {
+impl LawParameter {
     fn new(key: &Key) -> Self {
         Self {
             key: key.path,
@@ -119,7 +119,7 @@ impl LawReport {
             name: law.name,
             adds_to_any: !law.is_sliding(),
             formula: law.formula,
-            parameters: law.parameters().map(Parameter::new).collect(),
+            parameters: law.parameters().map(LawParameter::new).collect(),
             typical: law.typical,
             source: law.source,
         }

@@ -7,7 +7,7 @@ use crate::archive::input::Input;
 use crate::archive::input::read_file;
 use crate::archive::publish::Drafts;
 use crate::cli::arguments::{Override, parse_override};
-use crate::cli::extension::{Extension, SweepRow};
+use crate::cli::extension::{FeatureArguments, SweepRow};
 use crate::cli::file_kind::FileKind;
 use crate::cli::interrupt;
 use crate::cli::output;
@@ -50,7 +50,7 @@ pub(in crate::cli) struct RowArgument {
     row: Option<u64>,
 }
 
-impl Extension<&Input, SweepRow> for RowArgument {
+impl FeatureArguments<&Input, SweepRow> for RowArgument {
     fn plan(&self, input: &Input) -> Result<Option<SweepRow>, Error> {
         let Some(number) = self.row else {
             return Ok(None);

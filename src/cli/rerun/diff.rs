@@ -5,7 +5,7 @@ use crate::analysis::diff::{Report, Subject};
 use crate::archive::publish::{Draft, Drafts, Existing, check_not_an_input};
 use crate::cli::arguments::OUTPUT;
 use crate::cli::commands::diff::content;
-use crate::cli::extension::{Extension, PairViewer, ShowPair};
+use crate::cli::extension::{FeatureArguments, PairViewer, ShowPair};
 use crate::cli::file_kind::FileKind;
 use crate::cli::output;
 use crate::cli::terminal;
@@ -32,13 +32,13 @@ pub(in crate::cli) struct ShowPairArguments {
 }
 
 /// The Rerun output of a comparison, resolved.
-struct ShowPlan {
+struct ShowPairPlan {
     rrd: Option<PathBuf>,
     existing: Existing,
     live: Option<Live>,
 }
 
-impl Extension<&[PathBuf], Box<dyn ShowPair>> for ShowPairArguments {
+impl FeatureArguments<&[PathBuf], Box<dyn ShowPair>> for ShowPairArguments {
     /// Refuses to overwrite an input.
     fn plan(&self, runs: &[PathBuf]) -> Result<Option<Box<dyn ShowPair>>, Error> {
         if let Some(rrd) = &self.rrd {
@@ -49,7 +49,7 @@ impl Extension<&[PathBuf], Box<dyn ShowPair>> for ShowPairArguments {
         if self.rrd.is_none() && live.is_none() {
             return Ok(None);
         }
-        Ok(Some(Box::new(ShowPlan {
+        Ok(Some(Box::new(ShowPairPlan {
             rrd: self.rrd.clone(),
             existing: Existing::forced(self.force),
             live,
@@ -57,7 +57,7 @@ impl Extension<&[PathBuf], Box<dyn ShowPair>> for ShowPairArguments {
     }
 }
 
-impl ShowPair for ShowPlan {
+impl ShowPair for ShowPairPlan {
     fn open(
         &self,
         subjects: [Subject<'_>; 2],
@@ -79,7 +79,7 @@ impl ShowPair for ShowPlan {
         };
         let mut sink = PairSink::new(&identity, destinations);
         let is_viewer_lost = warn_all(&sink.take_warnings());
-        Ok(Box::new(OpenViewer {
+        Ok(Box::new(OpenPairViewer {
             sink,
             draft,
             is_viewer_lost,
@@ -88,14 +88,14 @@ impl ShowPair for ShowPlan {
 }
 
 /// Rerun output of a comparison.
-struct OpenViewer {
+struct OpenPairViewer {
     sink: PairSink,
     draft: Option<Draft>,
     /// Whether the viewer went away while the comparison was prepared.
     is_viewer_lost: bool,
 }
 
-impl PairViewer for OpenViewer {
+impl PairViewer for OpenPairViewer {
     fn write(&mut self, side: Side, message: &Message<'_>) {
         self.sink.write(side, message);
     }

@@ -4,7 +4,7 @@ use super::viewer::{ViewerArguments, complete, warn_all};
 use crate::archive::publish::{Draft, Drafts, Existing};
 use crate::archive::sink::{RecordedRun, Sink, record_all};
 use crate::cli::arguments::OUTPUT;
-use crate::cli::extension::{Extension, ShowFit};
+use crate::cli::extension::{FeatureArguments, ShowFit};
 use crate::cli::file_kind::FileKind;
 use crate::cli::output;
 use crate::cli::report::Completed;
@@ -32,12 +32,12 @@ pub(in crate::cli) struct ShowFitArguments {
 }
 
 /// Where a fit is shown.
-struct ShowPlan {
+struct ShowFitPlan {
     rrd: Option<PathBuf>,
     live: Option<Live>,
 }
 
-impl Extension<(), Box<dyn ShowFit>> for ShowFitArguments {
+impl FeatureArguments<(), Box<dyn ShowFit>> for ShowFitArguments {
     fn plan(&self, (): ()) -> Result<Option<Box<dyn ShowFit>>, Error> {
         if let Some(rrd) = &self.rrd {
             FileKind::Rrd.check("--rrd", rrd)?;
@@ -46,14 +46,14 @@ impl Extension<(), Box<dyn ShowFit>> for ShowFitArguments {
         if self.rrd.is_none() && live.is_none() {
             return Ok(None);
         }
-        Ok(Some(Box::new(ShowPlan {
+        Ok(Some(Box::new(ShowFitPlan {
             rrd: self.rrd.clone(),
             live,
         })))
     }
 }
 
-impl ShowFit for ShowPlan {
+impl ShowFit for ShowFitPlan {
     fn file(&self) -> Option<&Path> {
         self.rrd.as_deref()
     }

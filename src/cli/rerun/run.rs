@@ -5,7 +5,7 @@ use crate::archive::publish::{Draft, Drafts, check_not_an_input};
 use crate::archive::sink::Sink;
 use crate::cli::arguments::OUTPUT;
 use crate::cli::commands::run::{FilePlan, McapFile};
-use crate::cli::extension::{Extension, RunViewer, ShowRun};
+use crate::cli::extension::{FeatureArguments, RunViewer, ShowRun};
 use crate::cli::file_kind::FileKind;
 use crate::cli::report::{Completed, WrittenFile};
 use crate::rerun::{Destinations, ExplainedSink, Identity, Live, Playback};
@@ -33,7 +33,7 @@ pub(in crate::cli) struct ShowRunArguments {
 
 /// The Rerun recording of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum RrdFile {
+enum RrdTarget {
     None,
     /// Next to the MCAP file.
     Adjacent,
@@ -42,8 +42,8 @@ enum RrdFile {
 
 /// The Rerun output of a run, resolved.
 #[derive(Debug)]
-struct ShowPlan {
-    rrd: RrdFile,
+struct ShowRunPlan {
+    rrd: RrdTarget,
     /// Whether the arguments leave the Rerun recording out without saying so.
     is_left_out: bool,
     live: Option<Live>,
@@ -52,23 +52,23 @@ struct ShowPlan {
 
 impl ShowRunArguments {
     /// The Rerun recording. Without arguments it is next to the MCAP file, unless that has been named.
-    fn rrd(&self, has_output: bool) -> RrdFile {
+    fn rrd(&self, has_output: bool) -> RrdTarget {
         match &self.rrd {
-            Some(path) => RrdFile::At(path.clone()),
-            None if self.no_rrd || has_output => RrdFile::None,
-            None => RrdFile::Adjacent,
+            Some(path) => RrdTarget::At(path.clone()),
+            None if self.no_rrd || has_output => RrdTarget::None,
+            None => RrdTarget::Adjacent,
         }
     }
 }
 
-impl Extension<(Option<&Path>, Option<f64>), Box<dyn ShowRun>> for ShowRunArguments {
+impl FeatureArguments<(Option<&Path>, Option<f64>), Box<dyn ShowRun>> for ShowRunArguments {
     /// Depends on the MCAP file, if it is named, and the speed, if it is limited.
     fn plan(
         &self,
         (mcap, speed): (Option<&Path>, Option<f64>),
     ) -> Result<Option<Box<dyn ShowRun>>, Error> {
         let has_output = mcap.is_some();
-        Ok(Some(Box::new(ShowPlan {
+        Ok(Some(Box::new(ShowRunPlan {
             rrd: self.rrd(has_output),
             is_left_out: has_output && self.rrd.is_none() && !self.no_rrd,
             live: self.viewer.live(),
@@ -81,7 +81,7 @@ impl Extension<(Option<&Path>, Option<f64>), Box<dyn ShowRun>> for ShowRunArgume
     }
 }
 
-impl ShowPlan {
+impl ShowRunPlan {
     /// Creates the draft of the Rerun recording, if there is one, for this MCAP file.
     fn create_rrd(
         &self,
@@ -90,9 +90,9 @@ impl ShowPlan {
         mcap: &Path,
     ) -> Result<Option<Draft>, Error> {
         let path = match &self.rrd {
-            RrdFile::None => return Ok(None),
+            RrdTarget::None => return Ok(None),
             RrdFile::Adjacent => mcap.with_extension("rrd"),
-            RrdFile::At(path) => path.clone(),
+            RrdTarget::At(path) => path.clone(),
         };
         FileKind::Rrd.check("--rrd", &path)?;
         check_not_an_input(&path, [mcap])?;
@@ -100,7 +100,7 @@ impl ShowPlan {
     }
 }
 
-impl ShowRun for ShowPlan {
+impl ShowRun for ShowRunPlan {
     fn note(&self) -> Option<&'static str> {
         self.is_left_out
             .then_some("no Rerun recording with -o; add --rrd FILE to write one")
@@ -129,17 +129,17 @@ impl ShowRun for ShowPlan {
         if let Some(draft) = &mut draft {
             draft.keep();
         }
-        Ok(Some(Box::new(OpenViewer {
+        Ok(Some(Box::new(OpenRunViewer {
             sink,
             draft,
-            is_named: matches!(self.rrd, RrdFile::At(_)),
+            is_named: matches!(self.rrd, RrdTarget::At(_)),
             is_viewer_lost,
         })))
     }
 }
 
 /// Rerun output of a run.
-struct OpenViewer {
+struct OpenRunViewer {
     sink: ExplainedSink,
     draft: Option<Draft>,
     /// Whether the arguments name the file. It is then written even if the MCAP file existed already.
@@ -148,7 +148,7 @@ struct OpenViewer {
     is_viewer_lost: bool,
 }
 
-impl RunViewer for OpenViewer {
+impl RunViewer for OpenRunViewer {
     fn sink(&mut self) -> &mut dyn Sink {
         &mut self.sink
     }
@@ -167,7 +167,7 @@ impl RunViewer for OpenViewer {
     }
 }
 
-impl OpenViewer {
+impl OpenRunViewer {
     /// Ends the stream of an incomplete run whose file must not replace another: it keeps its partial name.
     fn keep_partial(self) -> Result<Completed, Error> {
         let mut completed = complete(self.sink.finish(), None)?;

@@ -168,7 +168,7 @@ pub(crate) struct Page {
 }
 
 /// The arrangement of panels in columns.
-struct Layout {
+struct PageLayout {
     columns: usize,
     /// The height of a normal panel, mm.
     height: f64,
@@ -178,7 +178,7 @@ struct Layout {
     sides: Vec<(f64, f64)>,
 }
 
-impl Layout {
+impl PageLayout {
     fn new(page: &Page, width: f64) -> Self {
         let count = page.panels.len();
         // The parts of a broken axis are one above the other.
@@ -238,7 +238,7 @@ impl Layout {
 impl Page {
     /// Draws the page with a width in mm; the height follows.
     pub(crate) fn draw(&self, width: f64) -> Drawing {
-        let layout = Layout::new(self, width);
+        let layout = PageLayout::new(self, width);
         let mut drawing = Drawing::new(width);
         let mut legend = self.legend.clone();
         if self.panels.iter().any(Panel::is_cut) {
@@ -282,7 +282,7 @@ impl Page {
     }
 
     /// Whether a panel has labels at its horizontal axis.
-    fn has_x_axis(&self, index: usize, layout: &Layout) -> bool {
+    fn has_x_axis(&self, index: usize, layout: &PageLayout) -> bool {
         !self.shares_x || layout.is_lowest(index)
     }
 

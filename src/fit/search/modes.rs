@@ -88,13 +88,13 @@ pub(in crate::fit) enum Listed {
 
 /// What a search for other minima has found.
 #[derive(Default)]
-pub(in crate::fit) struct Found {
-    scanned: Option<Scanned>,
+pub(in crate::fit) struct OtherMinima {
+    scanned: Option<ScannedSpins>,
     better: Option<Better>,
 }
 
 /// The spin rates at the start that were tried.
-struct Scanned {
+struct ScannedSpins {
     /// The lowest and the highest one, rad/s.
     range: [f64; 2],
     /// Whether no minimum beyond them was left untried that the data may not exclude.
@@ -113,11 +113,11 @@ pub(in crate::fit) fn find(
     fitted: &mut Fitted,
     listed: Listed,
     monitor: &Monitor<'_>,
-) -> Result<Found, FitError> {
+) -> Result<OtherMinima, FitError> {
     fitted.modes.clear();
     // A fit that has given up has no minimum to compare.
     if !fitted.solution.is_converged {
-        return Ok(Found::default());
+        return Ok(OtherMinima::default());
     }
     let scanned = find_spin_rates(fitted, monitor)?;
     let mut better = None;
@@ -145,7 +145,7 @@ pub(in crate::fit) fn find(
     fitted
         .modes
         .sort_by(|a, b| a.delta_chi2.total_cmp(&b.delta_chi2));
-    Ok(Found { scanned, better })
+    Ok(OtherMinima { scanned, better })
 }
 
 /// Scans the spin rate at the start: from its start value to the minimum that was found, and beyond both. Returns the
@@ -153,7 +153,7 @@ pub(in crate::fit) fn find(
 fn find_spin_rates(
     fitted: &mut Fitted,
     monitor: &Monitor<'_>,
-) -> Result<Option<Scanned>, FitError> {
+) -> Result<Option<ScannedSpins>, FitError> {
     let Fitted {
         problem,
         solution,
@@ -174,7 +174,7 @@ fn find_spin_rates(
         reach: SAME * solution.covariance[(at, at)].sqrt(),
     };
     let [low, high] = scan.both_sides(solution, monitor)?;
-    let scanned = Scanned {
+    let scanned = ScannedSpins {
         range: [low.last(at), high.last(at)],
         is_complete: low.is_complete && high.is_complete,
     };
@@ -232,9 +232,13 @@ struct Scan<'a> {
 
 impl Scan<'_> {
     /// Tries spin rates below and above that of the minimum that was found.
-    fn both_sides(&self, from: &Solution, monitor: &Monitor<'_>) -> Result<[Side; 2], FitError> {
-        let mut low = Side::new(-1.0, from);
-        let mut high = Side::new(1.0, from);
+    fn both_sides(
+        &self,
+        from: &Solution,
+        monitor: &Monitor<'_>,
+    ) -> Result<[SideOfSpins; 2], FitError> {
+        let mut low = SideOfSpins::new(-1.0, from);
+        let mut high = SideOfSpins::new(1.0, from);
         let most = self.problem.step_limit.after(MAX_MOTIONS);
         while !(low.is_over && high.is_over) {
             let (a, b) = rayon::join(|| low.advance(self), || high.advance(self));
@@ -275,7 +279,7 @@ impl Scan<'_> {
     fn minima(
         &self,
         first: &Solution,
-        sides: [Side; 2],
+        sides: [SideOfSpins; 2],
         highest: f64,
         monitor: &Monitor<'_>,
     ) -> Result<Vec<Solution>, FitError> {
@@ -320,7 +324,7 @@ impl Scan<'_> {
 }
 
 /// The spin rates that were tried on one side of a minimum.
-struct Side {
+struct SideOfSpins {
     /// −1 below, 1 above.
     sign: f64,
     /// The last trial.
@@ -338,7 +342,7 @@ struct Side {
     is_complete: bool,
 }
 
-impl Side {
+impl SideOfSpins {
     fn new(sign: f64, from: &Solution) -> Self {
         Self {
             sign,

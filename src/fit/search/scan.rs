@@ -26,7 +26,7 @@ pub(in crate::fit) struct Scanned<'a> {
     /// Distance between samples of the model, and between offsets, s.
     pub step: f64,
     problem: &'a Problem,
-    motion: Motion,
+    motion: SampledMotion,
     /// The points that were compared, in order of their times: each `stride`th of all.
     compared: Vec<Point>,
     stride: usize,
@@ -127,7 +127,7 @@ pub(in crate::fit) fn scan<'a>(
     let stride = most.div_ceil(MAX_POINTS).max(1);
     let compared: Vec<Point> = compared.into_iter().step_by(stride).collect();
     let needed = MIN_OVERLAP * most_at_once(&compared, end) as f64;
-    let motion = Motion::new(problem, values, &compared, at, end)?;
+    let motion = SampledMotion::new(problem, values, &compared, at, end)?;
     let [low, high] = parameter.bounds;
     let from = compared.last().map_or(0.0, |point| -point.time).max(low);
     let to = compared
@@ -183,7 +183,7 @@ pub(in crate::fit) fn scan<'a>(
 }
 
 /// The motion in the signals of a file, on a grid of times.
-struct Motion {
+struct SampledMotion {
     /// Distance of the times, s.
     step: f64,
     /// Number of times.
@@ -194,7 +194,7 @@ struct Motion {
     values: Vec<f64>,
 }
 
-impl Motion {
+impl SampledMotion {
     fn new(
         problem: &Problem,
         values: &[f64],

@@ -79,7 +79,7 @@ const GUARD_INPUTS: usize = 7;
 type ImpactVector = [f64; SIZE];
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Stage {
+enum ImpactStage {
     /// Slipping; with the direction if the slip has just begun.
     Slipping(Option<Vector3<f64>>),
     /// The contact point is held.
@@ -96,7 +96,7 @@ struct ImpactEquations<'a> {
     creep: f64,
     /// Drilling friction is reduced below this rate about the vertical, rad/s.
     turning_creep: f64,
-    stage: Stage,
+    stage: ImpactStage,
 }
 
 /// State of the impact.
@@ -154,8 +154,8 @@ impl ImpactEquations<'_> {
         let slip = Self::slip(&now.velocity);
         let friction = self.body.friction;
         match self.stage {
-            Stage::Held => (self.holding(now), 1.0),
-            Stage::Slipping(start) => {
+            ImpactStage::Held => (self.holding(now), 1.0),
+            ImpactStage::Slipping(start) => {
                 let speed = slip.norm();
                 let resolution = SLIP_STOPPED * self.scale();
                 let (slip, speed) = match start {
@@ -194,19 +194,19 @@ impl ImpactEquations<'_> {
     }
 
     /// The phase after the contact point has stopped slipping.
-    fn stopped(&self, y: &ImpactVector) -> Stage {
+    fn stopped(&self, y: &ImpactVector) -> ImpactStage {
         let now = self.impact_state(y);
         let bound = self.body.friction.law.static_bound(1.0);
         if self.holding(&now).force.norm() <= bound {
-            return Stage::Held;
+            return ImpactStage::Held;
         }
         let slowly = SLIP_STOPPED * self.scale();
         match departure(|direction| {
             let friction = self.per_impulse(&(slowly * direction), &now.omega);
             self.body.acceleration_per_normal_force(&friction)
         }) {
-            Some(direction) => Stage::Slipping(Some(direction)),
-            None => Stage::Held,
+            Some(direction) => ImpactStage::Slipping(Some(direction)),
+            None => ImpactStage::Held,
         }
     }
 }
@@ -282,7 +282,7 @@ impl<'a> Collision<'a> {
             speed,
             creep: per_arm * body.friction.rolling_arm(),
             turning_creep: per_arm * body.friction.drilling_bound(1.0, false),
-            stage: Stage::Slipping(None),
+            stage: ImpactStage::Slipping(None),
         };
         let start = [0.0; SIZE];
         if hypot(before.x, before.y) <= SLIP_STOPPED * equations.scale()
@@ -316,7 +316,7 @@ impl<'a> Collision<'a> {
             None => ImpactEvent::Compressed,
         };
         self.watches = vec![(normal, SignTracker::with_sign(false, 0.0))];
-        if equations.stage != Stage::Held && equations.body.friction.is_set_valued_at_rest() {
+        if equations.stage != ImpactStage::Held && equations.body.friction.is_set_valued_at_rest() {
             self.watches
                 .push((ImpactEvent::SlipStopped, SignTracker::default()));
         }
@@ -424,7 +424,7 @@ impl<'a> Collision<'a> {
         let equations = self.integrator.system();
         let now = equations.impact_state(y);
         let unit = equations.body.top.mass * equations.speed * equations.speed;
-        let is_held = equations.stage == Stage::Held;
+        let is_held = equations.stage == ImpactStage::Held;
         let mut after = now.velocity;
         if self.restitution == 0.0 {
             after.z = 0.0;

@@ -3,18 +3,18 @@
 /// The monotone cubic through points, constant outside them (F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17
 /// (1980) 238): where the points rise or fall, it does, too, and overshoots none of them.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Curve {
-    points: Vec<Point>,
+pub(super) struct MonotoneCubic {
+    points: Vec<Knot>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Point {
+struct Knot {
     speed: f64,
     value: f64,
     slope: f64,
 }
 
-impl Curve {
+impl MonotoneCubic {
     /// The curve through points of increasing speed; `None` if they don't increase.
     pub(super) fn new(coordinates: &[[f64; 2]]) -> Option<Self> {
         // Written so that what isn't a number is refused, too.
@@ -29,7 +29,7 @@ impl Curve {
         }
         let mut points = Vec::with_capacity(coordinates.len());
         for [speed, value] in coordinates {
-            points.push(Point {
+            points.push(Knot {
                 speed: *speed,
                 value: *value,
                 slope: 0.0,
@@ -56,7 +56,7 @@ impl Curve {
 }
 
 /// The cubic between two points with their slopes.
-fn between(left: &Point, right: &Point, speed: f64) -> f64 {
+fn between(left: &Knot, right: &Knot, speed: f64) -> f64 {
     let width = right.speed - left.speed;
     let s = (speed - left.speed) / width;
     let rest = 1.0 - s;
@@ -66,7 +66,7 @@ fn between(left: &Point, right: &Point, speed: f64) -> f64 {
 }
 
 /// Sets the slopes: means of the neighbouring secants, 0 at extrema, then reduced so that each piece is monotone.
-fn set_slopes(points: &mut [Point]) {
+fn set_slopes(points: &mut [Knot]) {
     let mut secants = Vec::new();
     for pair in points.windows(2) {
         secants.push((pair[1].value - pair[0].value) / (pair[1].speed - pair[0].speed));
@@ -114,7 +114,7 @@ mod tests {
             [0.4, 0.05],
             [0.5, 0.05],
         ];
-        let curve = Curve::new(&points).unwrap();
+        let curve = MonotoneCubic::new(&points).unwrap();
         for [speed, value] in points {
             assert_eq!(curve.at(speed), value);
         }
@@ -136,7 +136,7 @@ mod tests {
 
     #[test]
     fn reproduces_a_straight_line() {
-        let curve = Curve::new(&[[0.0, 0.1], [0.2, 0.3], [1.0, 1.1]]).unwrap();
+        let curve = MonotoneCubic::new(&[[0.0, 0.1], [0.2, 0.3], [1.0, 1.1]]).unwrap();
         for speed in [0.0, 0.05, 0.3, 0.77] {
             assert!((curve.at(speed) - (0.1 + speed)).abs() < 1e-15);
         }
@@ -149,7 +149,7 @@ mod tests {
             [[0.2, 1.0], [0.1, 1.0]],
             [[f64::NAN, 1.0], [0.1, 1.0]],
         ] {
-            assert_eq!(Curve::new(&points), None);
+            assert_eq!(MonotoneCubic::new(&points), None);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Formulas with numbers for their parameters, ready to be evaluated.
 
-use super::curve::Curve;
+use super::curve::MonotoneCubic;
 use super::error::{FormulaProblem, InvalidCoefficient};
 use super::function::{Function, Operator};
 use super::step::{Located, Parameters, Step};
@@ -17,7 +17,7 @@ pub struct Program {
     /// The formula.
     text: String,
     instructions: Vec<Instruction>,
-    curves: Vec<Curve>,
+    curves: Vec<MonotoneCubic>,
 }
 
 /// As a [`Step`]; with its second operand if that is a number, as it mostly is.
@@ -79,7 +79,7 @@ impl Program {
     }
 
     /// Makes a curve of the last numbers.
-    fn take_curve(&mut self, count: usize) -> Result<Curve, FormulaProblem> {
+    fn take_curve(&mut self, count: usize) -> Result<MonotoneCubic, FormulaProblem> {
         // What doesn't depend on the speed is one number by now; the last instruction of anything else is none.
         let first = self.instructions.len() - 2 * count;
         let mut numbers = Vec::with_capacity(2 * count);
@@ -90,7 +90,7 @@ impl Program {
             numbers.push(number);
         }
         let (points, _) = numbers.as_chunks();
-        Curve::new(points).ok_or(FormulaProblem::UnorderedPoints)
+        MonotoneCubic::new(points).ok_or(FormulaProblem::UnorderedPoints)
     }
 
     /// The coefficient of friction at a slip speed, m/s. Whether it makes sense is not checked.

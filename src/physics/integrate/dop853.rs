@@ -66,7 +66,7 @@ pub struct Dop853<S, const N: usize> {
     system: S,
     tolerances: Tolerances,
     /// The last accepted step; of length zero before the first.
-    last: Step<N>,
+    last: TrialStep<N>,
     /// The step to try next.
     next_h: f64,
     /// The dense output of the last step, if computed and not yet taken.
@@ -78,7 +78,7 @@ pub struct Dop853<S, const N: usize> {
 
 /// A step: start, end and stages.
 #[derive(Clone, Debug)]
-struct Step<const N: usize> {
+struct TrialStep<const N: usize> {
     t: f64,
     h: f64,
     y: [f64; N],
@@ -114,7 +114,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
             system,
             tolerances,
             // Before the first step the dense output is the constant y0.
-            last: Step {
+            last: TrialStep {
                 t: t0,
                 h: 0.0,
                 y: y0,
@@ -243,7 +243,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
 
     /// Tries steps until one has a small enough error. Returns that step, and the length of the next relative to it.
     #[inline]
-    fn try_steps(&mut self, mut growth_limit: f64) -> Result<(Step<N>, f64), IntegrateError> {
+    fn try_steps(&mut self, mut growth_limit: f64) -> Result<(TrialStep<N>, f64), IntegrateError> {
         loop {
             let h = self.resolvable_step()?;
             let k = self.stages(h);
@@ -271,8 +271,8 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     }
 
     /// The solution within a step.
-    fn dense_of(&self, step: &Step<N>) -> Dense<N> {
-        let Step { t, h, .. } = *step;
+    fn dense_of(&self, step: &TrialStep<N>) -> Dense<N> {
+        let TrialStep { t, h, .. } = *step;
         let k = self.all_stages(step);
         // The cubic with the values and slopes of both ends.
         let rise = difference(&step.end_y, &step.y);
@@ -298,7 +298,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
 
     /// Estimated error of the dense output relative to its tolerance, from its defect (slope minus derivative).
     #[inline]
-    fn dense_error(&self, step: &Step<N>, dense: &Dense<N>) -> f64 {
+    fn dense_error(&self, step: &TrialStep<N>, dense: &Dense<N>) -> f64 {
         let (t, h) = (step.t + CHECKED_AT * step.h, step.h);
         let slope = dense.slope(CHECKED_AT);
         let state = dense.first_at(S::CONTROLLED, CHECKED_AT);
@@ -367,7 +367,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
     }
 
     /// The stages of a step with those that only the dense output needs.
-    fn all_stages(&self, step: &Step<N>) -> [[f64; N]; ALL_STAGES] {
+    fn all_stages(&self, step: &TrialStep<N>) -> [[f64; N]; ALL_STAGES] {
         let mut k = [[0.0; N]; ALL_STAGES];
         k[..STAGES].copy_from_slice(&step.k);
         k[12] = step.end_dy;
@@ -400,14 +400,14 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
 
     /// A step of length `h` to `y`, if its values are finite.
     #[inline]
-    fn ended(&mut self, h: f64, y: [f64; N], k: Stages<N>) -> Result<Step<N>, IntegrateError> {
+    fn ended(&mut self, h: f64, y: [f64; N], k: Stages<N>) -> Result<TrialStep<N>, IntegrateError> {
         let end = self.t() + h;
         let dy = self.system.derivative(end, &y);
         self.statistics.evaluations += 1;
         if !(all_finite(&y) && all_finite(&dy)) {
             return Err(IntegrateError::NonFiniteState { t: end });
         }
-        Ok(Step {
+        Ok(TrialStep {
             t: self.t(),
             h,
             y: *self.y(),
@@ -420,7 +420,7 @@ impl<S: System<N>, const N: usize> Dop853<S, N> {
 
     /// Accepts a step, with its dense output if computed.
     #[inline]
-    fn accept(&mut self, step: Step<N>, dense: Option<Dense<N>>) {
+    fn accept(&mut self, step: TrialStep<N>, dense: Option<Dense<N>>) {
         self.statistics.count_step(step.h);
         self.last = step;
         self.dense = dense;
@@ -532,7 +532,7 @@ fn difference<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
     array(|i| a[i] - b[i])
 }
 
-/// Step size factor for this error.
+/// TrialStep size factor for this error.
 #[inline]
 fn step_factor(error: f64, growth_limit: f64) -> f64 {
     // An error of 0 gives infinity, which is clamped.

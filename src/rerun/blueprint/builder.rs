@@ -25,7 +25,7 @@ pub(super) struct Child {
 const REPLACEMENT: u64 = 1 << 16;
 
 /// A blueprint under construction.
-pub(super) struct Layout {
+pub(super) struct BlueprintLayout {
     store: StoreId,
     ids: Ids,
     children: u64,
@@ -34,7 +34,7 @@ pub(super) struct Layout {
     messages: Messages,
 }
 
-impl Layout {
+impl BlueprintLayout {
     /// An empty layout for a recording.
     pub(super) fn new(recording: &StoreId) -> Self {
         let mut layout = Self {

@@ -5,7 +5,7 @@ use rerun::components::Name;
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
 use super::axis::{MAX_TICKS, value_range};
-use super::builder::{Child, Layout, column};
+use super::builder::{BlueprintLayout, Child, column};
 use super::views::{set_value_range, time_series, titled};
 use crate::rerun::measurement::plots::Series;
 use crate::rerun::measurement::{MeasuredSignal, Measurement};
@@ -18,7 +18,11 @@ const HEIGHTS: [f32; 2] = [62.0, 38.0];
 const MAX_IN_COLUMN: usize = 2;
 
 /// The page of a measurement. Its axes fit the run, too, if that is known.
-pub(super) fn page(layout: &mut Layout, measurement: &Measurement, plots: Option<&Plots>) -> Child {
+pub(super) fn page(
+    layout: &mut BlueprintLayout,
+    measurement: &Measurement,
+    plots: Option<&Plots>,
+) -> Child {
     let mut signals = Vec::new();
     for (signal, path) in measurement.signals.iter().zip(measurement.paths()) {
         let name = signal.name(measurement);
@@ -34,7 +38,7 @@ pub(super) fn page(layout: &mut Layout, measurement: &Measurement, plots: Option
 }
 
 fn values(
-    layout: &mut Layout,
+    layout: &mut BlueprintLayout,
     signal: &MeasuredSignal,
     name: &str,
     path: &str,
@@ -63,7 +67,12 @@ fn values(
     view
 }
 
-fn residuals(layout: &mut Layout, signal: &MeasuredSignal, name: &str, path: &str) -> Child {
+fn residuals(
+    layout: &mut BlueprintLayout,
+    signal: &MeasuredSignal,
+    name: &str,
+    path: &str,
+) -> Child {
     let limit = signal.residual_limit();
     let mut title = format!("{name}, residual in σ (lines: 0 and ±2)");
     let beyond = signal.count_beyond(limit);
@@ -78,7 +87,7 @@ fn residuals(layout: &mut Layout, signal: &MeasuredSignal, name: &str, path: &st
 
 /// A chart whose time axis moves with those of the other charts of the page.
 fn chart(
-    layout: &mut Layout,
+    layout: &mut BlueprintLayout,
     title: &str,
     series: &[Series],
     path: &str,

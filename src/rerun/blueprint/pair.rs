@@ -5,7 +5,7 @@ use rerun::blueprint::components::{Corner2D, LinkAxis};
 use rerun::components::Name;
 
 use super::axis::{MAX_TICKS_IN_LOW_CHART, MIN_SPAN, axis_range};
-use super::builder::{Child, Layout, Messages, column, row, tabs};
+use super::builder::{BlueprintLayout, Child, Messages, column, row, tabs};
 use super::charts::{
     Chart, FRICTION_CONTRASTS, MORE_CONTRASTS, MOTION_CONTRASTS, RATE_CONTRASTS, TABLE_CONTRASTS,
     TRAVEL_CONTRASTS,
@@ -54,11 +54,11 @@ pub(crate) fn messages(identity: &PairIdentity, extent: Option<&Extent<'_>>) -> 
 }
 
 /// The layout of a comparison that runs, or that has ended with this extent.
-fn complete(identity: &PairIdentity, extent: Option<&Extent<'_>>) -> Layout {
+fn complete(identity: &PairIdentity, extent: Option<&Extent<'_>>) -> BlueprintLayout {
     let store = identity.store();
     let mut layout = match extent {
-        Some(_) => Layout::changes(&store),
-        None => Layout::new(&store),
+        Some(_) => BlueprintLayout::changes(&store),
+        None => BlueprintLayout::new(&store),
     };
     let left = left_side(&mut layout, identity);
     if extent.is_some() {
@@ -78,7 +78,7 @@ fn complete(identity: &PairIdentity, extent: Option<&Extent<'_>>) -> Layout {
 }
 
 /// The scene, if there is one, and below it the summary and the events.
-fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Child {
+fn left_side(layout: &mut BlueprintLayout, identity: &PairIdentity) -> Child {
     let mut rows = Vec::new();
     let mut shares = Vec::new();
     if let Some(scene) = scenes(layout, identity) {
@@ -100,7 +100,7 @@ fn left_side(layout: &mut Layout, identity: &PairIdentity) -> Child {
 }
 
 /// Both tops in one view, if their pegs are fixed; otherwise in two, each with a camera that follows its top.
-fn scenes(layout: &mut Layout, identity: &PairIdentity) -> Option<Child> {
+fn scenes(layout: &mut BlueprintLayout, identity: &PairIdentity) -> Option<Child> {
     let geometry = identity.common_geometry()?;
     let runs = roles(identity, POSE);
     if !geometry.is_free {
@@ -139,7 +139,7 @@ fn titled_run(identity: &PairIdentity, side: Side) -> String {
 
 /// A view of the scene of some runs on the common table.
 fn scene_view(
-    layout: &mut Layout,
+    layout: &mut BlueprintLayout,
     name: &str,
     runs: &[(Role, &Geometry)],
     geometry: &Geometry,
@@ -169,7 +169,7 @@ fn roles(identity: &PairIdentity, topic: Topic) -> Vec<(Role, &Geometry)> {
 }
 
 /// Tabs with the summary and the run descriptions.
-fn texts(layout: &mut Layout, identity: &PairIdentity) -> Child {
+fn texts(layout: &mut BlueprintLayout, identity: &PairIdentity) -> Child {
     let mut pages = vec![layout.view("TextDocument", "Summary", SUMMARY, &["$origin"])];
     for side in Side::BOTH {
         let about = identity.role(side).entity(ABOUT);
@@ -180,7 +180,7 @@ fn texts(layout: &mut Layout, identity: &PairIdentity) -> Child {
 
 /// The charts of a comparison.
 struct Charts<'a> {
-    layout: &'a mut Layout,
+    layout: &'a mut BlueprintLayout,
     identity: &'a PairIdentity,
     extent: Option<&'a Extent<'a>>,
 }

@@ -5,7 +5,7 @@ use rerun::components::Name;
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
 use super::axis::{MAX_TICKS, MIN_SPAN, axis_range};
-use super::builder::{Child, Layout, Messages, column, tabs};
+use super::builder::{BlueprintLayout, Child, Messages, column, tabs};
 use super::charts::{Chart, MORE, RATES, RISE, TABLE, TERMS, TRAVEL};
 use super::corner::corner_for;
 use super::fit;
@@ -27,8 +27,8 @@ pub(crate) fn messages(identity: &Identity, playback: Playback) -> Messages {
 }
 
 /// The layout until the run has ended.
-fn first(identity: &Identity, playback: Playback) -> Layout {
-    let mut layout = Layout::new(&identity.store());
+fn first(identity: &Identity, playback: Playback) -> BlueprintLayout {
+    let mut layout = BlueprintLayout::new(&identity.store());
     complete(&mut layout, identity, None, &time_panel(playback, 1.0));
     layout
 }
@@ -46,7 +46,7 @@ pub(crate) struct EndedRun<'a> {
 /// The messages that change the layout when the run has ended: it plays the run from the start, and its charts fit the
 /// values.
 pub(crate) fn messages_at_end(identity: &Identity, ended: &EndedRun<'_>) -> Messages {
-    let mut layout = Layout::changes(&identity.store());
+    let mut layout = BlueprintLayout::changes(&identity.store());
     let panel = time_panel(Playback::FromStart, playback_speed(ended.duration));
     complete(&mut layout, identity, Some(ended), &panel);
     layout.remove_missing(&first(identity, identity.playback));
@@ -55,7 +55,7 @@ pub(crate) fn messages_at_end(identity: &Identity, ended: &EndedRun<'_>) -> Mess
 
 /// Fills the window with the layout of a run, which fits its values if it has ended.
 fn complete(
-    layout: &mut Layout,
+    layout: &mut BlueprintLayout,
     identity: &Identity,
     ended: Option<&EndedRun<'_>>,
     panel: &parts::TimePanelBlueprint,
@@ -77,7 +77,7 @@ fn complete(
 
 /// The scene, if there is one, and below it the events and the description, which comes first if it has the reason for
 /// the motion.
-fn left_side(layout: &mut Layout, identity: &Identity, has_story: bool) -> Child {
+fn left_side(layout: &mut BlueprintLayout, identity: &Identity, has_story: bool) -> Child {
     let about = layout.view("TextDocument", "About this run", ABOUT, &["$origin"]);
     let mut pages = vec![about];
     if identity.has(EVENTS) {
@@ -116,7 +116,7 @@ fn left_side(layout: &mut Layout, identity: &Identity, has_story: bool) -> Child
 }
 
 /// A page of charts.
-struct Page {
+struct RunPage {
     name: &'static str,
     /// Number of charts in a row.
     columns: u32,
@@ -125,7 +125,7 @@ struct Page {
 
 /// The pages of charts of a run. The charts of the first page that are constant give their places to charts of other
 /// pages that are not, and move to the last of these. The terms of the accelerations stay together.
-fn pages(identity: &Identity, plots: Option<&Plots>) -> Vec<Page> {
+fn pages(identity: &Identity, plots: Option<&Plots>) -> Vec<RunPage> {
     let is_ball = Proportions::new(&identity.geometry.top).is_ball;
     let is_free = identity.geometry.is_free;
     let mut pages = vec![match (is_free, is_ball) {
@@ -143,7 +143,7 @@ fn pages(identity: &Identity, plots: Option<&Plots>) -> Vec<Page> {
             is_constant(chart, plots, &identity.magnitudes)
         });
     }
-    pages.push(Page {
+    pages.push(RunPage {
         columns: 1,
         ..page("Terms", &TERMS, identity)
     });
@@ -151,8 +151,8 @@ fn pages(identity: &Identity, plots: Option<&Plots>) -> Vec<Page> {
 }
 
 /// The page of these charts, without those that have no data.
-fn page(name: &'static str, charts: &'static [Chart], identity: &Identity) -> Page {
-    Page {
+fn page(name: &'static str, charts: &'static [Chart], identity: &Identity) -> RunPage {
+    RunPage {
         name,
         columns: 2,
         charts: charts
@@ -163,7 +163,7 @@ fn page(name: &'static str, charts: &'static [Chart], identity: &Identity) -> Pa
 }
 
 /// Exchanges the constant charts of the first page for others, as long as there are any.
-fn replace_constant_charts(pages: &mut [Page], is_constant: impl Fn(&Chart) -> bool) {
+fn replace_constant_charts(pages: &mut [RunPage], is_constant: impl Fn(&Chart) -> bool) {
     let Some((first, others)) = pages.split_first_mut() else {
         return;
     };
@@ -212,7 +212,7 @@ fn bounds_of_tippe_top(unit: &str, geometry: &Geometry) -> Option<[f64; 2]> {
 
 /// Pages of charts, with axes and legends that fit the values of a run that has ended.
 fn right_side(
-    layout: &mut Layout,
+    layout: &mut BlueprintLayout,
     identity: &Identity,
     ended: Option<&EndedRun<'_>>,
 ) -> Option<Child> {
@@ -312,7 +312,7 @@ mod tests {
         (identity, plots)
     }
 
-    fn names(page: &Page) -> Vec<&str> {
+    fn names(page: &RunPage) -> Vec<&str> {
         page.charts.iter().map(|chart| chart.name).collect()
     }
 
@@ -328,7 +328,7 @@ mod tests {
             assert!(names(more).contains(&name));
         }
         assert_eq!(before[0].charts.len(), after[0].charts.len());
-        let count = |pages: &[Page]| pages.iter().map(|page| page.charts.len()).sum::<usize>();
+        let count = |pages: &[RunPage]| pages.iter().map(|page| page.charts.len()).sum::<usize>();
         assert_eq!(count(&before), count(&after), "no chart is lost");
     }
 

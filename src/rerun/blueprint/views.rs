@@ -10,7 +10,7 @@ use rerun::components::Color;
 use rerun::datatypes::{self, TimeInt, TimeRange, TimeRangeBoundary};
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
-use super::builder::{Child, Layout, row};
+use super::builder::{BlueprintLayout, Child, row};
 use crate::rerun::entity::{CAMERA_TARGET, EVENTS, STAGE, Shown, paths};
 use crate::rerun::identity::scale::round;
 use crate::rerun::identity::{Geometry, Playback};
@@ -43,7 +43,7 @@ pub(super) fn target(role: &Role, geometry: &Geometry) -> Option<String> {
 }
 
 /// A view of the scene.
-pub(super) fn scene(layout: &mut Layout, stage: &SceneView<'_>) -> Child {
+pub(super) fn scene(layout: &mut BlueprintLayout, stage: &SceneView<'_>) -> Child {
     let view = layout.view("3D", stage.name, STAGE, stage.contents);
     let proportions = Proportions::new(&stage.geometry.top);
     // In heights of the top: the middle of the scene, and the place of the camera as seen from there.
@@ -100,7 +100,7 @@ fn time_range(start: TimeRangeBoundary, end: TimeRangeBoundary) -> parts::Visibl
 
 /// A list of the events of these entities. Each text begins with its run, if there are two, and with the time of its event,
 /// more precisely than the viewer's column of times. All other columns are left out: narrow views cut long texts.
-pub(super) fn events(layout: &mut Layout, name: &str, contents: &[String]) -> Child {
+pub(super) fn events(layout: &mut BlueprintLayout, name: &str, contents: &[String]) -> Child {
     let view = layout.view("TextLog", name, EVENTS, contents);
     let times = TimelineColumn(blueprint_data::TimelineColumn {
         visible: false.into(),
@@ -128,7 +128,7 @@ pub(super) fn titled(name: &str, unit: &str) -> String {
 /// A chart of these entities over the whole time, with a legend in a corner or without one. Linked charts move their time
 /// axes together.
 pub(super) fn time_series(
-    layout: &mut Layout,
+    layout: &mut BlueprintLayout,
     name: &str,
     contents: &[impl AsRef<str>],
     legend: Option<Corner2D>,
@@ -150,14 +150,14 @@ pub(super) fn time_series(
 }
 
 /// Sets the initial value range of a chart.
-pub(super) fn set_value_range(layout: &mut Layout, view: &Child, range: [f64; 2]) {
+pub(super) fn set_value_range(layout: &mut BlueprintLayout, view: &Child, range: [f64; 2]) {
     let axis = parts::ScalarAxis::new().with_range(range);
     layout.property(view, "ScalarAxis", &axis);
 }
 
 /// Fills the window with two sides, which have these shares of its width, and sets the panels around them.
 pub(super) fn window(
-    layout: &mut Layout,
+    layout: &mut BlueprintLayout,
     left: Child,
     right: Option<Child>,
     shares: [f32; 2],

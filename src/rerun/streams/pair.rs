@@ -5,7 +5,7 @@ use crate::run::time::seconds;
 use rerun::TextDocument;
 
 use super::run::Entities;
-use super::stream::{Content, Stream};
+use super::stream::{Stream, StreamContent};
 use crate::physics::math;
 use crate::rerun::blueprint;
 use crate::rerun::blueprint::pair::Extent;
@@ -107,7 +107,7 @@ fn log_magnitude(number: f64) -> Option<f64> {
     (number != 0.0).then(|| math::log10(number.abs()))
 }
 
-impl Content for Comparison {
+impl StreamContent for Comparison {
     fn finish(&mut self, end_ns: u64, output: &mut Output) {
         // All charts share one time axis, and the differences end with the shorter run.
         self.difference.extend_to(end_ns, output);

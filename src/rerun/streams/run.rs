@@ -5,7 +5,7 @@ use rerun::TextDocument;
 
 use super::events::Events;
 use super::properties;
-use super::stream::{Content, Stream};
+use super::stream::{Stream, StreamContent};
 use crate::archive::sink::{Sink, SinkError};
 use crate::rerun::blueprint;
 use crate::rerun::entity::ABOUT;
@@ -139,7 +139,7 @@ impl Entities {
     }
 }
 
-impl Content for Entities {
+impl StreamContent for Entities {
     fn finish(&mut self, end_ns: u64, output: &mut Output) {
         self.summarize_events(output);
         output.complete();

@@ -17,12 +17,12 @@ pub struct Stream<C> {
 }
 
 /// The content of a recording.
-pub trait Content {
+pub trait StreamContent {
     /// Adds content derived from the whole run, up to the last message, and sends all pending rows.
     fn finish(&mut self, end_ns: u64, output: &mut Output);
 }
 
-impl<C: Content> Stream<C> {
+impl<C: StreamContent> Stream<C> {
     /// Opens the destinations, and sends the name and the static content.
     pub(super) fn open(
         store: StoreId,

@@ -140,6 +140,8 @@ pub struct Key {
     pub presence: Presence,
     /// Description.
     pub meaning: &'static str,
+    /// The beginning of the description, without the symbol: next to a control, for which there is little room.
+    pub label: &'static str,
     /// Symbol in formulas and figures, e.g. `v_0`.
     pub symbol: Option<&'static str>,
     /// Typical range, used for sliders; `None` for text and choices.
@@ -155,6 +157,11 @@ impl Key {
             typical: Some([low, high]),
             ..self
         }
+    }
+
+    /// Sets the label.
+    pub(super) const fn named(self, label: &'static str) -> Self {
+        Self { label, ..self }
     }
 
     /// Sets the symbol.

@@ -166,11 +166,11 @@ impl FieldDifferences {
 
 /// The members of a message or of an object in it, by their keys: names in JSON, numbers in protobuf.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Object<K>(pub(super) Vec<(K, Target<K>)>);
+pub(super) struct Object<K>(pub(super) Vec<(K, Storage<K>)>);
 
 /// The storage place of a member.
 #[derive(Clone, Debug)]
-pub(super) enum Target<K> {
+pub(super) enum Storage<K> {
     Seconds,
     Nanoseconds,
     Number(usize),
@@ -180,7 +180,7 @@ pub(super) enum Target<K> {
     Skipped,
 }
 
-impl<K> Target<K> {
+impl<K> Storage<K> {
     /// The storage place of the field at `path` in a channel's messages.
     pub(super) fn for_field(channel: &ChannelInfo, path: &str) -> Self {
         if let Some(index) = channel.number_index(path) {

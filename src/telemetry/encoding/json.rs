@@ -1,6 +1,6 @@
 //! Messages as JSON: `{"timestamp":{"sec":…,"nsec":…},"theta":…,…}`.
 
-use super::decoding::{DecodeError, Object, Paths, Row, SchemaError, Target};
+use super::decoding::{DecodeError, Object, Paths, Row, SchemaError, Storage};
 use super::template::{Slot, Template};
 use crate::run::time::{NANOSECONDS, seconds_and_nanoseconds};
 use crate::telemetry::message::Message;
@@ -83,18 +83,18 @@ impl JsonDecoder {
         let mut paths = Paths::default();
         unfold(&schema, "", &mut paths)?;
         let present = paths.leaves;
-        let stamps = [("sec", Target::Seconds), ("nsec", Target::Nanoseconds)];
+        let stamps = [("sec", Storage::Seconds), ("nsec", Storage::Nanoseconds)];
         let stamp = stamps.map(|(name, target)| (name.to_owned(), target));
-        let mut members = vec![(TIMESTAMP.to_owned(), Target::Object(Object(stamp.into())))];
+        let mut members = vec![(TIMESTAMP.to_owned(), Storage::Object(Object(stamp.into())))];
         for (name, content) in channel.members() {
             let target = match content {
-                Content::Text(index) => Target::Text(index),
-                Content::Number(index) => Target::Number(index),
+                Content::Text(index) => Storage::Text(index),
+                Content::Number(index) => Storage::Number(index),
                 Content::Object(inner) => {
                     let numbers = inner
                         .iter()
-                        .map(|(name, at)| ((*name).to_owned(), Target::Number(*at)));
-                    Target::Object(Object(numbers.collect()))
+                        .map(|(name, at)| ((*name).to_owned(), Storage::Number(*at)));
+                    Storage::Object(Object(numbers.collect()))
                 }
             };
             members.push((name.to_owned(), target));
@@ -181,10 +181,10 @@ fn unknown_member<'a>(message: &Object<String>, path: &'a str) -> Option<&'a str
         let name = &path[start..end];
         let known = object.0.iter().find(|(known, _)| known == name);
         match known {
-            Some((_, Target::Object(inner))) if end < path.len() => {
+            Some((_, Storage::Object(inner))) if end < path.len() => {
                 (object, start) = (inner, end + 1);
             }
-            Some((_, Target::Number(_) | Target::Text(_))) if end == path.len() => return None,
+            Some((_, Storage::Number(_) | Storage::Text(_))) if end == path.len() => return None,
             _ => return Some(&path[..end]),
         }
     }
@@ -230,7 +230,7 @@ impl<'de> Visitor<'de> for RowBuilder<'_> {
             };
             next = position + 1;
             match &object.0[position].1 {
-                Target::Number(at) => {
+                Storage::Number(at) => {
                     // The row was filled with NaN, which JSON can't express: another number has been read already.
                     let number = map.next_value()?;
                     if !std::mem::replace(&mut self.row.numbers[*at], number).is_nan() {
@@ -238,18 +238,18 @@ impl<'de> Visitor<'de> for RowBuilder<'_> {
                     }
                 }
                 // A repeated text is not noticed here, but then there are more members than expected.
-                Target::Text(at) => self.row.texts[*at] = map.next_value()?,
-                Target::Seconds => {
+                Storage::Text(at) => self.row.texts[*at] = map.next_value()?,
+                Storage::Seconds => {
                     let seconds: u32 = map.next_value()?;
                     let part = Some(u64::from(seconds) * NANOSECONDS);
                     self.row.add_time(part).map_err(de::Error::custom)?;
                 }
-                Target::Nanoseconds => {
+                Storage::Nanoseconds => {
                     let nanoseconds: u32 = map.next_value()?;
                     let part = Some(u64::from(nanoseconds));
                     self.row.add_time(part).map_err(de::Error::custom)?;
                 }
-                Target::Object(object) => {
+                Storage::Object(object) => {
                     map.next_value_seed(RowBuilder {
                         object,
                         row: &mut *self.row,
@@ -257,7 +257,7 @@ impl<'de> Visitor<'de> for RowBuilder<'_> {
                     })?;
                     continue;
                 }
-                Target::Skipped => {
+                Storage::Skipped => {
                     map.next_value::<IgnoredAny>()?;
                     continue;
                 }

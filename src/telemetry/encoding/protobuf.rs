@@ -4,7 +4,7 @@
 //!
 //! All numbers are doubles and always written, so that negative zeros are preserved.
 
-use super::decoding::{DecodeError, Object, Paths, Row, SchemaError, Target, WireError};
+use super::decoding::{DecodeError, Object, Paths, Row, SchemaError, Storage, WireError};
 use super::schema::with_unit_and_frame;
 use super::template::{Slot, Template};
 use super::wire::{Wire, take_field};
@@ -345,34 +345,34 @@ impl Builder<'_> {
         field: &FieldDescriptorProto,
         prefix: &str,
         depth: usize,
-    ) -> Result<Target<u32>, SchemaError> {
+    ) -> Result<Storage<u32>, SchemaError> {
         let path = format!("{prefix}{}", field.name());
         self.paths.count(&path)?;
         // The table has no lists.
         if field.label() == Label::Repeated {
             self.paths.leaves.push(path);
-            return Ok(Target::Skipped);
+            return Ok(Storage::Skipped);
         }
         if field.r#type() == Type::Message && depth < 8 {
             let name = field.type_name().trim_start_matches('.');
             if path == "timestamp" && name == TIMESTAMP_TYPE {
-                let parts = [(1, Target::Seconds), (2, Target::Nanoseconds)];
-                return Ok(Target::Object(Object(parts.into())));
+                let parts = [(1, Storage::Seconds), (2, Storage::Nanoseconds)];
+                return Ok(Storage::Object(Object(parts.into())));
             }
             if let Some(inner) = find_message(self.set, name) {
                 let object = self.object(inner, &format!("{path}."), depth + 1)?;
-                return Ok(Target::Object(object));
+                return Ok(Storage::Object(object));
             }
         }
-        let target = Target::for_field(self.channel, &path);
+        let target = Storage::for_field(self.channel, &path);
         match (field.r#type(), &target) {
-            (Type::Double, Target::Number(index)) => self.present.push(*index),
-            (Type::String, Target::Text(_)) | (_, Target::Skipped) => {}
+            (Type::Double, Storage::Number(index)) => self.present.push(*index),
+            (Type::String, Storage::Text(_)) | (_, Storage::Skipped) => {}
             // A field of the table with another type counts as unknown.
             (kind, _) => {
                 let path = format!("{path} (as {})", kind.as_str_name());
                 self.paths.leaves.push(path);
-                return Ok(Target::Skipped);
+                return Ok(Storage::Skipped);
             }
         }
         self.paths.leaves.push(path);
@@ -404,22 +404,22 @@ impl Object<u32> {
         while !data.is_empty() {
             let (number, wire) = take_field(&mut data)?;
             match (self.find(number, &mut next), wire) {
-                (Some(Target::Number(index)), Wire::Eight(bits)) => {
+                (Some(Storage::Number(index)), Wire::Eight(bits)) => {
                     row.numbers[*index] = f64::from_bits(bits);
                 }
-                (Some(Target::Object(object)), Wire::Bytes(inner)) => object.fill(inner, row)?,
-                (Some(Target::Text(index)), Wire::Bytes(bytes)) => {
+                (Some(Storage::Object(object)), Wire::Bytes(inner)) => object.fill(inner, row)?,
+                (Some(Storage::Text(index)), Wire::Bytes(bytes)) => {
                     let text = std::str::from_utf8(bytes)?;
                     row.texts[*index].clear();
                     row.texts[*index].push_str(text);
                 }
-                (Some(Target::Seconds), Wire::Varint(seconds)) => {
+                (Some(Storage::Seconds), Wire::Varint(seconds)) => {
                     row.add_time(seconds.checked_mul(NANOSECONDS))?;
                 }
-                (Some(Target::Nanoseconds), Wire::Varint(part)) => row.add_time(Some(part))?,
+                (Some(Storage::Nanoseconds), Wire::Varint(part)) => row.add_time(Some(part))?,
                 // Other readers skip unknown fields. Here a field that the file's own schema lacks shows damage.
                 (None, _) => return Err(WireError::UnknownField(number)),
-                (Some(Target::Skipped), wire) if !matches!(wire, Wire::End) => {}
+                (Some(Storage::Skipped), wire) if !matches!(wire, Wire::End) => {}
                 (Some(_), _) => return Err(WireError::WireType(number)),
             }
         }
@@ -428,7 +428,7 @@ impl Object<u32> {
 
     /// The target of a field.
     #[inline]
-    fn find(&self, number: u32, next: &mut usize) -> Option<&Target<u32>> {
+    fn find(&self, number: u32, next: &mut usize) -> Option<&Storage<u32>> {
         let position = self.position(*next, |known| *known == number)?;
         *next = position + 1;
         Some(&self.0[position].1)

@@ -5,14 +5,14 @@ use crate::telemetry::proportions::Proportions;
 
 /// Lengths of arrows in metres per unit; `None` if the quantity is zero.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Scales {
+pub(super) struct ViewScales {
     /// Scale of slip velocities, m per m/s.
     pub(super) slip: Option<f64>,
     /// Scale of torques, m per N m.
     pub(super) torque: Option<f64>,
 }
 
-impl Scales {
+impl ViewScales {
     /// Scales that make the arrows of the initial slip velocity and of the torque of the largest friction force
     /// somewhat longer than the top.
     pub(super) fn new(scenario: &Scenario, proportions: &Proportions) -> Self {

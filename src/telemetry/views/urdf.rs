@@ -3,7 +3,7 @@
 //! Rerun draws primitives with 25 % opacity, so each part is a stack of thin cylinders or nested spheres, which look
 //! solid. Other viewers support only boxes, cylinders and spheres, and require single spaces.
 
-use super::scales::Scales;
+use super::scales::ViewScales;
 use crate::physics::math;
 use crate::telemetry::proportions::Proportions;
 use std::f64::consts::FRAC_PI_3;
@@ -23,7 +23,7 @@ const DISC_LAYERS: u32 = 9;
 
 /// The description of a robot that is a top, with the link `top`. `is_free`: whether the peg is
 /// free.
-pub(super) fn urdf(proportions: &Proportions, scales: &Scales, is_free: bool) -> String {
+pub(super) fn urdf(proportions: &Proportions, scales: &ViewScales, is_free: bool) -> String {
     let legend = legend(scales, is_free);
     let mut text = format!("<robot name=\"toprise\"><!--\n{legend}-->\n");
     for (name, color) in MATERIALS {
@@ -39,7 +39,7 @@ pub(super) fn urdf(proportions: &Proportions, scales: &Scales, is_free: bool) ->
     text
 }
 
-fn legend(scales: &Scales, is_free: bool) -> String {
+fn legend(scales: &ViewScales, is_free: bool) -> String {
     let mut text = "Heavy top with slipping friction\nArrows:\n".to_owned();
     if let Some(scale) = scales.slip {
         text.push_str(&format!(

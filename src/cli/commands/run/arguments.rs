@@ -5,7 +5,7 @@ use super::plan::RunPlan;
 use crate::archive::input::Input;
 use crate::archive::publish::Existing;
 use crate::cli::arguments::{OUTPUT, Override, VIEWER, parse_override, parse_positive};
-use crate::cli::extension::{Extension as _, RowArgument, ShowRunArguments, SweepRow};
+use crate::cli::extension::{FeatureArguments as _, RowArgument, ShowRunArguments, SweepRow};
 use crate::cli::file_kind::FileKind;
 use crate::cli::input::{checked, run_name};
 use crate::physics::dynamics::Support;

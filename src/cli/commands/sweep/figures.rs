@@ -1,7 +1,7 @@
 //! Figures of sweeps: their columns and runs.
 
 use crate::cli::arguments::{Override, parse_override};
-use crate::cli::extension::{Extension, MapTable};
+use crate::cli::extension::{FeatureArguments, MapTable};
 use crate::figures::{CONTEXT_COLUMNS, Map};
 use crate::sweep::Columns;
 use anyhow::{Error, bail};
@@ -57,7 +57,7 @@ struct MapPlan {
     chosen: Vec<Override>,
 }
 
-impl Extension<(), Box<dyn MapTable>> for MapArguments {
+impl FeatureArguments<(), Box<dyn MapTable>> for MapArguments {
     fn plan(&self, (): ()) -> Result<Option<Box<dyn MapTable>>, Error> {
         // Clap requires --x with --sweep.
         let (Some(table), Some(x)) = (&self.sweep, &self.x) else {
