@@ -28,10 +28,10 @@ mod rerun;
 
 pub use commands::schemas;
 
-use arguments::{Format, OUTPUT};
+use arguments::{Format, OUTPUT, allow_negative_numbers};
 use clap::builder::StyledStr;
 use clap::error::{ContextKind, ContextValue};
-use clap::{ColorChoice, CommandFactory as _, Parser, ValueEnum};
+use clap::{ColorChoice, CommandFactory as _, FromArgMatches as _, Parser, ValueEnum};
 use commands::Command;
 use interrupt::SignalGuard;
 use status::Status;
@@ -81,7 +81,7 @@ struct Arguments {
 
 /// The clap definition of the command line, for help pages and completions.
 pub fn command() -> clap::Command {
-    Arguments::command()
+    allow_negative_numbers(Arguments::command())
 }
 
 /// Maximum width of help pages, columns. Without a terminal clap would wrap at 100, wider than many terminals.
@@ -146,7 +146,7 @@ pub fn main() -> ExitCode {
     };
     output::set_up(arguments.quiet, arguments.color, arguments.format);
     let signals = SignalGuard::install();
-    match commands::dispatch(arguments.command, Arguments::command(), signals.drafts()) {
+    match commands::dispatch(arguments.command, command(), signals.drafts()) {
         Ok(status) => status.into(),
         Err(error) => {
             let text = output::with_causes(&error);
@@ -190,18 +190,45 @@ fn name_missing_feature(usage: &mut clap::Error) {
     }
 }
 
+/// Replaces clap's tip for an unknown short option, which may be the first letter of a file's name.
+fn name_dashed_file(usage: &mut clap::Error, words: &[OsString]) {
+    let (Some(ContextValue::String(unknown)), Some(_)) = (
+        usage.get(ContextKind::InvalidArg),
+        usage.get(ContextKind::Suggested),
+    ) else {
+        return;
+    };
+    let mut words = words.iter().map(|word| word.to_string_lossy());
+    let file = words.find(|word| !unknown.starts_with("--") && word.starts_with(unknown.as_str()));
+    if let Some(file) = file {
+        let file = crate::words::sanitized(&file).into_owned();
+        let tip = format!("a file of this name is './{file}'");
+        usage.insert(
+            ContextKind::Suggested,
+            ContextValue::StyledStrs(vec![StyledStr::from(tip)]),
+        );
+    }
+}
+
+/// Reads the arguments of a command line.
+fn read(words: &[OsString]) -> Result<Arguments, clap::Error> {
+    let matches = command().try_get_matches_from(words)?;
+    Arguments::from_arg_matches(&matches).map_err(|error| error.format(&mut command()))
+}
+
 /// Parses the arguments. Errors respect --color and contain no control characters.
 fn parse(words: &[OsString]) -> Result<Arguments, clap::Error> {
-    Arguments::try_parse_from(words).map_err(|error| {
+    read(words).map_err(|error| {
         // Parsed again, as clap quotes what was given.
         let sanitized = words
             .iter()
             .map(|word| crate::words::sanitized(&word.to_string_lossy()).into_owned());
-        let mut error = Arguments::command()
+        let mut error = command()
             .color(option_or_default(words, "--color"))
             .try_get_matches_from(sanitized)
             .err()
             .unwrap_or(error);
+        name_dashed_file(&mut error, words);
         name_missing_feature(&mut error);
         error
     })
@@ -291,6 +318,21 @@ mod tests {
             let message = parse(&words).unwrap_err().render().to_string();
             let tip = format!("tip: toprise was built without the feature `{feature}`");
             assert_eq!(message.contains(&tip), !is_present, "{line}: {message}");
+        }
+    }
+
+    #[test]
+    fn words_with_a_dash_are_numbers_or_name_a_file() {
+        for (line, expected) in [
+            ("diff paper paper --rel -1", "must be a number of 0 or more"),
+            ("diff paper paper --abs x", "must be a number of 0 or more"),
+            ("info -dash.toml", "a file of this name is './-dash.toml'"),
+        ] {
+            let line = format!("toprise {line}");
+            let words: Vec<OsString> = line.split(' ').map(OsString::from).collect();
+            let message = parse(&words).unwrap_err().render().to_string();
+            assert!(message.contains(expected), "{line}: {message}");
+            assert!(!message.contains("-- -"), "{line}: {message}");
         }
     }
 

@@ -159,9 +159,28 @@ fn argument(argument: &Argument) -> String {
     match &argument.value {
         None => name.to_owned(),
         // Arrays have their standard deviations in an argument of its own.
-        Some(value) if value.ends_with(":SIGMA") => format!("sigma, or {name}=[{value:?}]"),
-        Some(value) if name == "columns" => format!("{name}=[{value:?}]"),
+        Some(value) if value.ends_with(":SIGMA") => format!("sigma, or {}", list(name, argument)),
+        Some(_) if name == "columns" => list(name, argument),
+        Some(_) if name == "overrides" => dict(name, argument),
         Some(value) if matches!(name, "start" | "until") => format!("{name}={value}"),
         Some(value) => format!("{name}={value:?}"),
     }
+}
+
+/// An argument whose values are a list.
+fn list(name: &str, argument: &Argument) -> String {
+    format!("{name}={:?}", argument.values().collect::<Vec<_>>())
+}
+
+/// An argument whose values are those of keys.
+fn dict(name: &str, argument: &Argument) -> String {
+    let mut entries = Vec::new();
+    for value in argument.values() {
+        let (key, value) = value.split_once('=').unwrap_or((value, ""));
+        entries.push(match value.parse::<f64>() {
+            Ok(_) => format!("{key:?}: {value}"),
+            Err(_) => format!("{key:?}: {value:?}"),
+        });
+    }
+    format!("{name}={{{}}}", entries.join(", "))
 }

@@ -41,7 +41,7 @@ pub enum InputError {
         reason: ScenarioError,
     },
     /// A table has many scenarios.
-    #[error("{} is a sweep table: run one of its rows, e.g. --row 42", path.display())]
+    #[error("{} is a sweep table: run one of its rows, e.g. toprise run {} --row 0", path.display(), path.display())]
     Table {
         /// The file.
         path: PathBuf,
@@ -94,14 +94,15 @@ impl Input {
             Ok(preset) => return Ok(Self::Preset(preset)),
             Err(unknown) => unknown,
         };
-        let text = match word.extension().and_then(OsStr::to_str) {
-            Some("parquet") => return Ok(Self::Table(word.to_owned())),
-            // By its name even if it is empty or cut: the error is then about a recording, not about TOML.
-            Some("mcap" | "partial") => return Self::open_recording(word),
-            _ if word.as_os_str() == "-" => scenario_from(io::stdin().lock()),
-            _ if is_mcap(word) => return Self::open_recording(word),
-            _ if word.exists() || looks_like_a_file(word) => read_file(word),
-            _ => return Err(InputError::UnknownPreset(unknown)),
+        let text = match FileFormat::detect(word) {
+            FileFormat::Parquet => return Ok(Self::Table(word.to_owned())),
+            FileFormat::Recording => return Self::open_recording(word),
+            FileFormat::Text if word.as_os_str() == "-" => scenario_from(io::stdin().lock()),
+            // A link that leads nowhere is a file, too: the system says what is wrong with it.
+            FileFormat::Text if word.symlink_metadata().is_ok() || looks_like_a_file(word) => {
+                read_file(word)
+            }
+            FileFormat::Text => return Err(InputError::UnknownPreset(unknown)),
         };
         let path = word.to_owned();
         match text {
@@ -171,11 +172,43 @@ fn parse(path: &Path, text: &str) -> Result<Values, InputError> {
     })
 }
 
-/// Whether a file starts with the MCAP magic bytes.
-fn is_mcap(path: &Path) -> bool {
-    let mut magic = [0; mcap::MAGIC.len()];
-    let read = open_file(path).and_then(|mut file| file.read_exact(&mut magic));
-    read.is_ok() && magic == *mcap::MAGIC
+/// The format of a file that is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileFormat {
+    /// A recording, or any other MCAP file.
+    Recording,
+    /// A Parquet table.
+    Parquet,
+    /// Anything else is read as text.
+    Text,
+}
+
+impl FileFormat {
+    /// The format that the magic bytes of a file show, whatever its name is. Only a file without them is a recording by
+    /// its name, because it is empty or cut: the error is then about a recording, and not about text.
+    pub fn detect(path: &Path) -> Self {
+        const PARQUET_MAGIC: &[u8] = b"PAR1";
+        let start = read_start(path).unwrap_or_default();
+        if start == mcap::MAGIC {
+            return Self::Recording;
+        }
+        if start.starts_with(PARQUET_MAGIC) {
+            return Self::Parquet;
+        }
+        match path.extension().and_then(OsStr::to_str) {
+            Some("mcap" | "partial") => Self::Recording,
+            Some(_) | None => Self::Text,
+        }
+    }
+}
+
+/// The bytes of a file in which its format shows; fewer if it is shorter.
+fn read_start(path: &Path) -> io::Result<Vec<u8>> {
+    let mut start = Vec::new();
+    open_file(path)?
+        .take(mcap::MAGIC.len() as u64)
+        .read_to_end(&mut start)?;
+    Ok(start)
 }
 
 /// The text of a scenario from a stream.
@@ -206,21 +239,27 @@ pub fn read_file(path: &Path) -> io::Result<String> {
 }
 
 /// Bytes as UTF-8 text. The error recognises UTF-16, as written by some editors and by PowerShell's `>`, and UTF-32: they
-/// begin with a byte order mark, or all but one byte of each ASCII character are zero.
+/// begin with a byte order mark, or all but one byte of each ASCII character are zero. No text begins with the character
+/// zero.
 pub(crate) fn text_of(bytes: Vec<u8>) -> io::Result<String> {
     // The byte order mark of little-endian UTF-32 begins with that of UTF-16.
     let is_utf32 = matches!(
         bytes[..],
-        [0xff, 0xfe, 0, 0, ..] | [0, 0, 0xfe, 0xff, ..] | [_, 0, 0, 0, ..] | [0, 0, 0, _, ..]
+        [0xff, 0xfe, 0, 0, ..]
+            | [0, 0, 0xfe, 0xff, ..]
+            | [1..=u8::MAX, 0, 0, 0, ..]
+            | [0, 0, 0, 1..=u8::MAX, ..]
     );
     let is_utf16 = matches!(
         bytes[..],
-        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [_, 0, ..] | [0, _, ..]
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [1..=u8::MAX, 0, ..] | [0, 1..=u8::MAX, ..]
     );
     let reason = if is_utf32 {
         "it is UTF-32 text: save it as UTF-8".to_owned()
     } else if is_utf16 {
         "it is UTF-16 text: save it as UTF-8".to_owned()
+    } else if bytes.starts_with(&[0]) {
+        "it is not text".to_owned()
     } else {
         match String::from_utf8(bytes) {
             Ok(text) => return Ok(text),
@@ -238,7 +277,10 @@ pub(crate) fn text_of(bytes: Vec<u8>) -> io::Result<String> {
 /// Whether a word is the name of a file, even if there is none, rather than that of a preset.
 fn looks_like_a_file(word: &Path) -> bool {
     let text = word.to_string_lossy();
-    text.contains(['/', '\\']) || text.contains(".mcap") || text.ends_with(".toml")
+    let has_extension = [".mcap", ".parquet", ".toml"]
+        .iter()
+        .any(|extension| text.contains(extension));
+    has_extension || text.contains(['/', '\\'])
 }
 
 #[cfg(test)]
@@ -268,10 +310,20 @@ mod tests {
             ("empty.mcap", b"", "recording"),
             ("a.mcap.partial", b"text", "recording"),
             ("map.parquet", b"PAR1", "table"),
+            ("map", b"PAR1", "table"),
+            ("map.toml", b"PAR1", "table"),
+            ("text.parquet", b"gravity = 9.81", "scenario"),
+            ("empty.parquet", b"", "scenario"),
         ] {
             let path = folder.path().join(name);
             std::fs::write(&path, content).unwrap();
             assert_eq!(kind(&path), expected, "{name}");
+        }
+        #[cfg(unix)]
+        {
+            let link = folder.path().join("loop");
+            std::os::unix::fs::symlink("loop", &link).unwrap();
+            assert_eq!(kind(&link), "scenario");
         }
         for (word, expected) in [
             ("paper", "preset"),
@@ -281,6 +333,7 @@ mod tests {
             ("./missing", "scenario"),
             ("missing.mcap", "recording"),
             ("missing.partial", "recording"),
+            ("missing.parquet", "scenario"),
         ] {
             assert_eq!(kind(Path::new(word)), expected, "{word}");
         }
@@ -323,7 +376,9 @@ mod tests {
             message(b"name = '\xfc'"),
             "it is not UTF-8 text (line 1): save it as UTF-8"
         );
-        assert_eq!(message(b"\x89PNG\r\n\0\0"), "it is not text");
+        for bytes in [&b"\x89PNG\r\n\0\0"[..], &[0; 1000]] {
+            assert_eq!(message(bytes), "it is not text");
+        }
         assert_eq!(scenario_from(text.as_bytes()).unwrap(), text);
     }
 

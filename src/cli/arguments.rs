@@ -1,8 +1,8 @@
 //! Arguments shared by several commands.
 
 use crate::telemetry::encoding::Encoding;
-use clap::ValueEnum;
 use clap::builder::PossibleValue;
+use clap::{Command, ValueEnum};
 use thiserror::Error;
 
 /// Heading in the help of the options that choose what is written.
@@ -45,6 +45,9 @@ pub(super) enum ArgumentError {
     /// A speed or another number that must be positive.
     #[error("must be a positive number, e.g. 0.5")]
     Positive,
+    /// A tolerance.
+    #[error("must be a number of 0 or more, e.g. 1e-9")]
+    Tolerance,
 }
 
 /// Reads a positive number.
@@ -52,6 +55,14 @@ pub(super) fn parse_positive(text: &str) -> Result<f64, ArgumentError> {
     match text.parse::<f64>() {
         Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
         Ok(_) | Err(_) => Err(ArgumentError::Positive),
+    }
+}
+
+/// Reads a number that is zero or positive.
+pub(super) fn parse_tolerance(text: &str) -> Result<f64, ArgumentError> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() && number >= 0.0 => Ok(number),
+        Ok(_) | Err(_) => Err(ArgumentError::Tolerance),
     }
 }
 
@@ -64,19 +75,26 @@ pub(super) fn parse_override(text: &str) -> Result<Override, ArgumentError> {
     }
 }
 
+/// Lets the options of a command and its subcommands have negative numbers. clap would take these for options; the parser
+/// of an option's value says which numbers are allowed.
+pub(super) fn allow_negative_numbers(command: Command) -> Command {
+    command
+        .mut_args(|argument| {
+            if argument.get_action().takes_values() && !argument.is_positional() {
+                argument.allow_negative_numbers(true)
+            } else {
+                argument
+            }
+        })
+        .mut_subcommands(allow_negative_numbers)
+}
+
 /// Parses a line of arguments, without the program and the command.
 #[cfg(test)]
 pub(super) fn parse<A: clap::Args>(line: &str) -> Result<A, clap::Error> {
-    use clap::Parser;
-
-    #[derive(Parser)]
-    struct Command<A: clap::Args> {
-        #[command(flatten)]
-        arguments: A,
-    }
-
+    let command = allow_negative_numbers(A::augment_args(Command::new("toprise")));
     let words = std::iter::once("toprise").chain(line.split_whitespace());
-    Command::try_parse_from(words).map(|command| command.arguments)
+    A::from_arg_matches(&command.try_get_matches_from(words)?)
 }
 
 #[cfg(test)]

@@ -60,8 +60,9 @@ impl FileKind {
         if extension == own || extension == "partial" {
             return Ok(());
         }
-        // For Rerun recordings there is an option, which the error names.
-        Err(if self == Self::Mcap && extension == "rrd" {
+        // For Rerun recordings there is an option, which the error names if this program has it.
+        let is_rerun = cfg!(feature = "rerun") && extension == "rrd";
+        Err(if self == Self::Mcap && is_rerun {
             ExtensionError::IsRerun {
                 option,
                 path: path.to_owned(),
@@ -85,7 +86,15 @@ mod tests {
         for (kind, name, expected) in [
             (FileKind::Mcap, "a.mcap", ""),
             (FileKind::Mcap, "a", ""),
-            (FileKind::Mcap, "a.rrd", "use --rrd a.rrd"),
+            (
+                FileKind::Mcap,
+                "a.rrd",
+                if cfg!(feature = "rerun") {
+                    "use --rrd a.rrd"
+                } else {
+                    "-o writes an MCAP file: call it a.mcap"
+                },
+            ),
             (
                 FileKind::Mcap,
                 "a.txt",

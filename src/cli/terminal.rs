@@ -15,16 +15,20 @@ const MAX_WIDTH: usize = 100;
 /// Marks the end of the header; can't occur in sanitised cells.
 const RULE: char = '\u{1}';
 
-/// An argument as an option of the command line.
+/// An argument as options of the command line.
 pub(super) fn option(argument: &Argument) -> String {
     let name = argument.name;
-    let Some(value) = &argument.value else {
-        return format!("--{name}");
-    };
-    // Column names need quotes, fields don't.
-    match value.split_once('=') {
-        Some((field, column)) => format!("--{name} {field}={}", quoted(column)),
-        None => format!("--{name} {}", quoted(value)),
+    let mut options = Vec::new();
+    for value in argument.values() {
+        // Column names need quotes, fields don't.
+        options.push(match value.split_once('=') {
+            Some((field, column)) => format!("--{name} {field}={}", quoted(column)),
+            None => format!("--{name} {}", quoted(value)),
+        });
+    }
+    match options[..] {
+        [] => format!("--{name}"),
+        _ => options.join(" "),
     }
 }
 
@@ -200,16 +204,22 @@ mod tests {
 
     #[test]
     fn arguments_are_options() {
-        for (value, expected) in [
-            (None, "--signal"),
-            (Some("theta=tilt"), "--signal theta=tilt"),
-            (Some("theta=$(a)`\"\\"), r#"--signal theta="\$(a)\`\"\\""#),
-            (Some("theta=2 (deg)"), "--signal theta=\"2 (deg)\""),
-            (Some("t [s]"), "--signal \"t [s]\""),
+        for (values, expected) in [
+            (&[][..], "--signal"),
+            (&["theta=tilt"], "--signal theta=tilt"),
+            (&["theta=$(a)`\"\\"], r#"--signal theta="\$(a)\`\"\\""#),
+            (&["theta=2 (deg)"], "--signal theta=\"2 (deg)\""),
+            (&["t [s]"], "--signal \"t [s]\""),
+            (
+                &["theta=tilt", "phi=azimuth"],
+                "--signal theta=tilt --signal phi=azimuth",
+            ),
         ] {
+            let mut values = values.iter().map(|value| (*value).to_owned());
             let argument = Argument {
                 name: "signal",
-                value: value.map(str::to_owned),
+                value: values.next(),
+                further: values.collect(),
             };
             assert_eq!(option(&argument), expected);
         }

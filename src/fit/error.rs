@@ -224,7 +224,7 @@ mod tests {
                 "full-coulomb",
                 "Run 1: Time (s),Run 2: Time (s),theta\n0,0,0.5\n",
                 &["friction.k"],
-                "call one of them t, or choose with time",
+                "rename all but one",
             ),
             (
                 "no field",
@@ -245,7 +245,7 @@ mod tests {
                 "full-coulomb",
                 &times,
                 &["friction.k"],
-                "write the unit after the name: time = t (ms), time = t (us) or time = t (s); divide",
+                "write the unit into the header, or after the name: time = t (ms), time = t (us) or time = t (s); divide",
             ),
             (
                 "no noise",
@@ -273,7 +273,7 @@ mod tests {
                 "frictionless",
                 "t,theta\n0,0.5\n0.1,0.4\n",
                 &["friction.k"],
-                "choose a law with set, e.g. friction.law = coulomb",
+                "choose a law, e.g. with set = friction.law=coulomb, friction.k=0.03, friction.dissipation=full",
             ),
         ] {
             let message = error_of(preset, text, free).to_string();

@@ -6,6 +6,7 @@ use super::error::DataError;
 use super::signal::FileSignals;
 use super::signal::{Signal, SignalSpec};
 use super::{recorded, text_table};
+use crate::archive::input::FileFormat;
 use crate::archive::publish::is_same_file;
 use crate::words::{Piece, sentence};
 use std::path::{Path, PathBuf};
@@ -73,8 +74,8 @@ pub fn read(
                 name
             )));
         }
-        let found = match Format::from_name(path) {
-            Format::Recording => {
+        let found = match FileFormat::detect(path) {
+            FileFormat::Recording => {
                 let read = recorded::read(path, index, specs)?;
                 data.starts_with_run |= index == 0 && read.is_ours;
                 for loss in read.losses {
@@ -82,8 +83,8 @@ pub fn read(
                 }
                 read.found
             }
-            Format::Parquet => read_parquet(path, index, specs, time)?,
-            Format::Text => text_table::read(path, index, specs, time)?,
+            FileFormat::Parquet => read_parquet(path, index, specs, time)?,
+            FileFormat::Text => text_table::read(path, index, specs, time)?,
         };
         data.signals.extend(found.signals);
         contents.push(Contents {
@@ -123,9 +124,9 @@ struct Contents {
 
 /// Refuses a name of columns of times if no file has columns.
 fn check_time(files: &[PathBuf], time: Option<&str>) -> Result<(), DataError> {
-    let has_columns = files.iter().any(|path| match Format::from_name(path) {
-        Format::Text | Format::Parquet => true,
-        Format::Recording => false,
+    let has_columns = files.iter().any(|path| match FileFormat::detect(path) {
+        FileFormat::Text | FileFormat::Parquet => true,
+        FileFormat::Recording => false,
     });
     match time {
         Some(name) if !has_columns => Err(DataError::new(sentence!(
@@ -207,25 +208,6 @@ fn read_parquet(
         "this build can't read Parquet files (its feature `sweep` is off): convert it to CSV",
     )
     .in_file(path))
-}
-
-/// Format of a file of data.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Format {
-    Text,
-    Parquet,
-    Recording,
-}
-
-impl Format {
-    /// The format that a name's extension says; text without one that is known.
-    fn from_name(path: &Path) -> Self {
-        match path.extension().and_then(|extension| extension.to_str()) {
-            Some("mcap" | "partial") => Self::Recording,
-            Some("parquet" | "pq") => Self::Parquet,
-            Some(_) | None => Self::Text,
-        }
-    }
 }
 
 #[cfg(test)]

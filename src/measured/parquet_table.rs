@@ -37,6 +37,7 @@ pub(super) fn read(
         path,
         columns: names,
         is_named: true,
+        has_arguments: true,
         rows: Rows::Numbers { columns, count },
     };
     table.signals(file, specs, time)

@@ -31,6 +31,8 @@ pub struct Signal {
     pub sigmas: Vec<f64>,
     /// Whether the standard deviation was not given, but has to be estimated.
     pub is_sigma_estimated: bool,
+    /// The standard deviation as it was given.
+    pub(crate) sigma: SigmaSpec,
     /// Whether the unit of the values was given, and not only taken for the SI unit.
     pub(crate) is_unit_known: bool,
     /// The column of times; `None` for recordings and arrays.
@@ -71,7 +73,7 @@ pub(super) struct FileSignals {
 
 /// Standard deviation of a signal, as given by the user.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum SigmaSpec {
+pub(crate) enum SigmaSpec {
     /// Not given.
     Estimate,
     /// A number with a unit, which may be empty.
@@ -101,8 +103,8 @@ pub(super) enum Flaw {
     })]
     UnknownField {
         name: String,
-        /// The paths of similar ones.
-        similar: Vec<&'static str>,
+        /// Similar ones: with their topics if the name has one, or else their paths.
+        similar: Vec<String>,
         /// The fields that can be measured.
         known: String,
     },
@@ -164,6 +166,11 @@ impl SignalSpec {
         })
     }
 
+    /// The description as it is parsed.
+    pub(super) fn description(&self) -> String {
+        describe(self.field, &self.source, &self.sigma)
+    }
+
     /// Whether a signal is the one that is described.
     pub(super) fn describes(&self, signal: &Signal) -> bool {
         signal.field == self.field
@@ -187,6 +194,20 @@ impl SignalSpec {
             sigma: SigmaSpec::Estimate,
             whole: None,
         })
+    }
+}
+
+/// The description of a signal, which is parsed to what it was made of.
+fn describe(field: NumberField, source: &str, sigma: &SigmaSpec) -> String {
+    let name = match find_field(field.path()) {
+        Ok(found) if found == field => field.path().to_owned(),
+        // Fields of several topics have this path.
+        Ok(_) | Err(_) => field.to_string(),
+    };
+    match sigma {
+        SigmaSpec::Estimate => format!("{name}={source}"),
+        SigmaSpec::Number(number, unit) => format!("{name}={source}:{number}{unit}"),
+        SigmaSpec::Column(column) => format!("{name}={source}:{column}"),
     }
 }
 
@@ -236,14 +257,22 @@ fn find_field(name: &str) -> Result<NumberField, Flaw> {
     let lower = name.to_lowercase();
     let mut fields = measurable();
     let exact = fields.find(|field| field.to_string() == lower || field.path() == lower);
-    known.or(exact).ok_or_else(|| Flaw::UnknownField {
+    known.or(exact).ok_or_else(|| unknown_field(name))
+}
+
+fn unknown_field(name: &str) -> Flaw {
+    let (mut full, mut paths) = (Vec::new(), Vec::new());
+    for field in measurable() {
+        full.push(field.to_string());
+        paths.push(field.path().to_owned());
+    }
+    let compared = if name.starts_with('/') { &full } else { &paths };
+    let similar = similar_names(name, compared.iter().map(String::as_str));
+    Flaw::UnknownField {
         name: name.to_owned(),
-        similar: similar_names(name, measurable().map(NumberField::path)),
-        known: measurable()
-            .map(|field| field.to_string())
-            .collect::<Vec<_>>()
-            .join(", "),
-    })
+        similar: similar.into_iter().map(str::to_owned).collect(),
+        known: full.join(", "),
+    }
 }
 
 /// The fields that can be measured: motion and position. They don't depend on the running integrals, which fits skip.
@@ -346,6 +375,7 @@ impl Signal {
             times: rows.iter().map(|row| row.time).collect(),
             values,
             is_sigma_estimated,
+            sigma: spec.sigma.clone(),
             is_unit_known: true,
             clock: None,
             missing,
@@ -355,6 +385,11 @@ impl Signal {
                 numbers: rows.iter().map(|row| row.line).collect(),
             }),
         })
+    }
+
+    /// The description with which the signal is read again, from a column of this name.
+    pub(crate) fn description(&self, name: &str) -> String {
+        describe(self.field, name, &self.sigma)
     }
 
     /// The line of a value; `None` where there are no lines.
@@ -495,6 +530,10 @@ mod tests {
             ),
             ("theta:", "is not a positive number"),
             ("thet", "unknown field thet (did you mean theta?)"),
+            (
+                "/top/state.thet",
+                "unknown field /top/state.thet (did you mean /top/state.theta?)",
+            ),
             ("=x", "a name is empty"),
         ] {
             let error = SignalSpec::parse(text).unwrap_err().to_string();

@@ -21,6 +21,8 @@ pub(super) struct Table<'a> {
     pub columns: Vec<String>,
     /// Whether a line names the columns, and not only their numbers.
     pub is_named: bool,
+    /// Whether arguments can name the columns, too.
+    pub has_arguments: bool,
     pub rows: Rows,
 }
 
@@ -151,6 +153,18 @@ impl Table<'_> {
         column::positions(&self.columns, name)
     }
 
+    /// The only column with a name.
+    fn only_position(&self, name: &str) -> Result<usize, DataError> {
+        match self.positions(name)[..] {
+            [] => Err(self.missing(name)),
+            [at] => Ok(at),
+            [..] => Err(self.error(sentence!(
+                "several columns are called {}: rename them",
+                name.to_owned()
+            ))),
+        }
+    }
+
     /// Refuses columns that would count twice, and names that stand for several columns.
     fn check_duplicates(
         &self,
@@ -158,18 +172,13 @@ impl Table<'_> {
         is_found_by_name: bool,
     ) -> Result<(), DataError> {
         for (at, spec) in specs.iter().enumerate() {
-            if self.positions(&spec.source).len() > 1 {
-                return Err(self.error(sentence!(
-                    "several columns are called {}: rename them",
-                    &spec.source
-                )));
-            }
+            self.only_position(&spec.source)?;
             for other in &specs[..at] {
                 if self.position(&other.source) == self.position(&spec.source) {
                     return Err(read_twice(&spec.source).in_file(self.path));
                 }
                 if is_found_by_name && other.field == spec.field {
-                    return Err(self.measured_twice(spec, other));
+                    return Err(self.measured_twice(spec, other, specs));
                 }
             }
         }
@@ -193,10 +202,21 @@ impl Table<'_> {
             .in_column(column.name)
     }
 
-    /// The error of two columns that were found by their names and measure the same field.
-    fn measured_twice(&self, spec: &SignalSpec, other: &SignalSpec) -> DataError {
+    /// The error of two columns that were found by their names and measure the same field. Columns that are named replace
+    /// all that were found, so the remedy names those of the other fields, too.
+    fn measured_twice(
+        &self,
+        spec: &SignalSpec,
+        other: &SignalSpec,
+        specs: &[SignalSpec],
+    ) -> DataError {
         let field = spec.field.to_string();
         let choice = format!("{field}={}", other.source);
+        let further = specs
+            .iter()
+            .filter(|further| further.field != spec.field)
+            .map(SignalSpec::description)
+            .collect();
         let problem = sentence!(
             "the columns {} and {} both measure {}",
             &other.source,
@@ -205,7 +225,7 @@ impl Table<'_> {
         );
         self.error(problem).with_remedy(sentence!(
             "choose one, e.g. {}",
-            Piece::argument_with("signal", choice)
+            Piece::argument_with_all("signal", choice, further)
         ))
     }
 
@@ -239,12 +259,26 @@ impl Table<'_> {
                 let names: Vec<&str> = several.iter().map(|at| &*self.columns[*at]).collect();
                 let problem =
                     sentence!("several columns are named like times: {}", names.join(", "));
-                Err(self.error(problem).with_remedy(sentence!(
-                    "call one of them t, or choose with {}",
-                    Piece::argument("time")
-                )))
+                Err(self
+                    .error(problem)
+                    .with_remedy(self.rename_or_choose(&names)))
             }
         }
+    }
+
+    /// What helps with several columns of times: only a name that no other column has can be chosen.
+    fn rename_or_choose(&self, names: &[&str]) -> Sentence {
+        let mut choices = Vec::new();
+        for name in names {
+            if self.has_arguments && self.positions(name).len() == 1 {
+                choices.push(Piece::argument_with("time", *name).into());
+            }
+        }
+        if choices.is_empty() {
+            return sentence!("rename all but one");
+        }
+        let choices = Sentence::join(choices, " or ");
+        sentence!("rename all but one, or choose with {}", choices)
     }
 
     /// The error of a table in which no line names the columns.
@@ -256,9 +290,19 @@ impl Table<'_> {
             ));
         }
         let problem = sentence!("no line names the {} columns", columns.to_string());
-        self.error(problem).with_remedy(sentence!(
+        let first_line = sentence!(
             "write a first line that does, e.g. t,theta (deg) or t,theta (deg),phi (deg)"
-        ))
+        );
+        self.error(problem).with_remedy(if self.has_arguments {
+            sentence!(
+                "{}, or use their numbers: {} {}",
+                first_line,
+                Piece::argument_with("time", "1"),
+                Piece::argument_with("signal", "theta=2 (deg)")
+            )
+        } else {
+            first_line
+        })
     }
 
     /// The columns that are named like fields, or else those that are within a data set.
@@ -319,7 +363,7 @@ impl Table<'_> {
 
     /// The column with a name. Its unit is that of its type, or else of the header, or else of the name.
     fn cells<'a>(&'a self, name: &'a str, dimension: Dimension) -> Result<Cells<'a>, DataError> {
-        let at = self.position(name).ok_or_else(|| self.missing(name))?;
+        let at = self.only_position(name)?;
         self.cells_at(at, name, dimension)
     }
 

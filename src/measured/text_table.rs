@@ -25,7 +25,7 @@ pub(super) fn read(
     let size = std::fs::metadata(path).map_or(0, |file| file.len());
     check_size(path, size)?;
     let text = read_file(path).map_err(|reason| DataError::unreadable(path, reason))?;
-    read_text(path, &text, file, specs, time)
+    parse(path, &text, time)?.signals(file, specs, time)
 }
 
 fn check_size(path: &Path, bytes: u64) -> Result<(), DataError> {
@@ -37,17 +37,6 @@ fn check_size(path: &Path, bytes: u64) -> Result<(), DataError> {
     Ok(())
 }
 
-/// Reads the signals of the text of a file.
-fn read_text(
-    path: &Path,
-    text: &str,
-    file: usize,
-    specs: &[SignalSpec],
-    time: Option<&str>,
-) -> Result<FileSignals, DataError> {
-    parse(path, text.trim_start_matches('\u{feff}'), time)?.signals(file, specs, time)
-}
-
 /// Reads the signals of the only file of a fit, whose content is in memory.
 pub(super) fn read_bytes(
     path: &Path,
@@ -56,11 +45,17 @@ pub(super) fn read_bytes(
 ) -> Result<FileSignals, DataError> {
     check_size(path, bytes.len() as u64)?;
     let text = text_of(bytes).map_err(|reason| DataError::unreadable(path, reason))?;
-    read_text(path, &text, 0, specs, None)
+    let table = Table {
+        // Those who have the content, and no file, have no arguments for its columns either.
+        has_arguments: false,
+        ..parse(path, &text, None)?
+    };
+    table.signals(0, specs, None)
 }
 
 /// Parses a table: its header, and the rows below it.
 fn parse<'a>(path: &'a Path, text: &str, time: Option<&str>) -> Result<Table<'a>, DataError> {
+    let text = text.trim_start_matches('\u{feff}');
     let delimiter = Delimiter::find(text);
     let header = header::find(text, delimiter, time);
     let Header {
@@ -111,6 +106,7 @@ fn parse<'a>(path: &'a Path, text: &str, time: Option<&str>) -> Result<Table<'a>
     Ok(Table {
         path,
         is_named: !names.is_empty(),
+        has_arguments: true,
         columns: names
             .into_iter()
             .chain(unnamed.map(|number| number.to_string()))

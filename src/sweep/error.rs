@@ -156,6 +156,9 @@ pub enum TableError {
     /// The name has another extension.
     #[error("must be a .parquet or a .csv file")]
     Extension,
+    /// The file is no Parquet file.
+    #[error("not a Parquet file (wrong magic bytes)")]
+    NotParquet,
     /// There are no rows.
     #[error("there are no rows")]
     Empty,
@@ -165,6 +168,9 @@ pub enum TableError {
     /// A column is not a key.
     #[error(transparent)]
     Key(#[from] ScenarioError),
+    /// Two columns have the same key.
+    #[error("{0} varies twice")]
+    VariesTwice(&'static str),
     /// The cells of a column can't be read.
     #[error("{column}: {source}")]
     Column {
@@ -326,7 +332,11 @@ impl SweepError {
                 source: TableError::NotANumber { key, .. },
                 ..
             } => Some(key.path),
-            Self::Spec(SpecError::VariesTwice(key) | SpecError::SetAndVaried(key)) => Some(key),
+            Self::Spec(SpecError::VariesTwice(key) | SpecError::SetAndVaried(key))
+            | Self::Table {
+                source: TableError::VariesTwice(key),
+                ..
+            } => Some(key),
             Self::Spec(SpecError::UnquotedKey { key, .. }) => Some(key),
             other => other.scenario_error()?.key.as_deref(),
         }

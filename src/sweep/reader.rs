@@ -2,7 +2,7 @@
 
 use super::error::{SweepError, TableError};
 use crate::archive::caught::catch;
-use crate::archive::input::open_file;
+use crate::archive::input::{FileFormat, open_file};
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 use parquet::errors::ParquetError;
@@ -19,6 +19,9 @@ pub(super) fn read<T>(
     read: impl FnOnce(Opened) -> Result<T, TableError>,
 ) -> Result<T, SweepError> {
     let file = open_file(path).map_err(|reason| SweepError::io("read", path, reason))?;
+    if FileFormat::detect(path) != FileFormat::Parquet {
+        return Err(SweepError::table(path, TableError::NotParquet));
+    }
     catch(|| read(Opened::try_new(file)?))
         .unwrap_or(Err(TableError::Damaged))
         .map_err(|reason| SweepError::table(path, reason))

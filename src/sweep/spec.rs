@@ -13,7 +13,7 @@ use self::axis::Axis;
 use self::base::Base;
 use self::design::{Design, MAX_ROWS};
 use self::sample::Points;
-use super::error::{SpecError, SweepError};
+use super::error::{SpecError, SweepError, TableError};
 use crate::run::scenario::{Key, Value};
 use serde_json::{Map, Value as Json, json};
 use std::collections::HashSet;
@@ -50,7 +50,10 @@ impl Spec {
         let rows_per_base = design.rows()?;
         let keys = design.keys();
         if let Some(key) = repeated(keys.iter().map(|key| key.path)) {
-            return Err(SpecError::VariesTwice(key).into());
+            return Err(match design.file() {
+                Some(table) => SweepError::table(table, TableError::VariesTwice(key)),
+                None => SpecError::VariesTwice(key).into(),
+            });
         }
         let mut set = bases.iter().flat_map(|base| &base.set);
         if let Some(key) = set.find(|key| design.always_has(key)) {
@@ -92,10 +95,7 @@ impl Spec {
     /// The files that it was read from: bases, and a table of runs.
     pub(super) fn inputs(&self) -> impl Iterator<Item = &Path> {
         let bases = self.bases.iter().filter_map(|base| base.file.as_deref());
-        bases.chain(match &self.design {
-            Design::Table(table) => table.file(),
-            Design::Grid(_) | Design::Sample(..) => None,
-        })
+        bases.chain(self.design.file())
     }
 
     /// The base of a row.

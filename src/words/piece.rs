@@ -77,17 +77,26 @@ pub struct Argument {
     pub name: &'static str,
     /// A value for it.
     pub value: Option<String>,
+    /// Further values, where it is given several times.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub further: Vec<String>,
 }
 
 /// The way in which an interface writes an argument.
 pub type ArgumentStyle = fn(&Argument) -> String;
 
 impl Argument {
-    /// The name and the value, for readers of no particular interface.
+    /// The values.
+    pub fn values(&self) -> impl Iterator<Item = &String> {
+        self.value.iter().chain(&self.further)
+    }
+
+    /// The name and the values, for readers of no particular interface.
     pub fn plain(&self) -> String {
-        match &self.value {
-            Some(value) => format!("{} = {value}", self.name),
-            None => self.name.to_owned(),
+        let values: Vec<&str> = self.values().map(String::as_str).collect();
+        match values[..] {
+            [] => self.name.to_owned(),
+            _ => format!("{} = {}", self.name, values.join(", ")),
         }
     }
 }
@@ -189,13 +198,29 @@ impl Piece {
 
     /// An argument of the interface.
     pub fn argument(name: &'static str) -> Self {
-        Self::Argument(Argument { name, value: None })
+        Self::Argument(Argument {
+            name,
+            value: None,
+            further: Vec::new(),
+        })
     }
 
     /// An argument of the interface with a value for it.
     pub fn argument_with(name: &'static str, value: impl Into<String>) -> Self {
-        let value = Some(value.into());
-        Self::Argument(Argument { name, value })
+        Self::argument_with_all(name, value, Vec::new())
+    }
+
+    /// An argument of the interface with several values for it.
+    pub fn argument_with_all(
+        name: &'static str,
+        first: impl Into<String>,
+        further: Vec<String>,
+    ) -> Self {
+        Self::Argument(Argument {
+            name,
+            value: Some(first.into()),
+            further,
+        })
     }
 
     /// Two values of a quantity, for "from … to …": with the same decimals, and more than `digits` significant digits if

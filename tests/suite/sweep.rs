@@ -637,7 +637,7 @@ fn rejects_missing_and_modified_rows() {
     for (line, part) in [
         ("a.parquet --row 2", "no row 2: the table has 2 rows"),
         ("a.parquet --row 1", "initial.theta = 4"),
-        ("a.parquet", "--row 42"),
+        ("a.parquet", "toprise run a.parquet --row 0"),
         ("design.parquet --row 0", "not the table of a sweep"),
         ("paper --row 0", "paper"),
     ] {

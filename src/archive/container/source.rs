@@ -19,7 +19,8 @@ pub fn open_file(path: &Path) -> io::Result<File> {
     }
     let metadata = path.metadata()?;
     if !metadata.is_file() && !metadata.is_dir() {
-        return Err(io::Error::other("it is a pipe or a device, not a file"));
+        let reason = "it is a pipe or a device, not a file (a scenario can be read from standard input, as -)";
+        return Err(io::Error::other(reason));
     }
     File::open(path)
 }

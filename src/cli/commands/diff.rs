@@ -5,7 +5,7 @@ pub(in crate::cli) mod content;
 use crate::analysis::diff::{Observer, Options, Tolerance, Tolerances, Verdict, compare_observed};
 use crate::archive::publish::Drafts;
 use crate::archive::sink::SinkError;
-use crate::cli::arguments::{Format, Override, parse_override};
+use crate::cli::arguments::{Format, Override, parse_override, parse_tolerance};
 use crate::cli::extension::{FeatureArguments as _, PairViewer, ShowPair, ShowPairArguments};
 use crate::cli::input::{OpenRun, open};
 use crate::cli::progress::Progress;
@@ -52,11 +52,11 @@ pub(in crate::cli) struct DiffArguments {
 #[command(next_help_heading = "Comparison")]
 struct ComparisonArguments {
     /// Absolute tolerance, in the unit of each field.
-    #[arg(long, value_name = "NUMBER", default_value_t = 0.0)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 0.0, value_parser = parse_tolerance)]
     abs: f64,
 
     /// Relative tolerance (relative to the larger magnitude)
-    #[arg(long, value_name = "NUMBER", default_value_t = 0.0)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 0.0, value_parser = parse_tolerance)]
     rel: f64,
 
     /// Tolerance for some fields, e.g. '/top/state.theta=1e-9' or '/top/torque.*=rel:1e-6'

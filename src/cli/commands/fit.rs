@@ -76,11 +76,11 @@ pub(in crate::cli) struct FitArguments {
     bounds: Vec<ParameterBounds>,
 
     /// Time in the data at which the scenario starts, s [default: the first sample; 0 for recordings of toprise]
-    #[arg(long, value_name = "TIME", allow_negative_numbers = true, value_parser = parse_finite)]
+    #[arg(long, value_name = "TIME", value_parser = parse_finite)]
     start: Option<f64>,
 
     /// Use only the data until this time after the start, s
-    #[arg(long, value_name = "TIME", allow_negative_numbers = true, value_parser = parse_positive)]
+    #[arg(long, value_name = "TIME", value_parser = parse_positive)]
     until: Option<f64>,
 
     /// How residuals count: squares, or huber for data with outliers

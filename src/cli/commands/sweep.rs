@@ -3,8 +3,7 @@
 pub(in crate::cli) mod figures;
 pub(super) mod report;
 
-use crate::archive::input::Input;
-use crate::archive::input::read_file;
+use crate::archive::input::{FileFormat, Input, read_file};
 use crate::archive::publish::Drafts;
 use crate::cli::arguments::{Override, parse_override};
 use crate::cli::extension::{FeatureArguments, SweepRow};
@@ -46,7 +45,7 @@ pub(super) fn set_panic_hook() {
 #[derive(Args, Clone, Debug, Default, PartialEq)]
 pub(in crate::cli) struct RowArgument {
     /// Run this row of a sweep table (SCENARIO is the .parquet file)
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 0, u64::MAX))]
     row: Option<u64>,
 }
 
@@ -57,7 +56,7 @@ impl FeatureArguments<&Input, SweepRow> for RowArgument {
         };
         let Input::Table(table) = input else {
             let name = input.word().display();
-            bail!("{name} is not a sweep table: --row needs a .parquet file");
+            bail!("{name} is not a sweep table: --row needs the .parquet file of a sweep");
         };
         let values = values_of_row(table, number)?;
         Ok(Some(SweepRow { number, values }))
@@ -89,7 +88,7 @@ pub(in crate::cli) struct SweepArguments {
     over: Vec<Override>,
 
     /// Sample N points instead of a grid
-    #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 1, u64::MAX), allow_negative_numbers = true, conflicts_with = "table")]
+    #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 1, u64::MAX), conflicts_with = "table")]
     sample: Option<u64>,
 
     /// Sampling method
@@ -97,7 +96,7 @@ pub(in crate::cli) struct SweepArguments {
     method: Method,
 
     /// Seed of the sample; 0 is the unscrambled Sobol sequence
-    #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 0, u64::MAX), allow_negative_numbers = true, default_value = "0", requires = "sample")]
+    #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 0, u64::MAX), default_value = "0", requires = "sample")]
     seed: u64,
 
     /// Read the values from a .parquet or .csv file; its columns are keys, e.g. friction_k
@@ -113,7 +112,7 @@ pub(in crate::cli) struct SweepArguments {
     output: PathBuf,
 
     /// Number of threads [default: number of processors]
-    #[arg(short = 'j', long, value_name = "N", value_parser = |text: &str| whole(text, 1, MAX_JOBS), allow_negative_numbers = true)]
+    #[arg(short = 'j', long, value_name = "N", value_parser = |text: &str| whole(text, 1, MAX_JOBS))]
     jobs: Option<u64>,
 
     /// Compute only shard I (from 0) of N, e.g. on one of N machines; run without --shard to merge.
@@ -121,7 +120,7 @@ pub(in crate::cli) struct SweepArguments {
     shard: Option<Shard>,
 
     /// Maximum number of integrator steps per run; a longer run is an error
-    #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 1, u64::MAX), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 1, u64::MAX))]
     max_steps: Option<u64>,
 
     /// Stop at the first failed row, with exit code 2
@@ -251,6 +250,7 @@ impl SweepArguments {
             && let path = Path::new(word)
             && path.is_file()
             && path.extension().is_some_and(|kind| kind == "toml")
+            && FileFormat::detect(path) == FileFormat::Text
         {
             let text = read_file(path).with_context(|| format!("cannot read {word}"))?;
             if Spec::is_spec(&text) {

@@ -47,11 +47,11 @@ pub(in crate::cli) struct ViewArguments {
     force: bool,
 
     /// Start at this simulated time, s
-    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds)]
     from: Option<f64>,
 
     /// End at this simulated time, s
-    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds)]
     to: Option<f64>,
 }
 

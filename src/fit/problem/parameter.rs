@@ -257,11 +257,15 @@ fn no_file(name: &str) -> FitError {
 
 fn no_friction() -> Sentence {
     sentence!(
-        "the scenario has no friction; choose a law with {}, e.g. {} = coulomb, {} = 0.03 and {} = full",
-        Piece::argument("set"),
-        Piece::key("friction.law"),
-        Piece::key("friction.k"),
-        Piece::key("friction.dissipation")
+        "the scenario has no friction; choose a law, e.g. with {}",
+        Piece::argument_with_all(
+            "set",
+            "friction.law=coulomb",
+            vec![
+                "friction.k=0.03".to_owned(),
+                "friction.dissipation=full".to_owned()
+            ]
+        )
     )
 }
 

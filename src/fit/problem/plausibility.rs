@@ -20,9 +20,9 @@ pub(in crate::fit) fn check_signals(problem: &Problem) -> Result<(), FitError> {
         for point in problem.points.iter().filter(|point| point.signal == index) {
             values.push(point.value);
         }
-        check_inclination(signal, &values)?;
+        check_inclination(problem, index, &values)?;
         if signal.is_sigma_estimated && values.len() >= FEWEST && is_constant(&values) {
-            return Err(FitError::refused(no_noise(signal, values[0])));
+            return Err(FitError::refused(no_noise(problem, index, values[0])));
         }
     }
     Ok(())
@@ -34,17 +34,17 @@ pub(in crate::fit) fn is_constant(values: &[f64]) -> bool {
 }
 
 /// Refuses an inclination without a unit most of whose values are above π. A few may be outliers.
-fn check_inclination(signal: &Signal, values: &[f64]) -> Result<(), FitError> {
+fn check_inclination(problem: &Problem, index: usize, values: &[f64]) -> Result<(), FitError> {
     /// Noise and errors of calibration of a top that hangs (θ = π) stay well below this; degrees are 57 times larger.
     const MAX_MEDIAN: f64 = 1.2 * PI;
     let median = median_size(values);
+    let signal = &problem.signals[index];
     if signal.field == state::THETA && !signal.is_unit_known && median > MAX_MEDIAN {
-        let name = split_header(&signal.name).0;
         return Err(FitError::refused(sentence!(
             "most values of {} are above π (median {}), but an inclination in rad is not; {}",
-            name.to_owned(),
+            split_header(&signal.name).0.to_owned(),
             Piece::fixed(median, 4, ""),
-            state_unit(state::THETA.path(), name, "deg", "rad")
+            state_unit(problem, index, "deg", "rad")
         )));
     }
     Ok(())
@@ -121,7 +121,7 @@ fn likely_time_unit(signal: &Signal, times: &[f64]) -> FitError {
     let [ms, us, s] =
         ["ms", "us", "s"].map(|unit| Piece::argument_with("time", format!("{name} ({unit})")));
     FitError::refused(sentence!(
-        "{}the times in column {} have no unit: in s they span {} with a value every {}, in ms {}{}; write the unit after the name: {}, {} or {}{}",
+        "{}the times in column {} have no unit: in s they span {} with a value every {}, in ms {}{}; write the unit into the header, or after the name: {}, {} or {}{}",
         path,
         name.to_owned(),
         time(duration),
@@ -146,20 +146,47 @@ fn duration_of_frames(frames: f64) -> Sentence {
     )
 }
 
-/// How to state the unit of a column: the likely one, or the SI unit.
-fn state_unit(path: &str, name: &str, unit: &str, si: &str) -> Sentence {
-    let [likely, other] =
-        [unit, si].map(|unit| Piece::argument_with("signal", format!("{path}={name} ({unit})")));
+/// How to state the unit of a signal: the likely one, or the SI unit.
+fn state_unit(problem: &Problem, index: usize, unit: &str, si: &str) -> Sentence {
+    let signal = &problem.signals[index];
+    let name = split_header(&signal.name).0;
+    let [likely, other] = [unit, si].map(|unit| {
+        let description = signal.description(&format!("{name} ({unit})"));
+        with_others(problem, index, description)
+    });
+    // Messages have no header.
+    let place = match signal.clock {
+        Some(_) => "into the header, or after the name",
+        None => "after the name",
+    };
     sentence!(
-        "write the unit after the name: {}; if they are in {}, {}",
+        "write the unit {}: {}; if they are in {}, {}",
+        place,
         likely,
         si.to_owned(),
         other
     )
 }
 
+/// The argument that describes a signal anew. Signals that are named replace all that were found, so it names the others
+/// as they are.
+fn with_others(problem: &Problem, index: usize, description: String) -> Piece {
+    let signal = &problem.signals[index];
+    let mut others: Vec<String> = Vec::new();
+    for other in &problem.signals {
+        let text = other.description(&other.name);
+        // A name stands for the columns of all files.
+        let is_same = other.field == signal.field && other.name == signal.name;
+        if !is_same && !others.contains(&text) {
+            others.push(text);
+        }
+    }
+    Piece::argument_with_all("signal", description, others)
+}
+
 /// What is wrong with a signal all values of which are equal.
-fn no_noise(signal: &Signal, value: f64) -> Sentence {
+fn no_noise(problem: &Problem, index: usize, value: f64) -> Sentence {
+    let signal = &problem.signals[index];
     let (field, name) = (signal.field.to_string(), &signal.name);
     let with_sigma = format!("{field}={name}:SIGMA");
     sentence!(
@@ -167,7 +194,7 @@ fn no_noise(signal: &Signal, value: f64) -> Sentence {
         Piece::field(field),
         Piece::rounded(value, 6, signal.field.unit()),
         name,
-        Piece::argument_with("signal", with_sigma)
+        with_others(problem, index, with_sigma)
     )
 }
 
@@ -200,13 +227,12 @@ pub(in crate::fit) fn check_units(
         for (unit, factor) in dimension.mistakable() {
             if is_in_unit(&values, &motion, *factor, is_turning(signal.field)) {
                 let field = signal.field;
-                let name = split_header(&signal.name).0;
                 return Err(FitError::refused(sentence!(
                     "{}: the values are about {} times those of the motion at the start; in {} they would agree with it; {}",
                     Piece::field(field.to_string()),
                     Piece::fixed(rms(&values) / rms(&motion), 0, ""),
                     *unit,
-                    state_unit(field.path(), name, unit, field.unit())
+                    state_unit(problem, index, unit, field.unit())
                 )));
             }
         }

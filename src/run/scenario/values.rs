@@ -319,12 +319,13 @@ fn unknown_key(path: &str) -> ScenarioError {
     ScenarioError::with_key(path, Problem::UnknownKey { similar, allowed })
 }
 
-/// Keys similar to an unknown one; those of its section, if it has one.
+/// Keys similar to an unknown one; those of its section, if it has one. Tables have `_` for the dots of paths.
 fn similar_keys(wrong: &str) -> Vec<&'static str> {
     let has_section = wrong.contains('.');
+    let column = wrong.replace('.', "_");
     most_similar(KEYS.iter().map(|key| {
         // With a section, only the whole path counts: `top.k` is no misspelling of `friction.k`.
-        let whole = similarity(wrong, key.path);
+        let whole = similarity(&column, &key.path.replace('.', "_"));
         let score = if has_section {
             whole
         } else {

@@ -5,6 +5,7 @@ use super::sample::Sample;
 use crate::run::scenario::Key;
 use crate::sweep::error::{AxisProblem, SpecError, SweepError};
 use crate::sweep::table::Table;
+use std::path::Path;
 
 /// Maximum number of rows (part numbers have six digits).
 pub(super) const MAX_ROWS: u64 = 1_000_000_000;
@@ -43,6 +44,14 @@ impl Design {
         match self {
             Self::Grid(axes) | Self::Sample(_, axes) => axes.iter().map(|axis| axis.key).collect(),
             Self::Table(table) => table.keys(),
+        }
+    }
+
+    /// The file of the table.
+    pub(super) fn file(&self) -> Option<&Path> {
+        match self {
+            Self::Table(table) => table.file(),
+            Self::Grid(_) | Self::Sample(..) => None,
         }
     }
 
