@@ -91,7 +91,7 @@ impl ShowRunPlan {
     ) -> Result<Option<Draft>, Error> {
         let path = match &self.rrd {
             RrdTarget::None => return Ok(None),
-            RrdFile::Adjacent => mcap.with_extension("rrd"),
+            RrdTarget::Adjacent => mcap.with_extension("rrd"),
             RrdTarget::At(path) => path.clone(),
         };
         FileKind::Rrd.check("--rrd", &path)?;
