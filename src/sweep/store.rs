@@ -132,8 +132,15 @@ impl<'a> Store<'a> {
         let path = self.spec_file();
         match read_file(&path) {
             Ok(text) => check_same_sweep(&self.parts, &text, &self.identity),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-            Err(error) => Err(SweepError::io("read", &path, error)),
+            Err(error) => match error.kind() {
+                io::ErrorKind::NotFound => Ok(()),
+                // What is not text is no spec either.
+                io::ErrorKind::InvalidData => Err(SweepError::unusable(
+                    &self.parts,
+                    FileProblem::UnreadableSpec,
+                )),
+                _ => Err(SweepError::io("read", &path, error)),
+            },
         }
     }
 

@@ -534,7 +534,14 @@ fn regress_refuses_impossible_names_at_once() {
         ("new/..", "is not a file name"),
         ("a.mcap/.", "is not a file name"),
         ("a.mcap.partial", "reserved for incomplete runs"),
-        ("a.rrd", "use --rrd a.rrd"),
+        (
+            "a.rrd",
+            if cfg!(feature = "rerun") {
+                "use --rrd a.rrd"
+            } else {
+                "-o writes an MCAP file"
+            },
+        ),
         ("foo.txt", "call it foo.mcap"),
     ] {
         // It would take longer than the test does.

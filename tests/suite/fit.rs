@@ -486,13 +486,13 @@ fn suggests_units_that_data_seem_to_have() {
             "azimuth in degrees",
             "t,theta,phi",
             [1.0, 180.0 / PI],
-            "write the unit after the name: --signal phi=\"phi (deg)\"",
+            "write the unit into the header, or after the name: --signal phi=\"phi (deg)\" --signal theta=theta; if they",
         ),
         (
             "rate in rpm",
             "t,theta,gyro_z",
             [1.0, 30.0 / PI],
-            "write the unit after the name: --signal omega_body.z=\"gyro_z (rpm)\"",
+            "write the unit into the header, or after the name: --signal omega_body.z=\"gyro_z (rpm)\" --signal theta=theta; if they",
         ),
     ] {
         let second = if header.contains("phi") { 1 } else { 2 };
@@ -1219,6 +1219,9 @@ fn exit_codes_distinguish_bad_fits_from_bad_input() {
     folder.write("bad.csv", "t,theta\n0,0.5\n0.1,abc\n");
     folder.write("single.csv", "theta\n0.5\n0.4\n0.3\n");
     folder.write("twice.csv", "t,theta,theta\n0,0.5,0.5\n0.1,0.5,0.5\n");
+    folder.write("clocks.csv", "a: t,b: t,theta\n0,0,0.5\n1,1,0.4\n");
+    folder.write("clock.csv", "t,t,theta\n0,0,0.5\n1,1,0.4\n");
+    folder.write("bare.csv", "0,0.5\n0.1,0.4\n");
     folder.write("both.csv", "t,theta,tilt\n0,0.5,0.5\n0.1,0.5,0.5\n");
     folder.write("huge.csv", "t,theta\n0,0.5\n0.1,1e290\n0.2,0.5\n");
     // The stray row is not the last one of the file.
@@ -1306,6 +1309,26 @@ fn exit_codes_distinguish_bad_fits_from_bad_input() {
             "twice.csv: several columns are called theta",
         ),
         (
+            "fit full-coulomb clocks.csv --free friction.k",
+            "rename all but one, or choose with --time \"a: t\" or --time \"b: t\"",
+        ),
+        (
+            "fit full-coulomb clock.csv --free friction.k",
+            "clock.csv: several columns are named like times: t, t; rename all but one",
+        ),
+        (
+            "fit full-coulomb clock.csv --free friction.k --time t",
+            "clock.csv: several columns are called t: rename them",
+        ),
+        (
+            "fit full-coulomb bare.csv --free friction.k",
+            "or use their numbers: --time 1 --signal theta=\"2 (deg)\"",
+        ),
+        (
+            "fit frictionless a.csv --free friction.k",
+            "--set friction.law=coulomb --set friction.k=0.03 --set friction.dissipation=full",
+        ),
+        (
             "fit full-coulomb both.csv --free friction.k",
             "both.csv: the columns theta and tilt both measure /top/state.theta",
         ),
@@ -1335,7 +1358,11 @@ fn exit_codes_distinguish_bad_fits_from_bad_input() {
         ),
         (
             "fit full-coulomb a.csv --free friction.k -o x.rrd",
-            "-o is for the MCAP file",
+            if cfg!(feature = "rerun") {
+                "-o is for the MCAP file"
+            } else {
+                "-o writes an MCAP file"
+            },
         ),
         (
             "fit full-coulomb a.csv --free friction.k -o x.mcap --scenario x.mcap",

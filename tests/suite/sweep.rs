@@ -1141,11 +1141,11 @@ fn keeps_foreign_files_next_to_parts() {
     let line = "sweep paper --table b.parquet.parts/000000.parquet -o b.parquet";
     folder.refuses(line, "also an input or another output");
     assert!(table.exists());
-    // A scenario can't have such a name.
+    // So would a scenario.
     let scenario = scenario("paper", &[]).to_toml();
     fs::write(&table, &scenario).unwrap();
     let line = "sweep b.parquet.parts/000000.parquet --set stop.duration=0.01 -o b.parquet";
-    folder.refuses(line, "is a sweep table");
+    folder.refuses(line, "also an input or another output");
     assert_eq!(fs::read_to_string(&table).unwrap(), scenario);
 }
 
