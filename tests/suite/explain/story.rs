@@ -12,7 +12,7 @@ use toprise::analysis::explain::{
 use toprise::analysis::subject::ReadEnd;
 use toprise::archive::format::end_entries;
 use toprise::archive::sink::Sink as _;
-use toprise::physics::math::{atan2, sin_cos};
+use toprise::physics::math::{atan2, hypot, sin_cos};
 use toprise::run::scenario::{PRESETS, Scenario};
 use toprise::run::simulation::{EventKind, Simulation};
 use toprise::telemetry::fields::{
@@ -394,8 +394,8 @@ fn check_swing(explained: &ExplainedRun, theta: [f64; 2], kinetic: f64, by_gravi
         explained.numbers(state::THETA_DOT)[0],
         explained.numbers(state::PHI_DOT)[0],
     );
-    let ([sin, _], [cos, cos_at_fall]) = (theta.map(f64::sin), theta.map(f64::cos));
-    let across = theta_dot.hypot(phi_dot * sin);
+    let [(sin, cos), (_, cos_at_fall)] = theta.map(sin_cos);
+    let across = hypot(theta_dot, phi_dot * sin);
     let mut expected = 0.5 * top.transverse_moment * across * across;
     if explained.scenario.model.support.is_free() {
         let lift = top.center_distance * sin * theta_dot;
