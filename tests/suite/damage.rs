@@ -401,7 +401,10 @@ fn refuses_pipes_without_waiting() {
     let minute = std::time::Duration::from_mins(1);
     let opened = opened.recv_timeout(minute);
     let error = opened.expect("opening a pipe takes no time").unwrap_err();
-    assert_eq!(error, "it is a pipe or a device, not a file");
+    assert!(
+        error.starts_with("it is a pipe or a device, not a file"),
+        "{error}"
+    );
 }
 
 /// What is missing of a run is no difference to it, and counts of the rest are not those of the run.
