@@ -11,14 +11,6 @@ pub(crate) fn suggestion<'a>(wrong: &str, names: impl IntoIterator<Item = &'a st
     did_you_mean(&similar_names(wrong, names))
 }
 
-/// The hint for the most similar names, or all names if none is similar: `; laws: coulomb, viscous`.
-pub(crate) fn suggestion_or_all(wrong: &str, noun: &str, names: &[&str]) -> String {
-    match &similar_names(wrong, names.iter().copied())[..] {
-        [] => format!("; {noun}: {}", names.join(", ")),
-        similar => did_you_mean(similar),
-    }
-}
-
 /// The hint for these names, or an empty string if there are none.
 pub(crate) fn did_you_mean(names: &[impl AsRef<str>]) -> String {
     if names.is_empty() {
@@ -83,13 +75,5 @@ mod tests {
         );
         assert_eq!(suggestion("fig2", names), " (did you mean figure-2?)");
         assert_eq!(suggestion("xyz", names), "");
-        assert_eq!(
-            suggestion_or_all("xyz", "laws", &["coulomb", "viscous"]),
-            "; laws: coulomb, viscous"
-        );
-        assert_eq!(
-            suggestion_or_all("coulob", "laws", &names),
-            " (did you mean coulomb?)"
-        );
     }
 }

@@ -3,7 +3,7 @@
 use crate::cli::report;
 use crate::cli::status::Status;
 use crate::run::scenario::{Key, LAWS, Law};
-use crate::run::suggestion::suggestion_or_all;
+use crate::run::suggestion::suggestion;
 use crate::words::{Section, Table};
 use clap::Args;
 use schemars::JsonSchema;
@@ -19,7 +19,7 @@ pub(in crate::cli) struct LawsArguments {
 
 /// A name that no law has.
 #[derive(Debug, Error)]
-#[error("there is no law {name:?}{}", suggestion_or_all(name, "laws", &LAWS.iter().map(|law| law.name).collect::<Vec<_>>()))]
+#[error("there is no law {name:?}{}; laws: {}", suggestion(name, LAWS.iter().map(|law| law.name)), LAWS.iter().map(|law| law.name).collect::<Vec<_>>().join(", "))]
 struct UnknownLaw {
     name: String,
 }
