@@ -213,7 +213,7 @@ impl Explainer {
         // From the scenario, because the topics that show it may not be recorded.
         history.set_flight_at_start(scenario.start().is_in_flight(peg_radius));
         Self {
-            observations: Observations::new(scenario.model.support.is_free(), peg_radius),
+            observations: Observations::new(&scenario.model),
             scenario: scenario.clone(),
             history,
         }

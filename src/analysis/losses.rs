@@ -54,25 +54,33 @@ impl Losses {
         }
     }
 
-    /// Their names, and impacts if there are any; friction if nothing acts. What several do is known of all together only:
-    /// each of them may do the opposite.
+    /// Their names, and impacts if there are any; friction if nothing acts.
+    pub(crate) fn list(self, has_impacts: bool) -> Sentence {
+        acting(self.with_impacts(has_impacts))
+    }
+
+    /// The same of a common effect. What several do is known of all together only: each of them may do the opposite.
     pub(crate) fn names(self, has_impacts: bool) -> Sentence {
+        let names = self.list(has_impacts);
+        match self.with_impacts(has_impacts) {
+            [true, true, _] | [true, _, true] | [_, true, true] => {
+                sentence!("{} together", names)
+            }
+            _ => names,
+        }
+    }
+
+    fn with_impacts(self, has_impacts: bool) -> [bool; 3] {
         let LossFlags {
             has_friction,
             has_air_drag,
         } = self.into();
-        let acts = [has_friction, has_air_drag, has_impacts];
-        let names = acting(acts);
-        if acts.into_iter().filter(|acts| *acts).count() > 1 {
-            sentence!("{} together", names)
-        } else {
-            names
-        }
+        [has_friction, has_air_drag, has_impacts]
     }
 }
 
 /// The names of the losses of energy that act: friction at the point of contact, air drag and impacts; friction if none does.
-pub(crate) fn acting(acts: [bool; 3]) -> Sentence {
+fn acting(acts: [bool; 3]) -> Sentence {
     let names = ["friction", "air drag", "impacts"];
     let mut acting: Vec<Sentence> = Vec::new();
     for (name, acts) in names.into_iter().zip(acts) {

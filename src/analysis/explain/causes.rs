@@ -9,7 +9,7 @@ mod stretch;
 mod tippe;
 
 use self::stretch::Stretch;
-use super::claim::Claim;
+use super::claim::{Claim, Effect};
 use super::evidence::Evidence;
 
 /// The claims that hold in a run whose samples and events are all known, in the order of time.
@@ -40,16 +40,15 @@ fn change(evidence: &Evidence, stretch: &Stretch, claims: &[Claim]) -> Option<Cl
     if let Some(raises) = rise::friction_raises(evidence, stretch) {
         return Some(raises);
     }
-    let is_told = claims.iter().any(|claim| match claim {
-        Claim::WeakTopFalls { time, .. } | Claim::SwingsDown { time, .. } => {
-            stretch.contains(*time)
-        }
-        _ if stretch.is_rise() => claim.is_rise(),
-        _ => false,
+    let is_told = claims.iter().any(|claim| match claim.effect() {
+        Effect::Rise => stretch.change < 0.0,
+        Effect::Fall { time } => stretch.contains(time),
+        // The mean inclination of a tippe top follows from its inversion.
+        Effect::Inversion => true,
+        Effect::Other => false,
     });
-    // The mean inclination of a tippe top follows from its inversion; without friction, it does not change.
-    let is_constant = evidence.scenario.is_frictionless();
-    if is_told || is_constant || claims.iter().any(Claim::is_inversion) {
+    // Without friction, it does not change.
+    if is_told || evidence.scenario.is_frictionless() {
         return None;
     }
     fall::friction_lowers(evidence, stretch)

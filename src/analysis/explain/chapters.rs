@@ -4,6 +4,7 @@ use super::evidence::{Evidence, ROUNDED, known_deviations};
 use super::fact::Fact;
 use super::precession;
 use crate::analysis::history::{PegHistory, PegSummary};
+use crate::analysis::losses::Losses;
 use crate::physics::friction::Dissipation;
 use crate::run::simulation::EventKind;
 use std::f64::consts::FRAC_PI_2;
@@ -267,11 +268,9 @@ fn balance(evidence: &Evidence) -> Vec<Fact> {
             Fact::EnergyImbalance { deviation }
         }];
     }
-    let friction = &evidence.scenario.model.friction;
     let balance = Fact::Balance {
         within,
-        has_friction: friction.acts_at_contact(),
-        has_air_drag: friction.has_air_drag(),
+        losses: Losses::new(&evidence.scenario.model.friction),
         has_impacts,
     };
     let energy = Fact::Energy {

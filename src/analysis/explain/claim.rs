@@ -326,6 +326,19 @@ pub enum Inversion {
     Complete,
 }
 
+/// The motion that a claim gives a cause of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Effect {
+    /// A rise of the top.
+    Rise,
+    /// A fall of the top at a time, s.
+    Fall { time: f64 },
+    /// A tippe top that turns over, or does not.
+    Inversion,
+    /// None of these.
+    Other,
+}
+
 impl Claim {
     /// The time in which the claim holds.
     pub fn interval(&self) -> TimeSpan {
@@ -356,25 +369,21 @@ impl Claim {
         }
     }
 
-    /// Whether it is about a rise of the top.
-    pub(super) fn is_rise(&self) -> bool {
-        matches!(
-            self,
+    /// The motion that it gives a cause of.
+    pub(super) fn effect(&self) -> Effect {
+        match self {
             Self::FrictionRaises { .. }
-                | Self::FrictionSpeedsPrecession { .. }
-                | Self::LossesAlign { .. }
-        )
-    }
-
-    /// Whether it is about a tippe top that turns over, or does not.
-    pub(super) fn is_inversion(&self) -> bool {
-        matches!(
-            self,
+            | Self::FrictionSpeedsPrecession { .. }
+            | Self::LossesAlign { .. } => Effect::Rise,
+            Self::WeakTopFalls { time, .. } | Self::SwingsDown { time, .. } => {
+                Effect::Fall { time: *time }
+            }
             Self::StaysUpright { .. }
-                | Self::Inverts { .. }
-                | Self::EnergySpent { .. }
-                | Self::NotYetInverted { .. }
-        )
+            | Self::Inverts { .. }
+            | Self::EnergySpent { .. }
+            | Self::NotYetInverted { .. } => Effect::Inversion,
+            _ => Effect::Other,
+        }
     }
 
     /// The numbers of the claim that no other fact of an explanation states.

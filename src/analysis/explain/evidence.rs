@@ -52,12 +52,6 @@ impl Evidence {
             .filter(|event| event.state.theta > start)
     }
 
-    /// Whether the peg may have hit the table.
-    pub(super) fn may_have_impacts(&self) -> bool {
-        let peg = self.summary.peg.as_ref();
-        peg.is_some_and(|peg| peg.impacts != Some(0))
-    }
-
     /// Whether the change from one inclination to another, rad, is not larger than the integration error.
     pub(super) fn is_constant_theta(&self, [first, last]: [f64; 2]) -> bool {
         (last - first).abs() <= self.integration_error(first.abs().max(last.abs()))

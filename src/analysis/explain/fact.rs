@@ -5,6 +5,7 @@ mod sentence;
 pub use self::sentence::ENERGY_ZERO;
 pub(super) use self::sentence::times;
 
+use crate::analysis::losses::Losses;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -256,10 +257,9 @@ pub enum Fact {
     Balance {
         /// Within this, J.
         within: f64,
-        /// Whether there is friction at the point of contact.
-        has_friction: bool,
-        /// Whether there is air drag.
-        has_air_drag: bool,
+        /// The losses that act.
+        #[serde(flatten)]
+        losses: Losses,
         /// Whether the peg hits the table.
         has_impacts: bool,
     },

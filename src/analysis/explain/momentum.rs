@@ -7,6 +7,7 @@
 //! those of a line: the angular momentum times the sign of its vertical part at the start, which is kept for the run.
 
 use crate::analysis::history::Constancy;
+use crate::physics::dynamics::{Model, Support};
 use crate::physics::math::{atan2, hypot, sin_cos};
 use crate::run::time::seconds;
 use crate::telemetry::Message;
@@ -75,8 +76,8 @@ pub(super) struct MomentumSpan {
     pub(super) angle_to_axis: f64,
     /// The largest inclination of the line of the angular momentum, rad.
     pub(super) inclination: f64,
-    /// Whether friction acts at the contact point in a sample.
-    pub(super) has_contact_friction: bool,
+    /// The largest force of friction at the contact point in a sample, N; infinite if it is not recorded.
+    pub(super) contact_friction: f64,
 }
 
 impl MomentumSpan {
@@ -88,7 +89,7 @@ impl MomentumSpan {
             by_friction: 0.0,
             angle_to_axis: state.angle_to_axis,
             inclination: state.inclination(),
-            has_contact_friction: false,
+            contact_friction: 0.0,
         }
     }
 
@@ -100,7 +101,7 @@ impl MomentumSpan {
             by_friction: self.by_friction + next.by_friction,
             angle_to_axis: self.angle_to_axis.max(next.angle_to_axis),
             inclination: self.inclination.max(next.inclination),
-            has_contact_friction: self.has_contact_friction || next.has_contact_friction,
+            contact_friction: self.contact_friction.max(next.contact_friction),
         }
     }
 }
@@ -147,7 +148,7 @@ impl ImpactLever {
 /// The angular momentum of a run.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MomentumHistory {
-    is_free: bool,
+    support: Support,
     /// Radius of the peg, m.
     peg_radius: f64,
     pending: PendingSample,
@@ -170,11 +171,11 @@ pub(super) struct MomentumHistory {
 }
 
 impl MomentumHistory {
-    /// Creates the history of a top with a peg of this radius, m.
-    pub(super) fn new(is_free: bool, peg_radius: f64) -> Self {
+    /// Creates the history of a run of this model.
+    pub(super) fn new(model: &Model) -> Self {
         Self {
-            is_free,
-            peg_radius,
+            support: model.support,
+            peg_radius: model.top.peg_radius,
             ..Self::default()
         }
     }
@@ -247,17 +248,17 @@ impl MomentumHistory {
     /// Takes the messages of the pending sample, if they are all there.
     pub(super) fn finish_sample(&mut self) {
         let sample = std::mem::take(&mut self.pending);
-        if let Some((state, shortening)) = sample.evaluate(self.is_free) {
+        if let Some((state, shortening)) = sample.evaluate(self.support) {
             // A recording without forces does not show where they are zero.
-            let acts = sample.force.is_none_or(|force| force.norm() > 0.0);
-            self.add(state, shortening, acts);
+            let friction = sample.force.map_or(f64::INFINITY, |force| force.norm());
+            self.add(state, shortening, friction);
         }
         if let Some(lever) = sample.lever() {
             self.lever = Some(lever);
         }
     }
 
-    fn add(&mut self, state: MomentumState, shortening: f64, has_contact_friction: bool) {
+    fn add(&mut self, state: MomentumState, shortening: f64, contact_friction: f64) {
         let vertical = self.whole.map_or(state, |span| span.from).vertical;
         let state = state.with_sense(if vertical < 0.0 { -1.0 } else { 1.0 });
         Constancy::take(&mut self.vertical, state.vertical);
@@ -267,7 +268,7 @@ impl MomentumHistory {
         let mean = 0.5 * (self.shortening + shortening);
         let by_impacts = std::mem::take(&mut self.by_impacts);
         let mut step = MomentumSpan {
-            has_contact_friction,
+            contact_friction,
             ..MomentumSpan::new(state)
         };
         if let Some(whole) = self.whole {
@@ -283,18 +284,19 @@ impl MomentumHistory {
 impl PendingSample {
     /// The angular momentum, and the torque of friction and air drag along its horizontal part, N m; `None` if messages
     /// are missing or numbers are not finite.
-    fn evaluate(&self, is_free: bool) -> Option<(MomentumState, f64)> {
+    fn evaluate(&self, support: Support) -> Option<(MomentumState, f64)> {
         let (phi, theta, axis) = (self.phi?, self.theta?, self.axis?);
         let torque_about_peg = world_from_node(self.torque_node?, phi, axis);
-        let (momentum, torque) = if is_free {
-            // The recorded torque is about the centre of the peg.
-            let lever = self.peg_position? - self.center?;
-            (
-                self.central_momentum?,
-                torque_about_peg + lever.cross(&self.force?),
-            )
-        } else {
-            (self.peg_momentum?, torque_about_peg)
+        let (momentum, torque) = match support {
+            Support::FixedPeg => (self.peg_momentum?, torque_about_peg),
+            Support::FreePeg { .. } => {
+                // The recorded torque is about the centre of the peg.
+                let lever = self.peg_position? - self.center?;
+                (
+                    self.central_momentum?,
+                    torque_about_peg + lever.cross(&self.force?),
+                )
+            }
         };
         let horizontal = Vector3::new(momentum.x, momentum.y, 0.0);
         let state = MomentumState {

@@ -1,6 +1,7 @@
 //! Quantities of a run that only an explanation needs.
 
 use super::momentum::{MomentumHistory, MomentumSpan};
+use crate::physics::dynamics::Model;
 use crate::run::simulation::{EventKind, Regime};
 use crate::run::time::seconds;
 use crate::telemetry::Message;
@@ -90,10 +91,10 @@ pub(super) struct Observations {
 }
 
 impl Observations {
-    /// Creates the observations of a top with a peg of this radius, m.
-    pub(super) fn new(is_free: bool, peg_radius: f64) -> Self {
+    /// Creates the observations of a run of this model.
+    pub(super) fn new(model: &Model) -> Self {
         Self {
-            momentum: MomentumHistory::new(is_free, peg_radius),
+            momentum: MomentumHistory::new(model),
             ..Self::default()
         }
     }

@@ -158,7 +158,7 @@ pub(super) fn regular(evidence: &Evidence) -> Option<Fact> {
         return None;
     }
     if known.is_empty() {
-        return is_weak_at_start(evidence).then_some(Fact::NoRoots);
+        return (discriminant_at_start(evidence) < 0.0).then_some(Fact::NoRoots);
     }
     for root in [PrecessionRoot::Slow, PrecessionRoot::Fast] {
         if let Some(within) = follows(&known, root) {
@@ -171,14 +171,14 @@ pub(super) fn regular(evidence: &Evidence) -> Option<Fact> {
     (!is_ever_near).then_some(Fact::FollowsNoRoot)
 }
 
-/// Whether there are no real rates of regular precession at the start.
-fn is_weak_at_start(evidence: &Evidence) -> bool {
+/// The discriminant of the rates of regular precession at the start, (kg m²/s)²: negative if there are no real ones.
+fn discriminant_at_start(evidence: &Evidence) -> f64 {
     let top = evidence.scenario.model.nutating_top();
     let start = Tilt::from_rates(evidence.scenario.angles.theta, evidence.scenario.rates);
     let spin = top.axial_moment * start.rates.psi;
-    // (I_x − I_z) cos θ φ̇² − I_z ψ̇ φ̇ + M g l = 0 has no real root if its discriminant is negative.
+    // (I_x − I_z) cos θ φ̇² − I_z ψ̇ φ̇ + M g l = 0 has no real root if this is negative.
     let quadratic = (top.transverse_moment - top.axial_moment) * start.cos;
-    spin * spin < 4.0 * quadratic * top.gravity_moment()
+    spin * spin - 4.0 * quadratic * top.gravity_moment()
 }
 
 /// Whether precession and spin can be distinguished.

@@ -7,7 +7,9 @@ use crate::analysis::explain::fact::Fact;
 use crate::analysis::history::Constancy;
 
 pub(super) fn conserves(evidence: &Evidence) -> Option<Claim> {
-    if !evidence.scenario.is_frictionless() || evidence.may_have_impacts() {
+    let peg = evidence.summary.peg.as_ref();
+    let may_have_impacts = peg.is_some_and(|peg| peg.impacts != Some(0));
+    if !evidence.scenario.is_frictionless() || may_have_impacts {
         return None;
     }
     let energies = evidence.history.energies?;

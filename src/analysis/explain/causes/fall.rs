@@ -28,7 +28,7 @@ pub(super) fn weak_top_falls(evidence: &Evidence) -> Option<Claim> {
     let falls = fallen.state.theta > span.from.theta;
     let is_weak_from_start = axial[0].abs() < critical;
     let swing = Swing::new(evidence, fallen.state.theta);
-    let falls_without_friction = swing.reaches();
+    let falls_without_friction = swing.excess() > 0.0;
     let slows = axial[0].abs() - axial[1].abs() > ROUNDED * axial[0].abs();
     // Strong at the start, the top falls because of friction; weak, it falls without it, or is slowed further first.
     let weakness = match (is_weak_from_start, falls_without_friction) {
@@ -41,7 +41,8 @@ pub(super) fn weak_top_falls(evidence: &Evidence) -> Option<Claim> {
         Weakness::NeedsLoss => slows,
         Weakness::ByLoss => !falls_without_friction,
     };
-    let is_cause = swing.is_by_gravity() && is_by_spin;
+    // More of the energy comes from gravity than from the motion at the start.
+    let is_cause = swing.by_gravity > swing.kinetic && is_by_spin;
     // A fall that mostly precedes the weakness has another cause, such as a fast precession.
     let falls_when_weak = is_weak_from_start
         || history.first(EventKind::WeakTop).is_some_and(|weak| {
@@ -105,8 +106,8 @@ pub(super) fn swings_down(evidence: &Evidence) -> Option<Claim> {
     let top = evidence.scenario.model.nutating_top();
     let start = Tilt::from_rates(evidence.scenario.angles.theta, evidence.scenario.rates);
     // Of a weak top that gravity swings down, its weakness is the reason.
-    let is_weak = top.strength_ratio(&start) <= 1.0 && swing.is_by_gravity();
-    (swing.reaches() && !is_weak).then_some(Claim::SwingsDown {
+    let is_weak = top.strength_ratio(&start) <= 1.0 && swing.by_gravity > swing.kinetic;
+    (swing.excess() > 0.0 && !is_weak).then_some(Claim::SwingsDown {
         theta: [evidence.scenario.angles.theta, fallen.state.theta],
         time: fallen.time,
         kinetic: swing.kinetic,
@@ -154,13 +155,8 @@ impl Swing {
         }
     }
 
-    /// Whether the axis reaches the inclination.
-    fn reaches(&self) -> bool {
-        self.kinetic + self.by_gravity > self.needed
-    }
-
-    /// Whether more of the energy comes from gravity than from the motion at the start.
-    fn is_by_gravity(&self) -> bool {
-        self.by_gravity > self.kinetic
+    /// The energy that is left at the inclination, J; positive if the axis reaches it.
+    fn excess(&self) -> f64 {
+        self.kinetic + self.by_gravity - self.needed
     }
 }

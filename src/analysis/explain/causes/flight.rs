@@ -2,7 +2,7 @@
 
 use crate::analysis::explain::claim::Claim;
 use crate::analysis::explain::evidence::Evidence;
-use crate::analysis::history::{PegPhase, in_phase};
+use crate::analysis::history::{Interval, PegPhase, in_phase};
 use crate::run::simulation::EventKind;
 
 /// A peg that hops or bounces.
@@ -10,11 +10,11 @@ pub(super) fn bounces(evidence: &Evidence) -> Option<Claim> {
     let peg = evidence.summary.peg.as_ref()?;
     // Otherwise the end is that of a recording, and not of the run.
     evidence.history.stop_reason()?;
-    let in_air_at_end = is_in_air_at_end(evidence);
     let flights = in_phase(&evidence.peg_intervals, PegPhase::Flying);
     let (first, last) = (flights.first()?, flights.last()?);
+    let lands = landing(evidence, last);
     // Bounces between impacts are one flight.
-    let bounces_to_end = in_air_at_end
+    let bounces_to_end = lands.is_none()
         && flights.len() == 1
         && evidence
             .observations
@@ -27,7 +27,7 @@ pub(super) fn bounces(evidence: &Evidence) -> Option<Claim> {
         impacts: peg.impacts?,
         lost: peg.impact_loss?,
         starts_in_air: starts_in_air(evidence),
-        lands: Some(last.to).filter(|_| !in_air_at_end),
+        lands,
         bounces_to_end,
     })
 }
@@ -38,8 +38,9 @@ fn starts_in_air(evidence: &Evidence) -> bool {
     scenario.model.support.is_free() && scenario.start().is_in_flight(scenario.model.top.peg_radius)
 }
 
-/// Whether the peg is in the air at the end: its last event decides, because what follows may take no time.
-fn is_in_air_at_end(evidence: &Evidence) -> bool {
+/// The end of the last flight, s; `None` if the peg is in the air at the end: its last event decides, because what follows
+/// may take no time.
+fn landing(evidence: &Evidence, last_flight: &Interval) -> Option<f64> {
     let mut is_in_air = starts_in_air(evidence);
     for event in &evidence.history.events {
         match event.kind {
@@ -54,5 +55,5 @@ fn is_in_air_at_end(evidence: &Evidence) -> bool {
             _ => {}
         }
     }
-    is_in_air
+    (!is_in_air).then_some(last_flight.to)
 }

@@ -1,6 +1,6 @@
 //! What follows when the contact point no longer slips.
 
-use crate::analysis::explain::claim::{Claim, Hold, Inversion, Stopped};
+use crate::analysis::explain::claim::{Claim, Effect, Hold, Inversion, Stopped};
 use crate::analysis::explain::evidence::{Evidence, ROUNDED};
 use crate::analysis::explain::observations::{Ends, GripSpan};
 use crate::analysis::history::PegPhase;
@@ -30,7 +30,7 @@ pub(super) fn slip_ends(evidence: &Evidence, claims: &[Claim]) -> Option<Claim> 
     if !rolls && !is_fixed_inclination {
         return None;
     }
-    let rises = claims.iter().any(Claim::is_rise);
+    let rises = claims.iter().any(|claim| claim.effect() == Effect::Rise);
     let stops = if rises && theta_range[1] < evidence.scenario.angles.theta {
         Stopped::Rise
     } else {

@@ -15,28 +15,34 @@ const SMALL_PART: f64 = 0.1;
 pub(super) struct Stretch {
     /// The angular momenta in it.
     pub(super) span: MomentumSpan,
-    /// Whether it lasts until the end of the run.
-    is_last: bool,
-    is_rise: bool,
+    /// Its end, s; infinite if it lasts until the end of the run.
+    until: f64,
+    /// Change of the mean inclination, rad; negative in a rise.
+    pub(super) change: f64,
     /// The first and the last nutation; absent if there are not two.
     nutations: Option<[Mean; 2]>,
 }
 
 impl Stretch {
-    pub(super) fn is_rise(&self) -> bool {
-        self.is_rise
-    }
-
     /// Whether a time, s, is in it.
     pub(super) fn contains(&self, time: f64) -> bool {
-        time > self.span.from.time && (self.is_last || time <= self.span.to.time)
+        time > self.span.from.time && time <= self.until
     }
 
     /// The losses that act in it.
     pub(super) fn losses(&self, evidence: &Evidence) -> Losses {
         let friction = &evidence.scenario.model.friction;
-        Losses::acting(self.span.has_contact_friction, friction.has_air_drag())
+        Losses::acting(self.span.contact_friction > 0.0, friction.has_air_drag())
     }
+}
+
+/// What a mean inclination is that of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum MeanBasis {
+    /// A nutation, or a motion without one.
+    Nutation,
+    /// A sample before the first nutation or in the last one.
+    Sample,
 }
 
 /// A nutation, or the motion before or after all of them.
@@ -44,8 +50,7 @@ impl Stretch {
 struct Mean {
     /// Mean inclination, rad; without a nutation, the inclination at the end.
     theta: f64,
-    /// Whether the inclination is that of a nutation, or of a motion without one.
-    is_of_nutation: bool,
+    basis: MeanBasis,
     /// The angular momenta in it.
     span: MomentumSpan,
     /// Number of impacts up to its end.
@@ -54,10 +59,10 @@ struct Mean {
 
 impl Mean {
     /// `None` without angular momenta.
-    fn new(theta: f64, is_of_nutation: bool, passage: Passage) -> Option<Self> {
+    fn new(theta: f64, basis: MeanBasis, passage: Passage) -> Option<Self> {
         Some(Self {
             theta,
-            is_of_nutation,
+            basis,
             span: passage.span?,
             impacts: passage.impacts,
         })
@@ -76,13 +81,14 @@ pub(super) fn stretches(evidence: &Evidence) -> Vec<Stretch> {
         let spans = means[first..=until].iter().map(|mean| mean.span);
         let mut nutations = means[from..=until]
             .iter()
-            .filter(|mean| mean.is_of_nutation);
+            .filter(|mean| mean.basis == MeanBasis::Nutation);
         let (first, last) = (nutations.next(), nutations.next_back());
         if let Some(span) = spans.reduce(MomentumSpan::joined) {
+            let is_last = until == means.len() - 1 && evidence.observations.grip.is_none();
             stretches.push(Stretch {
                 span,
-                is_last: until == means.len() - 1 && evidence.observations.grip.is_none(),
-                is_rise: means[until].theta < means[from].theta,
+                until: if is_last { f64::INFINITY } else { span.to.time },
+                change: means[until].theta - means[from].theta,
                 nutations: first.zip(last).map(|(first, last)| [*first, *last]),
             });
         }
@@ -102,7 +108,7 @@ fn means(evidence: &Evidence) -> Option<Vec<Mean>> {
     let mut last = None;
     for (cycle, passage) in evidence.history.cycles.iter().zip(&observations.nutations) {
         if cycle.end() <= end || observations.grip.is_none() {
-            means.push(Mean::new(cycle.means[0], true, *passage)?);
+            means.push(Mean::new(cycle.means[0], MeanBasis::Nutation, *passage)?);
             last = Some(cycle);
         }
     }
@@ -111,18 +117,18 @@ fn means(evidence: &Evidence) -> Option<Vec<Mean>> {
             span: Some(MomentumSpan::new(whole.from)),
             ..Passage::default()
         };
-        means.push(Mean::new(whole.from.theta, false, start)?);
-        means.push(Mean::new(theta, false, rest)?);
+        means.push(Mean::new(whole.from.theta, MeanBasis::Sample, start)?);
+        means.push(Mean::new(theta, MeanBasis::Sample, rest)?);
         return Some(means);
     };
     let rest = if last.is_last_before(end) {
-        Mean::new(theta, true, rest)
+        Mean::new(theta, MeanBasis::Nutation, rest)
     } else {
         // A part of a nutation changes the mean by as much as the axis leaves the last one.
         let least = last.field(nutation::THETA_MIN);
         let greatest = last.field(nutation::THETA_MAX);
         let departure = theta - theta.clamp(least, greatest);
-        Mean::new(last.means[0] + departure, false, rest)
+        Mean::new(last.means[0] + departure, MeanBasis::Sample, rest)
     };
     means.extend(rest);
     Some(means)
@@ -166,7 +172,7 @@ pub(super) fn mean_inclination_changes(evidence: &Evidence, stretch: &Stretch) -
     let mean_theta = [first.theta, last.theta];
     let at_means = [first.span.to, last.span.to];
     // Only on the table is there a regular precession.
-    let is_on_table = span.has_contact_friction || !evidence.scenario.model.support.is_free();
+    let is_on_table = span.contact_friction > 0.0 || !evidence.scenario.model.support.is_free();
     // In a plane, both angular momenta are zero.
     let least_momentum = ROUNDED * evidence.observations.momentum.largest();
     let precesses = at_means
@@ -199,7 +205,7 @@ mod tests {
             .iter()
             .map(|theta| Mean {
                 theta: *theta,
-                is_of_nutation: true,
+                basis: MeanBasis::Nutation,
                 span,
                 impacts: 0,
             })

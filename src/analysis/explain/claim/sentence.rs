@@ -11,11 +11,19 @@ impl Claim {
         match self {
             Self::Conserves { mean_theta, .. } => conserves(*mean_theta),
             Self::FrictionRaises {
-                vertical,
-                is_vertical_constant,
+                is_vertical_constant: true,
                 losses,
                 ..
-            } => raises(*vertical, *is_vertical_constant, *losses),
+            } => raises(*losses, "and left the vertical part unchanged".into()),
+            Self::FrictionRaises {
+                vertical, losses, ..
+            } => {
+                let [first, last] = Piece::range(*vertical, 4, "kg m²/s");
+                raises(
+                    *losses,
+                    sentence!("while the vertical part changed from {} to {}", first, last),
+                )
+            }
             Self::FrictionSpeedsPrecession { .. } => sentence!(
                 "in the paper's terms, the friction term of φ̈ sped up the precession. Beyond the slow rate of regular precession, θ̈ is negative: the axis rose, and its rise slowed the precession again. So the precession stayed near the slow rate while the axis rose."
             ),
@@ -28,17 +36,18 @@ impl Claim {
             } => weak_top_falls(*weakness, *losses),
             Self::FrictionLowers {
                 axial,
-                falls,
+                falls: true,
                 losses,
                 ..
-            } => lowers(*axial, *losses, *falls),
+            } => lowers(*axial, *losses, "fell"),
+            Self::FrictionLowers { axial, losses, .. } => lowers(*axial, *losses, "sank"),
             Self::MeanInclinationChanges {
                 mean_theta,
                 regular_theta,
                 has_impacts,
                 losses,
                 ..
-            } => mean_inclination_changes(*mean_theta, *regular_theta, *losses, *has_impacts),
+            } => mean_inclination_changes(*mean_theta, *regular_theta, losses.names(*has_impacts)),
             Self::SwingsDown {
                 kinetic,
                 by_gravity,
@@ -61,15 +70,27 @@ impl Claim {
             Self::Inverts { .. } => sentence!(
                 "the top turned over because its contact point slipped. Friction at the contact point does not change Jellett's integral, and the angular momentum about the vertical kept its sense while the axis turned over. So the spin about the axis was reversed in the end. The centre of mass rose, and the energy for this came from the rotation."
             ),
-            Self::SlipEnds { rolls, .. } => slip_ends(*rolls),
+            Self::SlipEnds { rolls: true, .. } => sentence!(
+                "the peg rolled: its contact point did not slip, and sliding friction did no work."
+            ),
+            Self::SlipEnds { .. } => sentence!(
+                "the contact point stuck: sliding friction did no work, and the top turned as a whole, at a fixed inclination."
+            ),
             Self::Bounces {
                 hops,
                 impacts,
                 lost,
-                starts_in_air,
+                starts_in_air: true,
                 lands,
                 ..
-            } => bounces(*hops, *impacts, *lost, *starts_in_air, *lands),
+            } => bounces(in_air(*hops), *impacts, *lost, *lands),
+            Self::Bounces {
+                hops,
+                impacts,
+                lost,
+                lands,
+                ..
+            } => bounces(lifted_off(*hops), *impacts, *lost, *lands),
             Self::RestsFromStart { held_by, .. } => {
                 sentence!("the top was at rest from the start: {}.", holds(*held_by))
             }
@@ -93,13 +114,8 @@ fn conserves(mean_theta: Option<[f64; 2]>) -> Sentence {
     )
 }
 
-fn raises(vertical: [f64; 2], is_constant: bool, losses: Losses) -> Sentence {
-    let rest = if is_constant {
-        sentence!("and left the vertical part unchanged")
-    } else {
-        let [first, last] = Piece::range(vertical, 4, "kg m²/s");
-        sentence!("while the vertical part changed from {} to {}", first, last)
-    };
+/// A rise, and what the torque did to the vertical part of the angular momentum.
+fn raises(losses: Losses, rest: Sentence) -> Sentence {
     sentence!(
         "the top rose because {} turned its angular momentum towards the vertical: the torque shortened the horizontal part of the angular momentum {}. The top spun so fast that its axis stayed close to the line of the angular momentum, and rose with it.",
         losses.names(false),
@@ -124,14 +140,14 @@ fn weak_top_falls(weakness: Weakness, losses: Losses) -> Sentence {
     }
 }
 
-fn lowers(axial: [f64; 2], losses: Losses, falls: bool) -> Sentence {
+fn lowers(axial: [f64; 2], losses: Losses, verb: &str) -> Sentence {
     let [first, last] = Piece::range(axial.map(f64::abs), 4, "kg m²/s");
     sentence!(
         "{} shortened the part of the angular momentum about the axis, from {} to {}. So the axis turned away from the line of the angular momentum, and the top {}.",
         losses.names(false),
         first,
         last,
-        if falls { "fell" } else { "sank" }
+        verb
     )
 }
 
@@ -139,8 +155,7 @@ fn lowers(axial: [f64; 2], losses: Losses, falls: bool) -> Sentence {
 fn mean_inclination_changes(
     mean_theta: [f64; 2],
     regular_theta: [f64; 2],
-    losses: Losses,
-    has_impacts: bool,
+    causes: Sentence,
 ) -> Sentence {
     let [first, last] = Piece::range(mean_theta, 4, "rad");
     let by_momenta = regular_theta[1] - regular_theta[0];
@@ -150,7 +165,7 @@ fn mean_inclination_changes(
         first,
         last,
         Piece::number(by_momenta, 2, "rad"),
-        losses.names(has_impacts),
+        causes,
         Piece::number(by_nutation, 2, "rad")
     )
 }
@@ -174,37 +189,28 @@ fn stays_upright(sufficient_spin: SufficientSpin) -> Sentence {
     }
 }
 
-fn slip_ends(rolls: bool) -> Sentence {
-    if rolls {
-        sentence!(
-            "the peg rolled: its contact point did not slip, and sliding friction did no work."
-        )
+/// Flights of a peg that starts in the air.
+fn in_air(hops: u64) -> Sentence {
+    match hops {
+        0 | 1 => sentence!("the peg was in the air."),
+        _ => sentence!("the peg was in the air {}.", times(hops)),
+    }
+}
+
+/// Flights of a peg that starts on the table.
+fn lifted_off(hops: u64) -> Sentence {
+    if hops == 1 {
+        sentence!("the force between peg and table had fallen to zero, and the peg was in the air.")
     } else {
         sentence!(
-            "the contact point stuck: sliding friction did no work, and the top turned as a whole, at a fixed inclination."
+            "the peg was in the air {}, whenever the force between it and the table had fallen to zero.",
+            times(hops)
         )
     }
 }
 
 /// Flights of a peg, with the number of its impacts and the energy that these dissipated, J.
-fn bounces(
-    hops: u64,
-    impacts: u64,
-    lost: f64,
-    starts_in_air: bool,
-    lands: Option<f64>,
-) -> Sentence {
-    let flights = match (hops, starts_in_air) {
-        (0 | 1, true) => sentence!("the peg was in the air."),
-        (1, false) => sentence!(
-            "the force between peg and table had fallen to zero, and the peg was in the air."
-        ),
-        (_, true) => sentence!("the peg was in the air {}.", times(hops)),
-        (_, false) => sentence!(
-            "the peg was in the air {}, whenever the force between it and the table had fallen to zero.",
-            times(hops)
-        ),
-    };
+fn bounces(flights: Sentence, impacts: u64, lost: f64, lands: Option<f64>) -> Sentence {
     let hits = match (impacts, lost > 0.0) {
         (0, _) => Sentence::default(),
         (_, false) => sentence!(" It hit the table {}.", times(impacts)),

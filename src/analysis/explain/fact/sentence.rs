@@ -1,7 +1,6 @@
 //! The sentences of facts.
 
 use super::{Fact, PrecessionRoot};
-use crate::analysis::losses::acting;
 use crate::physics::friction::Dissipation;
 use crate::run::scenario::find_dissipation;
 use crate::words::number::{pair, significant};
@@ -308,12 +307,11 @@ impl Fact {
             ),
             Self::Balance {
                 within,
-                has_friction,
-                has_air_drag,
+                losses,
                 has_impacts,
             } => sentence!(
                 "The work of {} equals this change (± {}).",
-                acting([*has_friction, *has_air_drag, *has_impacts]),
+                losses.list(*has_impacts),
                 Piece::number(*within, 2, "J")
             ),
             Self::Sliding { sliding, losses } if *losses > 0.0 => {

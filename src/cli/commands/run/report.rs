@@ -1,7 +1,7 @@
 //! The report of a run.
 
 use crate::analysis::explain::ENERGY_ZERO;
-use crate::analysis::losses::acting;
+use crate::analysis::losses::Losses;
 use crate::cli::report::WrittenFile;
 use crate::physics::dynamics::Model;
 use crate::physics::friction::Friction;
@@ -180,11 +180,7 @@ impl RunReport {
                 fixed(energy, 6)
             }
         });
-        let causes = acting([
-            friction.acts_at_contact(),
-            friction.has_air_drag(),
-            end.impacts > 0,
-        ]);
+        let causes = Losses::new(friction).list(end.impacts > 0);
         vec![
             format!("{before} J → {after} J ({ENERGY_ZERO})"),
             format!("change {change} J, work of {causes} {work} J"),
