@@ -15,7 +15,7 @@ pub(crate) use self::peg::{Interval, PegHistory, in_phase};
 pub use self::peg::{PegPhase, PegSummary};
 pub use self::summary::RunSummary;
 
-use self::curve::Curve;
+use self::curve::CubicCurve;
 use self::energy::Energies;
 use self::level::FirstCrossing;
 use crate::archive::format::{Entries, INVERSION_TIME, SAMPLE_COUNT, STOP_REASON, STOP_TIME};
@@ -279,7 +279,7 @@ impl RunHistory {
     }
 
     /// The nutation phase (number of cycles) over time. Interruptions are not counted.
-    pub(crate) fn phase(&self) -> Curve {
+    pub(crate) fn phase(&self) -> CubicCurve {
         let mut points = Vec::new();
         for (index, cycle) in self.successive_cycles().iter().enumerate() {
             let number = cycle.field(nutation::CYCLE);
@@ -289,7 +289,7 @@ impl RunHistory {
             }
         }
         points.sort_by(|one, other| one.0.total_cmp(&other.0));
-        Curve::new(points)
+        CubicCurve::new(points)
     }
 
     fn goes_on_after(&self, index: usize) -> bool {
@@ -306,13 +306,13 @@ impl RunHistory {
     }
 
     /// A quantity of the successive cycles: a curve through their middles. NaN is left out.
-    pub(crate) fn curve(&self, quantity: impl Fn(&Cycle) -> f64) -> Curve {
+    pub(crate) fn curve(&self, quantity: impl Fn(&Cycle) -> f64) -> CubicCurve {
         let mut points = Vec::new();
         for cycle in self.successive_cycles() {
             points.push((cycle.middle(), quantity(cycle)));
         }
         points.retain(|(_, value)| !value.is_nan());
-        Curve::new(points)
+        CubicCurve::new(points)
     }
 
     /// Whether the axis is beyond the horizontal in the last sample, and has not come back before in its last nutation: a

@@ -13,7 +13,7 @@ pub use drafts::Drafts;
 pub use place::{check_not_an_input, is_same_file};
 
 use crate::archive::sink::SinkError;
-use drafts::{Listed, MadeDirectories};
+use drafts::{ListedDraft, MadeDirectories};
 use std::ffi::OsString;
 use std::fs::File;
 use std::io::{self, Write};
@@ -41,7 +41,7 @@ impl Existing {
 pub struct Draft {
     file: NamedTempFile,
     /// The entry in the list of hidden drafts; `None` once the draft has a visible name.
-    listed: Option<Listed>,
+    listed: Option<ListedDraft>,
     path: PathBuf,
     existing: Existing,
     /// The visible name, under which it is kept if it is not published.

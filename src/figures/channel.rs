@@ -38,13 +38,13 @@ pub(super) struct ChannelData {
     pub(super) rows: Rows,
     /// Nutations that end after the last sample: from and to, s.
     pending: VecDeque<(f64, f64)>,
-    group: Option<Averaged>,
+    group: Option<AveragedNutations>,
     means: Rows,
 }
 
 /// Consecutive nutations that are averaged together.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Averaged {
+struct AveragedNutations {
     /// The start of the first, s.
     from: f64,
     /// The end of the last, s.
@@ -146,13 +146,13 @@ impl ChannelData {
     fn average_completed(&mut self, has_ended: impl Fn(f64) -> bool) {
         while let Some((from, to)) = self.pending.pop_front_if(|(_, to)| has_ended(*to)) {
             let group = match self.group.take() {
-                Some(group) if from - group.to < 0.5 * (to - from) => Averaged {
+                Some(group) if from - group.to < 0.5 * (to - from) => AveragedNutations {
                     to,
                     count: group.count + 1,
                     ..group
                 },
                 // Nutation was interrupted: the earlier group is too short for a mean.
-                _ => Averaged { from, to, count: 1 },
+                _ => AveragedNutations { from, to, count: 1 },
             };
             let period = (group.to - group.from) / f64::from(group.count);
             // The shortest step so far is that of the samples; a single sample has none.
@@ -166,7 +166,7 @@ impl ChannelData {
     }
 
     /// Adds the means over a group of nutations, unless samples are missing.
-    fn push_means(&mut self, Averaged { from, to, .. }: Averaged) {
+    fn push_means(&mut self, AveragedNutations { from, to, .. }: AveragedNutations) {
         let mut means = Vec::new();
         for index in 0..self.averaged.len() {
             let ends = self.integral(index, to).zip(self.integral(index, from));

@@ -47,7 +47,7 @@ struct Problem<'a> {
 const NUMBERS: usize = 2;
 
 /// A message of a supplement.
-struct Row {
+struct SupplementRow {
     time_ns: u64,
     numbers: [f64; NUMBERS],
     /// Index of the signal, whose texts it has.
@@ -70,12 +70,12 @@ pub fn record<W: Write>(fit: &Fit, request: &Request, target: W) -> Result<W, Re
         // An offset may take a file's first value slightly before the start.
         let time_ns = nanoseconds(value.time.max(0.0));
         let signal = value.signal;
-        data.push(Row {
+        data.push(SupplementRow {
             time_ns,
             numbers: [value.value, value.sigma],
             signal,
         });
-        residuals.push(Row {
+        residuals.push(SupplementRow {
             time_ns,
             numbers: [value.residual, f64::from(u8::from(value.is_held_out))],
             signal,
@@ -110,7 +110,7 @@ pub fn record<W: Write>(fit: &Fit, request: &Request, target: W) -> Result<W, Re
 fn write_rows<W: Write>(
     writer: &mut McapWriter<W>,
     topic: &str,
-    rows: &[Row],
+    rows: &[SupplementRow],
     texts: &[Vec<String>],
 ) -> Result<(), McapError> {
     let supplement = Supplement::find(topic).expect("the table of supplements has the topic");

@@ -8,7 +8,7 @@ use csv::StringRecord;
 
 /// A header.
 #[derive(Debug, PartialEq)]
-pub(super) struct Header {
+pub(super) struct TableHeader {
     /// Names of the columns, with their units; empty if no line names them.
     pub names: Vec<String>,
     /// Index of the first record that can be a row.
@@ -20,8 +20,12 @@ pub(super) struct Header {
 /// Finds the header: the last line that names the column of times before the first row with a time. All below it are
 /// rows, also those with cells that are no numbers. If no line names the times, the header is the last line of text
 /// before the first row of numbers.
-pub(super) fn find(text: &str, delimiter: Delimiter, time: Option<&str>) -> csv::Result<Header> {
-    let mut search = Search {
+pub(super) fn find(
+    text: &str,
+    delimiter: Delimiter,
+    time: Option<&str>,
+) -> csv::Result<TableHeader> {
+    let mut search = HeaderSearch {
         delimiter,
         time,
         named: None,
@@ -47,7 +51,7 @@ pub(super) fn find(text: &str, delimiter: Delimiter, time: Option<&str>) -> csv:
 }
 
 /// The state of a search.
-struct Search<'a> {
+struct HeaderSearch<'a> {
     delimiter: Delimiter,
     /// Name of the column of times, if it is given.
     time: Option<&'a str>,
@@ -62,7 +66,7 @@ struct Search<'a> {
 
 /// A line that names the column of times.
 struct Named {
-    header: Header,
+    header: TableHeader,
     /// Index of the column of times.
     clock: usize,
     is_comment: bool,
@@ -80,7 +84,7 @@ struct Titles {
     end: usize,
 }
 
-impl Search<'_> {
+impl HeaderSearch<'_> {
     /// A comment is a header only where no other line is one: `# t,theta` as NumPy writes it.
     fn read_comment(&mut self, index: usize, record: &StringRecord) {
         let has_header = self.named.as_ref().is_some_and(|named| !named.is_comment);
@@ -160,7 +164,7 @@ impl Search<'_> {
             return false;
         }
         self.named = Some(Named {
-            header: Header {
+            header: TableHeader {
                 names,
                 first_row: index + 1,
                 has_row_names: false,
@@ -190,7 +194,7 @@ impl Search<'_> {
         }
     }
 
-    fn header(self) -> Header {
+    fn header(self) -> TableHeader {
         match (self.named, self.before_numbers) {
             (Some(named), _) => named.header,
             (None, Some(_)) if self.has_rows => self.titles.header(),
@@ -235,7 +239,7 @@ impl Titles {
         self.end = index + 1;
     }
 
-    fn header(&self) -> Header {
+    fn header(&self) -> TableHeader {
         let [before, last] = &self.lines;
         let names = if before.len() == last.len() && is_unit_line(last) {
             let mut names = names(before);
@@ -244,7 +248,7 @@ impl Titles {
         } else {
             names(last)
         };
-        Header {
+        TableHeader {
             names,
             first_row: self.end,
             has_row_names: false,

@@ -2,7 +2,7 @@
 
 use super::error::DataError;
 use super::signal::{FileSignals, SignalSpec};
-use super::table::{MAX_ROWS, NumberColumn, Rows, Table, is_needed, too_long};
+use super::table::{MAX_ROWS, NumberColumn, Table, TableRows, is_needed, too_long};
 use crate::archive::caught::catch;
 use crate::archive::input::open_file;
 use arrow_array::cast::AsArray as _;
@@ -25,7 +25,7 @@ pub(super) fn read(
     let source = open_file(path).map_err(|reason| DataError::unreadable(path, reason))?;
     // The crate `parquet` panics on some damaged files, where it should return an error.
     let table = catch(|| read_columns(source, specs, time)).unwrap_or_else(|_| Err(damaged()));
-    let Numbers {
+    let NumberColumns {
         names,
         columns,
         count,
@@ -38,13 +38,13 @@ pub(super) fn read(
         columns: names,
         is_named: true,
         has_arguments: true,
-        rows: Rows::Numbers { columns, count },
+        rows: TableRows::Numbers { columns, count },
     };
     table.signals(file, specs, time)
 }
 
 /// The columns of numbers of a file.
-struct Numbers {
+struct NumberColumns {
     names: Vec<String>,
     columns: Vec<NumberColumn>,
     count: usize,
@@ -54,7 +54,7 @@ fn read_columns(
     source: File,
     specs: &[SignalSpec],
     time: Option<&str>,
-) -> Result<Numbers, DataError> {
+) -> Result<NumberColumns, DataError> {
     let opened = ParquetRecordBatchReaderBuilder::try_new(source).map_err(DataError::because)?;
     let rows = opened.metadata().file_metadata().num_rows();
     let count = usize::try_from(rows).map_err(|_| damaged())?;
@@ -91,7 +91,7 @@ fn read_columns(
             .map_err(DataError::because)?;
         }
     }
-    Ok(Numbers {
+    Ok(NumberColumns {
         names,
         columns,
         count,

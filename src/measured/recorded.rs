@@ -1,7 +1,7 @@
 //! Measured values from MCAP files: recordings of toprise, and JSON messages of other software.
 
 use super::error::DataError;
-use super::signal::{FileSignals, Flaw, Row, SigmaSpec, Signal, SignalSpec};
+use super::signal::{FileSignals, SigmaSpec, Signal, SignalRow, SignalSpec, SpecFlaw};
 use super::table::{MAX_ROWS, MAX_SHOWN, read_twice, too_long};
 use super::unit::{Dimension, split_header};
 use crate::archive::recording::{Condition, ContentCheck, FileChannel, Recording, Selection};
@@ -14,7 +14,7 @@ use std::path::Path;
 use thiserror::Error;
 
 /// The signals of an MCAP file.
-pub(super) struct Read {
+pub(super) struct RecordedSignals {
     pub found: FileSignals,
     /// Whether the file is a recording of toprise.
     pub is_ours: bool,
@@ -24,14 +24,14 @@ pub(super) struct Read {
 
 /// Where the values of a signal are.
 #[derive(PartialEq)]
-enum Place {
+enum SignalPlace {
     /// A field of toprise's channels, in SI units.
     Field(NumberField),
     /// A member of JSON messages: topic, and names from the outside in. The last one may have a unit as in a header.
     Json(String, Vec<String>),
 }
 
-impl Place {
+impl SignalPlace {
     /// The unit that is given for the values; may be empty.
     fn unit(&self) -> &str {
         match self {
@@ -58,7 +58,11 @@ fn without_unit(names: &[String]) -> Option<(&str, &[String])> {
 }
 
 /// Reads signals whose sources are `TOPIC.PATH`.
-pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Read, DataError> {
+pub(super) fn read(
+    path: &Path,
+    file: usize,
+    specs: &[SignalSpec],
+) -> Result<RecordedSignals, DataError> {
     let recording =
         Recording::open(path).map_err(|reason| DataError::because(reason).in_file(path))?;
     if specs.is_empty() {
@@ -84,7 +88,7 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
         };
         // Messages have no columns: the text after the colon can only be meant as a number.
         if let SigmaSpec::Column(sigma) = &spec.sigma {
-            return Err(Flaw::Sigma(sigma.clone()).in_signal(&spec.source));
+            return Err(SpecFlaw::Sigma(sigma.clone()).in_signal(&spec.source));
         }
         if places.iter().any(|(_, known)| place.has_values_of(known)) {
             return Err(read_twice(&spec.source).in_file(path));
@@ -96,15 +100,15 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
     for (spec, place) in places {
         let PlaceRows { rows, lack } = rows(&recording, path, &place, &mut losses)?;
         let factor = match &place {
-            Place::Field(_) => 1.0,
-            Place::Json(..) => Dimension::from_si(spec.field.unit())
+            SignalPlace::Field(_) => 1.0,
+            SignalPlace::Json(..) => Dimension::from_si(spec.field.unit())
                 .factor(place.unit(), &spec.source)
                 .map_err(|error| error.in_file(path))?,
         };
         let (mut found, mut missing) = (Vec::new(), 0);
         for (time, value) in rows {
             match value {
-                Some(value) => found.push(Row {
+                Some(value) => found.push(SignalRow {
                     time,
                     value: value * factor,
                     sigma: None,
@@ -117,8 +121,8 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
             return Err(no_values(path, &spec.source, &place, lack));
         }
         let is_unit_known = match &place {
-            Place::Field(_) => true,
-            Place::Json(..) => !place.unit().is_empty(),
+            SignalPlace::Field(_) => true,
+            SignalPlace::Json(..) => !place.unit().is_empty(),
         };
         signals.push(Signal {
             is_unit_known,
@@ -130,7 +134,7 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
             add_once(&mut losses, fault);
         }
     }
-    Ok(Read {
+    Ok(RecordedSignals {
         found: FileSignals {
             signals,
             known: topics(&recording),
@@ -140,11 +144,11 @@ pub(super) fn read(path: &Path, file: usize, specs: &[SignalSpec]) -> Result<Rea
     })
 }
 
-fn no_values(path: &Path, source: &str, place: &Place, lack: Option<Lack>) -> DataError {
+fn no_values(path: &Path, source: &str, place: &SignalPlace, lack: Option<Lack>) -> DataError {
     let (what, reason) = match (place, lack) {
-        (Place::Json(..), Some(lack)) => ("member", format!(": {lack}")),
-        (Place::Json(..), None) => ("member", String::new()),
-        (Place::Field(_), _) => ("field", String::new()),
+        (SignalPlace::Json(..), Some(lack)) => ("member", format!(": {lack}")),
+        (SignalPlace::Json(..), None) => ("member", String::new()),
+        (SignalPlace::Field(_), _) => ("field", String::new()),
     };
     DataError::new(format!("{what} {source} has no values{reason}")).in_file(path)
 }
@@ -181,7 +185,7 @@ fn content_faults(recording: &Recording) -> Vec<String> {
 }
 
 /// The place that a source names, if the file has it.
-fn find_place(recording: &Recording, spec: &SignalSpec) -> Option<Place> {
+fn find_place(recording: &Recording, spec: &SignalSpec) -> Option<SignalPlace> {
     let source = &spec.source;
     for channel in recording.channels() {
         let Some(rest) = source.strip_prefix(&channel.topic) else {
@@ -193,12 +197,12 @@ fn find_place(recording: &Recording, spec: &SignalSpec) -> Option<Place> {
         match table(recording, channel) {
             Some(topic) => {
                 if let Some(field) = topic.numbers().find(|field| field.path() == path) {
-                    return Some(Place::Field(field));
+                    return Some(SignalPlace::Field(field));
                 }
             }
             None if channel.encoding == "json" => {
                 let names = path.split('.').map(str::to_owned).collect();
-                return Some(Place::Json(channel.topic.clone(), names));
+                return Some(SignalPlace::Json(channel.topic.clone(), names));
             }
             None => {}
         }
@@ -207,7 +211,7 @@ fn find_place(recording: &Recording, spec: &SignalSpec) -> Option<Place> {
     let field = spec.field;
     let mut channels = recording.channels().iter();
     let is_recorded = channels.any(|channel| table(recording, channel) == Some(field.topic()));
-    (*source == field.path() && is_recorded).then_some(Place::Field(field))
+    (*source == field.path() && is_recorded).then_some(SignalPlace::Field(field))
 }
 
 /// The topic of toprise that a channel has. Other software may use the same names for JSON messages of its own.
@@ -242,12 +246,12 @@ struct PlaceRows {
 fn rows(
     recording: &Recording,
     path: &Path,
-    place: &Place,
+    place: &SignalPlace,
     losses: &mut Vec<String>,
 ) -> Result<PlaceRows, DataError> {
     let topic = match place {
-        Place::Field(field) => field.topic().name().to_owned(),
-        Place::Json(topic, _) => topic.clone(),
+        SignalPlace::Field(field) => field.topic().name().to_owned(),
+        SignalPlace::Json(topic, _) => topic.clone(),
     };
     let mut reader = recording.reader(Selection {
         topics: Topics::Only(vec![topic.clone()]),
@@ -260,7 +264,7 @@ fn rows(
     let start = whole.next_undecoded().map_or(0, |first| first.log_time);
     loop {
         let row = match place {
-            Place::Field(field) => match reader.next() {
+            SignalPlace::Field(field) => match reader.next() {
                 None => break,
                 Some(Err(error)) => {
                     add_once(losses, error.to_string());
@@ -272,7 +276,7 @@ fn rows(
                     (seconds(message.time_ns), value.filter(|v| v.is_finite()))
                 }
             },
-            Place::Json(_, names) => match reader.next_undecoded() {
+            SignalPlace::Json(_, names) => match reader.next_undecoded() {
                 None => break,
                 Some(message) => {
                     let Ok(json) = serde_json::from_slice(message.data) else {

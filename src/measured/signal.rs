@@ -96,7 +96,7 @@ pub struct SignalSpec {
 
 /// Why the description of a signal can't be used.
 #[derive(Clone, Debug, PartialEq, Error)]
-pub(super) enum Flaw {
+pub(super) enum SpecFlaw {
     #[error("unknown field {name}{}", match similar[..] {
         [] => format!("; fields: {known}"),
         _ => did_you_mean(similar),
@@ -115,7 +115,7 @@ pub(super) enum Flaw {
     Empty,
 }
 
-impl Flaw {
+impl SpecFlaw {
     /// The error of a description.
     pub(super) fn in_signal(&self, text: &str) -> DataError {
         DataError::new(format!("{text}: {self}")).with_remedy(sentence!(
@@ -134,13 +134,13 @@ impl SignalSpec {
         Self::parse_parts(text).map_err(|flaw| flaw.in_signal(text))
     }
 
-    fn parse_parts(text: &str) -> Result<Self, Flaw> {
+    fn parse_parts(text: &str) -> Result<Self, SpecFlaw> {
         let (rest, sigma) = split_sigma(text)?;
         // A name alone is both that of the field and that of the column.
         let (field, column) = rest.split_once('=').unwrap_or((rest, rest));
         let (field, source) = (field.trim(), unquoted(column));
         if field.is_empty() || source.is_empty() {
-            return Err(Flaw::Empty);
+            return Err(SpecFlaw::Empty);
         }
         Ok(Self {
             field: find_field(field)?,
@@ -217,16 +217,16 @@ fn unquoted(name: &str) -> &str {
 }
 
 /// Splits the standard deviation off. A colon within a name stays.
-fn split_sigma(text: &str) -> Result<(&str, SigmaSpec), Flaw> {
+fn split_sigma(text: &str) -> Result<(&str, SigmaSpec), SpecFlaw> {
     let Some((rest, sigma)) = text.rsplit_once(':') else {
         return Ok((text, SigmaSpec::Estimate));
     };
     match split_number(sigma) {
         Some((number, _)) if number.is_nan() || number <= 0.0 || number.is_infinite() => {
-            Err(Flaw::Sigma(sigma.to_owned()))
+            Err(SpecFlaw::Sigma(sigma.to_owned()))
         }
         Some((number, unit)) => Ok((rest, SigmaSpec::Number(number, unit.to_owned()))),
-        None if sigma.is_empty() => Err(Flaw::Sigma(sigma.to_owned())),
+        None if sigma.is_empty() => Err(SpecFlaw::Sigma(sigma.to_owned())),
         None => Ok((rest, SigmaSpec::Column(sigma.trim_matches('"').to_owned()))),
     }
 }
@@ -252,7 +252,7 @@ pub(super) fn field_named(name: &str) -> Option<NumberField> {
 }
 
 /// The field with this name: `theta`, `/top/pose.omega_body.z` or one of [`NAMES`].
-fn find_field(name: &str) -> Result<NumberField, Flaw> {
+fn find_field(name: &str) -> Result<NumberField, SpecFlaw> {
     let known = field_named(name);
     let lower = name.to_lowercase();
     let mut fields = measurable();
@@ -260,7 +260,7 @@ fn find_field(name: &str) -> Result<NumberField, Flaw> {
     known.or(exact).ok_or_else(|| unknown_field(name))
 }
 
-fn unknown_field(name: &str) -> Flaw {
+fn unknown_field(name: &str) -> SpecFlaw {
     let (mut full, mut paths) = (Vec::new(), Vec::new());
     for field in measurable() {
         full.push(field.to_string());
@@ -268,7 +268,7 @@ fn unknown_field(name: &str) -> Flaw {
     }
     let compared = if name.starts_with('/') { &full } else { &paths };
     let similar = similar_names(name, compared.iter().map(String::as_str));
-    Flaw::UnknownField {
+    SpecFlaw::UnknownField {
         name: name.to_owned(),
         similar: similar.into_iter().map(str::to_owned).collect(),
         known: full.join(", "),
@@ -284,7 +284,7 @@ fn measurable() -> impl Iterator<Item = NumberField> {
 
 /// A row of a table: time, value, and standard deviation if there is a column for it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Row {
+pub(super) struct SignalRow {
     pub time: f64,
     pub value: f64,
     pub sigma: Option<f64>,
@@ -312,7 +312,7 @@ impl Signal {
                     SigmaSpec::Number(sigma, String::new())
                 }
                 Some(sigma) => {
-                    let flaw = Flaw::Sigma(sigma.to_string());
+                    let flaw = SpecFlaw::Sigma(sigma.to_string());
                     return Err(flaw.in_signal(&field.to_string()));
                 }
                 None => SigmaSpec::Estimate,
@@ -323,7 +323,7 @@ impl Signal {
         let mut missing = 0;
         for (time, value) in times.iter().zip(values) {
             if time.is_finite() && value.is_finite() {
-                rows.push(Row {
+                rows.push(SignalRow {
                     time: *time,
                     value: *value,
                     sigma: None,
@@ -340,7 +340,7 @@ impl Signal {
     pub(super) fn new(
         spec: &SignalSpec,
         file: usize,
-        mut rows: Vec<Row>,
+        mut rows: Vec<SignalRow>,
         missing: u64,
         path: Option<&Path>,
     ) -> Result<Self, DataError> {

@@ -3,7 +3,7 @@
 use super::cell::{Cell, Mark};
 use super::column;
 use super::error::DataError;
-use super::signal::{Clock, FileSignals, Row, SigmaSpec, Signal, SignalSpec};
+use super::signal::{Clock, FileSignals, SigmaSpec, Signal, SignalRow, SignalSpec};
 use super::unit::{Dimension, is_unit, split_header};
 use crate::words::{Piece, Sentence, sentence};
 use std::path::Path;
@@ -23,11 +23,11 @@ pub(super) struct Table<'a> {
     pub is_named: bool,
     /// Whether arguments can name the columns, too.
     pub has_arguments: bool,
-    pub rows: Rows,
+    pub rows: TableRows,
 }
 
 /// The cells of a table.
-pub(super) enum Rows {
+pub(super) enum TableRows {
     /// Cells of text.
     Text {
         lines: Vec<Line>,
@@ -59,7 +59,7 @@ pub(super) struct Line {
     pub record: csv::StringRecord,
 }
 
-impl Rows {
+impl TableRows {
     fn count(&self) -> usize {
         match self {
             Self::Text { lines, .. } => lines.len(),
@@ -341,7 +341,7 @@ impl Table<'_> {
                 None => None,
             };
             match (self.cell(times, row)?, self.cell(&values, row)?) {
-                (Some(time), Some(value)) => rows.push(Row {
+                (Some(time), Some(value)) => rows.push(SignalRow {
                     time,
                     value,
                     sigma,
@@ -424,7 +424,7 @@ impl Table<'_> {
     /// The value of a cell in SI units; `None` if it is missing.
     fn cell(&self, column: &Cells<'_>, row: usize) -> Result<Option<f64>, DataError> {
         let number = match &self.rows {
-            Rows::Text { lines, marks } => {
+            TableRows::Text { lines, marks } => {
                 let text = lines[row].record.get(column.at).unwrap_or_default();
                 match Cell::parse(text) {
                     Cell::Missing => None,
@@ -441,7 +441,9 @@ impl Table<'_> {
                 }
             }
             #[cfg(feature = "sweep")]
-            Rows::Numbers { columns, .. } => columns[column.at].cells.get(row).copied().flatten(),
+            TableRows::Numbers { columns, .. } => {
+                columns[column.at].cells.get(row).copied().flatten()
+            }
         };
         Ok(number.map(|number| number * column.factor))
     }

@@ -3,9 +3,9 @@
 use super::cell::{Cell, Mark, Marks};
 use super::delimiter::{Delimiter, is_blank, is_comment};
 use super::error::DataError;
-use super::header::{self, Header, is_row_name};
+use super::header::{self, TableHeader, is_row_name};
 use super::signal::{FileSignals, SignalSpec};
-use super::table::{Line, MAX_ROWS, Rows, Table, too_long};
+use super::table::{Line, MAX_ROWS, Table, TableRows, too_long};
 use crate::archive::input::{read_file, text_of};
 use crate::words::{Piece, sentence};
 use csv::StringRecord;
@@ -58,7 +58,7 @@ fn parse<'a>(path: &'a Path, text: &str, time: Option<&str>) -> Result<Table<'a>
     let text = text.trim_start_matches('\u{feff}');
     let delimiter = Delimiter::find(text);
     let header = header::find(text, delimiter, time);
-    let Header {
+    let TableHeader {
         names,
         first_row,
         has_row_names,
@@ -111,7 +111,7 @@ fn parse<'a>(path: &'a Path, text: &str, time: Option<&str>) -> Result<Table<'a>
             .into_iter()
             .chain(unnamed.map(|number| number.to_string()))
             .collect(),
-        rows: Rows::Text {
+        rows: TableRows::Text {
             lines,
             marks: decimal_marks(&marks, delimiter),
         },

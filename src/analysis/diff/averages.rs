@@ -5,7 +5,7 @@
 //! the axis passes the vertical. The phase (number of nutations) is
 //! a curve through the starts of the cycles.
 
-use crate::analysis::history::curve::Curve;
+use crate::analysis::history::curve::CubicCurve;
 use crate::analysis::history::{Cycle, RunHistory};
 use crate::archive::memory::Owned;
 use crate::run::simulation::UPRIGHT;
@@ -90,7 +90,7 @@ pub(super) fn compare(a: &RunHistory, b: &RunHistory, until: f64) -> Option<Aver
 
 /// A field of `/top/nutation` over time: through the middles of the cycles. It is NaN in cycles in which it has no
 /// meaning, and between them and their neighbours.
-fn curve(run: &RunHistory, field: NumberField) -> Curve {
+fn curve(run: &RunHistory, field: NumberField) -> CubicCurve {
     let points = run.successive_cycles().iter().map(|cycle| {
         let is_meaningful = !is_of_azimuth(field) || is_away_from_vertical(cycle);
         let value = if is_meaningful {
@@ -100,7 +100,7 @@ fn curve(run: &RunHistory, field: NumberField) -> Curve {
         };
         (cycle.middle(), value)
     });
-    Curve::new(points)
+    CubicCurve::new(points)
 }
 
 /// Whether a field belongs to the rotation about the vertical or about the axis alone. Where the axis is vertical, only
@@ -225,7 +225,7 @@ impl Averaged {
     }
 }
 
-fn deviation(field: NumberField, times: &[f64], [a, b]: &[Curve; 2]) -> Option<Deviation> {
+fn deviation(field: NumberField, times: &[f64], [a, b]: &[CubicCurve; 2]) -> Option<Deviation> {
     let mut largest: Option<(f64, [f64; 2])> = None;
     for time in times {
         let (Some(of_a), Some(of_b)) = (a.at(*time), b.at(*time)) else {
@@ -249,7 +249,7 @@ fn deviation(field: NumberField, times: &[f64], [a, b]: &[Curve; 2]) -> Option<D
 
 /// B − A of the fields of `/top/nutation` at equal times: at the middle of each cycle of A, as long as B nutates.
 pub(super) fn differences(a: &RunHistory, b: &RunHistory) -> Vec<Owned> {
-    let mut curves: Vec<(NumberField, Curve)> = Vec::new();
+    let mut curves: Vec<(NumberField, CubicCurve)> = Vec::new();
     for field in NUTATION.numbers() {
         curves.push((field, b.curve(|cycle| cycle.field(field))));
     }
@@ -260,7 +260,7 @@ pub(super) fn differences(a: &RunHistory, b: &RunHistory) -> Vec<Owned> {
 }
 
 /// B − A at the middle of a cycle of A; `None` if B does not nutate then.
-fn difference(cycle: &Cycle, curves_of_b: &[(NumberField, Curve)]) -> Option<Owned> {
+fn difference(cycle: &Cycle, curves_of_b: &[(NumberField, CubicCurve)]) -> Option<Owned> {
     let time = cycle.middle();
     let mut numbers = Vec::new();
     for (field, of_b) in curves_of_b {

@@ -4,13 +4,13 @@ use crate::physics::integrate::zero;
 
 /// A curve through points: between them the cubic through the four nearest.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Curve {
+pub(crate) struct CubicCurve {
     /// The abscissas, strictly increasing.
     x: Vec<f64>,
     y: Vec<f64>,
 }
 
-impl Curve {
+impl CubicCurve {
     /// A curve through points in the order of x; points that don't increase x are left out.
     pub(crate) fn new(points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         let mut curve = Self::default();
@@ -145,7 +145,7 @@ mod tests {
     #[test]
     fn val_interpolates_cubics_exactly() {
         let f = |x: f64| 1.0 + x * (2.0 - x * (0.5 - 0.25 * x));
-        let curve = Curve::new([0.0, 0.7, 1.5, 2.0, 3.5, 4.0].map(|x| (x, f(x))));
+        let curve = CubicCurve::new([0.0, 0.7, 1.5, 2.0, 3.5, 4.0].map(|x| (x, f(x))));
         for x in [0.0, 0.1, 0.7, 1.0, 1.9, 2.5, 3.9, 4.0] {
             assert!((curve.at(x).unwrap() - f(x)).abs() < 1e-14, "{x}");
         }
@@ -177,7 +177,7 @@ mod tests {
 
     #[test]
     fn levels_are_reached_once() {
-        let falling = Curve::new([(0.0, 5.0), (1.0, 4.0), (2.0, 2.0), (3.0, 3.0)]);
+        let falling = CubicCurve::new([(0.0, 5.0), (1.0, 4.0), (2.0, 2.0), (3.0, 3.0)]);
         assert!((falling.first_reaches(4.0).unwrap() - 1.0).abs() < 1e-15);
         assert_eq!(falling.first_reaches(1.0), None);
     }

@@ -42,13 +42,13 @@ impl Drafts {
         &self,
         create: impl FnOnce() -> io::Result<F>,
         path_of: impl Fn(&F) -> &Path,
-    ) -> io::Result<(F, Listed)> {
+    ) -> io::Result<(F, ListedDraft)> {
         let mut leftovers = self.lock();
         let file = create()?;
         let path = path_of(&file).to_owned();
         leftovers.files.insert(path.clone());
         let drafts = self.clone();
-        Ok((file, Listed { drafts, path }))
+        Ok((file, ListedDraft { drafts, path }))
     }
 
     /// Creates a directory and its missing parents.
@@ -70,12 +70,12 @@ impl Drafts {
 
 /// A hidden draft in the list, until it is dropped.
 #[derive(Debug)]
-pub(super) struct Listed {
+pub(super) struct ListedDraft {
     drafts: Drafts,
     path: PathBuf,
 }
 
-impl Drop for Listed {
+impl Drop for ListedDraft {
     fn drop(&mut self) {
         self.drafts.lock().files.remove(&self.path);
     }

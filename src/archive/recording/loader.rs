@@ -6,7 +6,7 @@ mod records;
 use self::position::Position;
 use super::batch::{BatchEntry, LoadedMessages};
 use super::file::Recording;
-use super::order::Order;
+use super::order::MessageOrder;
 use super::selection::Selection;
 use super::statistics::MessageTally;
 use super::windows::{Span, Window, Windows};
@@ -128,7 +128,7 @@ impl<'r> Loader<'r> {
     }
 
     /// Finds the next message. `order` ranks messages of the same time.
-    pub(super) fn next(&mut self, order: Option<&Order>) -> Option<FoundMessage> {
+    pub(super) fn next(&mut self, order: Option<&MessageOrder>) -> Option<FoundMessage> {
         loop {
             let Some(entry) = self.batch.entries.get(self.returned).copied() else {
                 self.load_next(order)?;
@@ -186,7 +186,7 @@ impl<'r> Loader<'r> {
     }
 
     /// Loads the next batch.
-    fn load_next(&mut self, order: Option<&Order>) -> Option<()> {
+    fn load_next(&mut self, order: Option<&MessageOrder>) -> Option<()> {
         self.batch.clear();
         self.returned = 0;
         match &mut self.plan {
@@ -287,7 +287,7 @@ impl<'r> Loader<'r> {
     }
 
     /// Sorts the batch by time. Messages of the same time are ranked by `order`, then in the order of the file.
-    fn sort(&mut self, order: Option<&Order>) {
+    fn sort(&mut self, order: Option<&MessageOrder>) {
         let mut entries = mem::take(&mut self.batch.entries);
         // Most files are sorted, and a check takes linear time.
         if !entries.is_sorted_by(|a, b| self.compare(order, a, b).is_le()) {
@@ -296,7 +296,7 @@ impl<'r> Loader<'r> {
         self.batch.entries = entries;
     }
 
-    fn compare(&self, order: Option<&Order>, a: &BatchEntry, b: &BatchEntry) -> Ordering {
+    fn compare(&self, order: Option<&MessageOrder>, a: &BatchEntry, b: &BatchEntry) -> Ordering {
         // Ranks need the head of the message, which only messages of the same time are worth.
         a.time_ns
             .cmp(&b.time_ns)
@@ -305,7 +305,7 @@ impl<'r> Loader<'r> {
     }
 
     /// Rank of a message among those of the same time; all are equal without an order.
-    fn rank(&self, order: Option<&Order>, entry: &BatchEntry) -> Option<(usize, u32)> {
+    fn rank(&self, order: Option<&MessageOrder>, entry: &BatchEntry) -> Option<(usize, u32)> {
         let order = order?;
         let message = self.batch.message(entry)?;
         let channel = self

@@ -13,7 +13,7 @@ use std::fmt;
 ///
 /// Sequence numbers are optional in MCAP, and many writers set all of them to 0. They alone never exclude a message.
 #[derive(Debug)]
-pub(super) struct Order {
+pub(super) struct MessageOrder {
     /// For each channel of the file, its place among `channels`.
     places: Vec<usize>,
     /// The channels; those of a topic of toprise are one.
@@ -129,7 +129,7 @@ impl fmt::Display for Misplaced {
     }
 }
 
-impl Order {
+impl MessageOrder {
     /// The order of the channels of a recording.
     pub(super) fn new(recording: &Recording) -> Self {
         let is_ours = recording.is_ours();
@@ -229,7 +229,7 @@ mod tests {
     type Numbers = (u64, u32, u8);
 
     fn accepted(rule: Rule, messages: &[Numbers]) -> (Vec<bool>, Option<String>) {
-        let mut order = Order {
+        let mut order = MessageOrder {
             places: vec![0],
             channels: vec![OrderedChannel {
                 topic: "/top/state".to_owned(),

@@ -3,7 +3,7 @@
 use super::condition::Condition;
 use super::file::Recording;
 use super::loader::{FoundMessage, Loader};
-use super::order::{Misplaced, Order};
+use super::order::{MessageOrder, Misplaced};
 use super::selection::Selection;
 use super::statistics::{StatisticsFault, find_fault};
 use crate::archive::container::channels::FileChannel;
@@ -57,7 +57,7 @@ const MAX_WINDOW: usize = 128 << 20;
 pub struct Reader<'r> {
     recording: &'r Recording,
     loader: Loader<'r>,
-    order: Option<Order>,
+    order: Option<MessageOrder>,
     /// Treatment of each of the file's channels.
     treatments: Vec<Treatment>,
     row: Row,
@@ -147,7 +147,7 @@ impl<'r> Reader<'r> {
     /// Messages of toprise's channels that repeat others or go back in time are skipped and counted by
     /// [`Reader::left_out`].
     pub fn in_order_of_time(self) -> Self {
-        let order = Order::new(self.recording);
+        let order = MessageOrder::new(self.recording);
         Self {
             order: Some(order),
             ..self.sorted(MAX_WINDOW)

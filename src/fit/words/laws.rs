@@ -48,7 +48,7 @@ pub(super) fn parameters(law: &LawFit) -> Section {
 
 /// The laws that could be fitted.
 fn table(report: &Report, comparison: &Comparison) -> Table {
-    let columns = Columns {
+    let columns = LawColumns {
         has_estimated_sigma: report
             .signals
             .iter()
@@ -69,12 +69,12 @@ fn table(report: &Report, comparison: &Comparison) -> Table {
 
 /// The columns that not all comparisons have.
 #[derive(Clone, Copy)]
-struct Columns {
+struct LawColumns {
     has_estimated_sigma: bool,
     has_held_out: bool,
 }
 
-impl Columns {
+impl LawColumns {
     fn header(self) -> Vec<Sentence> {
         // χ²/ν says nothing where each law has its own estimate of σ: σ does.
         let size = if self.has_estimated_sigma {

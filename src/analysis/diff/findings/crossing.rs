@@ -4,7 +4,7 @@
 //! show which run is ahead. The first crossing of θ itself is discontinuous: it depends on which nutation minimum
 //! reaches the level.
 
-use crate::analysis::history::curve::Curve;
+use crate::analysis::history::curve::CubicCurve;
 use crate::analysis::history::{Cycle, RunHistory};
 use crate::physics::integrate::zero;
 use crate::physics::math::{atan2, cos};
@@ -110,7 +110,7 @@ fn start_and_least(history: &RunHistory, sign: f64) -> Option<(f64, f64)> {
 }
 
 /// The times at which both curves first cross a level, s.
-fn first_crossings([a, b]: &[Curve; 2], level: f64) -> Option<[f64; 2]> {
+fn first_crossings([a, b]: &[CubicCurve; 2], level: f64) -> Option<[f64; 2]> {
     Some([a.first_reaches(level)?, b.first_reaches(level)?])
 }
 
@@ -132,7 +132,7 @@ fn common([a, b]: [&RunHistory; 2]) -> [&RunHistory; 2] {
 }
 
 /// Interpolation error of a curve near a time, by leave-one-out.
-fn interpolation_error(curve: &Curve, time: f64) -> f64 {
+fn interpolation_error(curve: &CubicCurve, time: f64) -> f64 {
     curve
         .left_out(time)
         .map_or(0.0, |error| error.abs() / LEFT_OUT_RATIO)
@@ -187,11 +187,11 @@ pub(super) fn ripple(history: &RunHistory, time: f64) -> Option<[f64; 2]> {
 /// Curves that determine the effect of nutation on a first crossing.
 struct Ripple {
     /// Amplitude of θ, rad.
-    amplitude: Curve,
+    amplitude: CubicCurve,
     /// Amplitude of θ̇, rad/s.
-    rate_amplitude: Curve,
+    rate_amplitude: CubicCurve,
     /// Mean of θ, rad.
-    mean: Curve,
+    mean: CubicCurve,
 }
 
 impl Ripple {
