@@ -57,6 +57,7 @@ mod raw;
 mod readers;
 mod recordings;
 mod reference;
+mod report_strings;
 #[cfg(feature = "rerun")]
 mod rerun;
 #[cfg(feature = "rerun")]
