@@ -23,17 +23,20 @@ mod data;
 mod error;
 #[cfg(feature = "fit")]
 pub mod fit;
+mod laws;
 mod locus;
 mod map;
 mod plot;
 mod report;
 mod sampling;
 mod style;
+mod symbol;
 mod time;
 mod track;
 
 pub use self::data::{MissingData, RunData};
 pub use self::error::FigureError;
+pub use self::laws::{LawCurve, draw_laws};
 #[cfg(feature = "sweep")]
 pub use self::map::CONTEXT_COLUMNS;
 pub use self::map::{Map, MapAxis, MapRun};
@@ -352,6 +355,18 @@ mod tests {
                     check_labels(&figure.draw(runs, width), &name);
                 }
             }
+        }
+    }
+
+    #[test]
+    fn labels_of_laws_neither_overlap_nor_exceed_the_page() {
+        let mut laws = Vec::new();
+        for name in ["paper", "viscous", "stribeck", "contensou", "frictionless"] {
+            let values = Preset::find(name).unwrap().values().unwrap();
+            laws.push(LawCurve::new(name, &Scenario::new(values).unwrap()));
+        }
+        for count in 1..=laws.len() {
+            check_labels(&draw_laws(&laws[laws.len() - count..], 120.0), "laws");
         }
     }
 

@@ -161,7 +161,12 @@ impl Text {
     /// Typesets a text in which `*` begins and ends symbols, `_{…}` and `^{…}` are scripts, and combining dots
     /// stand over the letter before them.
     pub(crate) fn markup(source: &str) -> Self {
-        let mut text = Self::default();
+        Self::default().followed_by_markup(source)
+    }
+
+    /// Appends text with markup.
+    pub(crate) fn followed_by_markup(self, source: &str) -> Self {
+        let mut text = self;
         let mut style = FontStyle::Upright;
         let mut script = NORMAL;
         let mut letters = source.chars().peekable();
