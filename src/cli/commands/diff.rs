@@ -1,6 +1,7 @@
 //! `toprise diff`.
 
 pub(in crate::cli) mod content;
+mod slip;
 
 use crate::analysis::diff::{Observer, Options, Tolerance, Tolerances, Verdict, compare_observed};
 use crate::archive::publish::Drafts;
