@@ -276,10 +276,12 @@ impl Figure {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::slip::{Slip, VisitedSpeeds};
     use crate::figures::plot::drawing::{Drawing, Label, ShapeGroup};
     use crate::figures::plot::shape::{Bounds, Shape};
     use crate::figures::plot::style::FONT_SIZE;
     use crate::run::scenario::{Preset, Scenario};
+    use crate::telemetry::side::Side;
 
     fn run(preset: &str, name: &str, duration: &str) -> RunData {
         let mut values = Preset::find(preset).unwrap().values().unwrap();
@@ -368,6 +370,19 @@ mod tests {
         for count in 1..=laws.len() {
             check_labels(&draw_laws(&laws[laws.len() - count..], 120.0), "laws");
         }
+        let mut visited = VisitedSpeeds::new(1e-3);
+        for sample in 1..=500 {
+            visited.add(1e-3 * f64::from(sample), 0.03);
+        }
+        let slip = Slip {
+            visited,
+            ..Slip::default()
+        };
+        let mut pair = Vec::new();
+        for (law, side) in laws.into_iter().zip(Side::BOTH) {
+            pair.push(law.for_side(side, Some(&slip)));
+        }
+        check_labels(&draw_laws(&pair, 120.0), "laws of two runs");
     }
 
     #[test]

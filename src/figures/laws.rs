@@ -1,11 +1,15 @@
 //! Laws of friction: the coefficient of friction against the slip speed.
 
+mod strips;
+
+use self::strips::Strip;
 use super::symbol;
+use crate::analysis::slip::{Slip, VisitedSpeeds};
 use crate::figures::plot::drawing::Drawing;
 use crate::figures::plot::frame::{self, Frame, Quantity};
 use crate::figures::plot::legend::{self, LegendEntry};
 use crate::figures::plot::range::extremes;
-use crate::figures::plot::shape::{Bounds, Point, Stroke};
+use crate::figures::plot::shape::{Bounds, Colour, Point, Stroke};
 use crate::figures::plot::style::{self, COLOURS, DASHES, MARGIN, MEDIUM};
 use crate::figures::plot::text::Text;
 use crate::figures::plot::ticks::Scale;
@@ -13,6 +17,7 @@ use crate::figures::style::Style;
 use crate::physics::friction::FrictionLaw;
 use crate::physics::kinematics::Tilt;
 use crate::run::scenario::{Key, Scenario, Value};
+use crate::telemetry::side::Side;
 use crate::words::number::rounded;
 
 /// The height of the frame relative to the width of the drawing.
@@ -27,6 +32,9 @@ const MAX_FORMULA: usize = 60;
 /// Intervals of the grid on which a curve is computed: several for each pixel of a column.
 const GRID: u32 = 4096;
 
+/// The width of the mark of visited slip speeds, mm.
+const HIGHLIGHTER: f64 = 2.6;
+
 /// A static bound that differs from the curve by less than this part is its end.
 const SAME: f64 = 1e-3;
 
@@ -36,6 +44,8 @@ const COEFFICIENT: Quantity = Quantity::new("coefficient of friction *μ*", "");
 /// A law of friction to draw.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LawCurve {
+    /// The side of a comparison.
+    side: Option<Side>,
     name: String,
     /// The name of the law, or its formula, unless it is the name of the curve.
     law_name: Option<String>,
@@ -46,6 +56,8 @@ pub struct LawCurve {
     turning_rate: f64,
     /// The fastest slip to draw, m/s.
     fastest: f64,
+    /// The slip speeds that a run visited.
+    visited: Option<VisitedSpeeds>,
 }
 
 impl LawCurve {
@@ -60,13 +72,31 @@ impl LawCurve {
             scenario.model.largest_slip_speed(&scenario.start())
         };
         Self {
+            side: None,
             name: name.to_owned(),
             law_name: Some(law_name(scenario)).filter(|law| law != name),
-            parameters: parameters(scenario, tilt.omega_lean.z),
+            parameters: parameters(scenario),
             law: scenario.model.friction.law.clone(),
             turning_rate: tilt.omega_lean.z,
             fastest,
+            visited: None,
         }
+    }
+
+    /// The law of one of two compared runs, with its slip: up to the fastest, and a law that depends on the rate about the
+    /// vertical at the mean rate. `None` for a run that does not slip.
+    #[must_use]
+    pub fn for_side(self, side: Side, slip: Option<&Slip>) -> Self {
+        let mut law = Self {
+            side: Some(side),
+            ..self
+        };
+        if let Some(slip) = slip {
+            law.fastest = slip.path.first().map_or(0.0, |point| point.speed);
+            law.turning_rate = slip.turning_rate.unwrap_or(law.turning_rate);
+            law.visited = Some(slip.visited.clone());
+        }
+        law
     }
 
     /// The coefficient of friction at slip speeds up to `fastest`, m/s. The slow ones are dense, because there laws of
@@ -91,13 +121,21 @@ impl LawCurve {
 
     /// The entry in the legend.
     fn legend(&self, stroke: Stroke) -> LegendEntry {
-        let mut text = Text::name(&self.name);
+        let side = self
+            .side
+            .map_or_else(String::new, |side| format!("{}: ", side.name()));
+        let mut text = Text::plain(&side).followed_by_name(&self.name);
         let mut separator = ": ";
         if let Some(law) = &self.law_name {
             text = text.followed_by(separator).followed_by(law);
             separator = ", ";
         }
-        for parameter in &self.parameters {
+        let mut parameters = self.parameters.clone();
+        if let FrictionLaw::Contensou { .. } = self.law {
+            let rate = rounded(self.turning_rate, 3);
+            parameters.push(format!("at *ω*_{{*z*′}} = {rate} rad/s"));
+        }
+        for parameter in &parameters {
             text = text.followed_by(separator).followed_by_markup(parameter);
             separator = ", ";
         }
@@ -119,14 +157,10 @@ fn law_name(scenario: &Scenario) -> String {
 }
 
 /// The parameters of a scenario's law, as markup.
-fn parameters(scenario: &Scenario, turning_rate: f64) -> Vec<String> {
+fn parameters(scenario: &Scenario) -> Vec<String> {
     let mut parameters = Vec::new();
     for (key, value) in scenario.entries() {
         parameters.extend(parameter(key, value));
-    }
-    if let FrictionLaw::Contensou { .. } = scenario.model.friction.law {
-        let rate = rounded(turning_rate, 3);
-        parameters.push(format!("at *ω*_{{*z*′}} = {rate} rad/s"));
     }
     parameters
 }
@@ -157,7 +191,30 @@ struct DrawnLaw<'a> {
     stroke: Stroke,
 }
 
-/// Draws laws in one frame with a width in mm.
+impl DrawnLaw<'_> {
+    /// Marks the curve from the slowest to the fastest slip of a run.
+    fn highlight(&self, drawing: &mut Drawing, frame: &Frame) {
+        let Some(visited) = &self.law.visited else {
+            return;
+        };
+        let (slowest, _) = extremes(visited.bins().map(|bin| bin.from));
+        let mut points = self.points.clone();
+        points.retain(|(speed, _)| (slowest..=self.law.fastest).contains(speed));
+        let meaning = format!("{}: visited slip speeds", self.law.name);
+        let stroke = highlighter(self.stroke.colour);
+        drawing.group(&meaning, frame.line(&points, stroke));
+    }
+}
+
+/// The wide pale stroke over which a curve is drawn.
+fn highlighter(colour: Colour) -> Stroke {
+    Stroke {
+        opacity: 0.3,
+        ..style::line(colour, HIGHLIGHTER)
+    }
+}
+
+/// Draws laws in one frame with a width in mm; below it, for the slip of each run, the time spent at each slip speed.
 pub fn draw_laws(curves: &[LawCurve], width: f64) -> Drawing {
     let fastest = fastest(curves);
     let mut laws = Vec::new();
@@ -176,6 +233,9 @@ pub fn draw_laws(curves: &[LawCurve], width: f64) -> Drawing {
     let top = legend::draw_at_top(&mut drawing, &legend_of(&laws)) + 0.6;
     let frame = frame(&laws, fastest, top, width);
     for drawn in &laws {
+        drawn.highlight(&mut drawing, &frame);
+    }
+    for drawn in &laws {
         let mut shapes = frame.line(&drawn.points, drawn.stroke);
         if let Some(bound) = drawn.static_bound {
             let place = frame.place((0.0, bound));
@@ -183,8 +243,31 @@ pub fn draw_laws(curves: &[LawCurve], width: f64) -> Drawing {
         }
         drawing.group(&drawn.law.name, shapes);
     }
-    frame.finish(&mut drawing, [&SPEED, &COEFFICIENT]);
+    frame.draw(&mut drawing);
+    frame.label_y(
+        &mut drawing,
+        &COEFFICIENT,
+        frame::tick_labels_width(&frame.y),
+    );
+    let lowest = strips::draw(&mut drawing, &frame, &strips_of(&laws));
+    lowest.label_x(&mut drawing, &SPEED);
+    drawing.height = lowest.bounds.bottom + frame::ROOM_BELOW + MARGIN;
     drawing
+}
+
+/// The strips below the frame: one for each run.
+fn strips_of<'a>(laws: &[DrawnLaw<'a>]) -> Vec<Strip<'a>> {
+    let mut strips = Vec::new();
+    for drawn in laws {
+        if let (Some(side), Some(visited)) = (drawn.law.side, &drawn.law.visited) {
+            strips.push(Strip {
+                side,
+                visited,
+                colour: drawn.stroke.colour,
+            });
+        }
+    }
+    strips
 }
 
 /// The fastest slip that is drawn, m/s.
@@ -220,6 +303,12 @@ fn legend_of(laws: &[DrawnLaw<'_>]) -> Vec<LegendEntry> {
     }
     if laws.iter().any(|drawn| drawn.static_bound.is_some()) {
         legend.push(LegendEntry::dot("bound at rest"));
+    }
+    if laws.iter().any(|drawn| drawn.law.visited.is_some()) {
+        legend.push(LegendEntry::line(
+            highlighter(style::BLACK),
+            "slip speeds of the run; below: time spent at each",
+        ));
     }
     legend
 }

@@ -373,6 +373,30 @@ fn draws_laws_without_replacing_files() {
 }
 
 #[test]
+fn diff_draws_both_laws_without_replacing_files() {
+    let folder = Folder::new();
+    let line = "diff paper viscous --set stop.duration=0.5 --no-integration-error --plot pair.svg";
+    let printed = folder.toprise(line, 1);
+    assert_contains(&printed.stderr, "wrote pair.svg");
+    assert_contains(
+        &printed.stdout,
+        "A: μ stays at 0.03; B: μ falls from 0.0342 to 0.0335 as the slip",
+    );
+    let svg = fs::read_to_string(folder.at("pair.svg")).unwrap();
+    let parts = [
+        "key: A: paper: coulomb, k = 0.03",
+        "key: B: viscous: k = 0.03, v_0 = 0.5 m/s",
+        "paper: visited slip speeds",
+        "B: time spent at each slip speed",
+    ];
+    assert_contains_all(&svg, &parts);
+    folder.refuses(line, "overwrite it with --force");
+    assert_eq!(fs::read_to_string(folder.at("pair.svg")).unwrap(), svg);
+    folder.toprise(&format!("{line} --force"), 1);
+    folder.refuses("diff paper viscous --plot pair.pdf", "call it pair.svg");
+}
+
+#[test]
 fn prints_schemas_and_completions() {
     let folder = Folder::new();
     assert_contains(&answer(&folder, "schema"), "/top/torque");

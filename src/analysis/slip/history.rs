@@ -12,7 +12,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 /// The slip of a run.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Slip {
     /// Time during which the contact point slips, s.
     pub time: f64,
@@ -33,7 +33,7 @@ pub struct Slip {
 }
 
 /// A sample that slips.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct SlipPoint {
     /// Time, s.
     pub time: f64,
