@@ -4,4 +4,5 @@ pub mod diff;
 pub mod explain;
 pub mod history;
 pub mod losses;
+pub mod slip;
 pub mod subject;

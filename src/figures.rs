@@ -23,17 +23,20 @@ mod data;
 mod error;
 #[cfg(feature = "fit")]
 pub mod fit;
+mod laws;
 mod locus;
 mod map;
 mod plot;
 mod report;
 mod sampling;
 mod style;
+mod symbol;
 mod time;
 mod track;
 
 pub use self::data::{MissingData, RunData};
 pub use self::error::FigureError;
+pub use self::laws::{LawCurve, draw_laws};
 #[cfg(feature = "sweep")]
 pub use self::map::CONTEXT_COLUMNS;
 pub use self::map::{Map, MapAxis, MapRun};
@@ -273,10 +276,12 @@ impl Figure {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::slip::{Slip, VisitedSpeeds};
     use crate::figures::plot::drawing::{Drawing, Label, ShapeGroup};
     use crate::figures::plot::shape::{Bounds, Shape};
     use crate::figures::plot::style::FONT_SIZE;
     use crate::run::scenario::{Preset, Scenario};
+    use crate::telemetry::side::Side;
 
     fn run(preset: &str, name: &str, duration: &str) -> RunData {
         let mut values = Preset::find(preset).unwrap().values().unwrap();
@@ -353,6 +358,31 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn labels_of_laws_neither_overlap_nor_exceed_the_page() {
+        let mut laws = Vec::new();
+        for name in ["paper", "viscous", "stribeck", "contensou", "frictionless"] {
+            let values = Preset::find(name).unwrap().values().unwrap();
+            laws.push(LawCurve::new(name, &Scenario::new(values).unwrap()));
+        }
+        for count in 1..=laws.len() {
+            check_labels(&draw_laws(&laws[laws.len() - count..], 120.0), "laws");
+        }
+        let mut visited = VisitedSpeeds::new(1e-3);
+        for sample in 1..=500 {
+            visited.add(1e-3 * f64::from(sample), 0.03);
+        }
+        let slip = Slip {
+            visited,
+            ..Slip::default()
+        };
+        let mut pair = Vec::new();
+        for (law, side) in laws.into_iter().zip(Side::BOTH) {
+            pair.push(law.for_side(side, Some(&slip)));
+        }
+        check_labels(&draw_laws(&pair, 120.0), "laws of two runs");
     }
 
     #[test]

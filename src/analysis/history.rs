@@ -18,6 +18,7 @@ pub use self::summary::RunSummary;
 use self::curve::CubicCurve;
 use self::energy::Energies;
 use self::level::FirstCrossing;
+use crate::analysis::slip::SlipHistory;
 use crate::archive::format::{Entries, INVERSION_TIME, SAMPLE_COUNT, STOP_REASON, STOP_TIME};
 use crate::archive::recording::Missing;
 use crate::physics::kinematics::Euler;
@@ -72,6 +73,8 @@ pub(crate) struct RunHistory {
     pub(crate) inverted: Option<f64>,
     /// Length of the path slipped, m.
     pub(crate) slip_path: Option<f64>,
+    /// The slip, if the scenario is known.
+    pub(crate) slip: Option<SlipHistory>,
     /// First crossing of the requested θ level, if there is one.
     pub(crate) rise: Option<FirstCrossing>,
     /// The phases of a free peg.
@@ -92,6 +95,7 @@ impl RunHistory {
             peg: scenario
                 .filter(|scenario| scenario.model.support.is_free())
                 .map(|scenario| PegHistory::new(&scenario.model)),
+            slip: scenario.map(SlipHistory::new),
             rise: level.map(FirstCrossing::at_level),
             sample_period_ns: scenario.map(|scenario| scenario.sample_period_ns),
             ..Self::default()
@@ -117,6 +121,9 @@ impl RunHistory {
                 Constancy::take(&mut self.vertical_momentum, vertical);
             }
             CONTACT => {
+                if let Some(slip) = &mut self.slip {
+                    slip.take_contact(message);
+                }
                 self.slip_path = Some(contact::SLIP_PATH.of(message)).filter(|p| !p.is_nan());
             }
             NUTATION => self.cycles.push(Cycle::from_message(message)),
@@ -127,6 +134,9 @@ impl RunHistory {
 
     fn add_state(&mut self, message: &Message<'_>) {
         self.find_gap(message.time_ns);
+        if let Some(slip) = &mut self.slip {
+            slip.take_state(message);
+        }
         let rates = Euler {
             phi: state::PHI_DOT.of(message),
             theta: state::THETA_DOT.of(message),

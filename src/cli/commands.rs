@@ -6,6 +6,7 @@ mod explain;
 mod figures;
 #[cfg(feature = "fit")]
 mod fit;
+mod image;
 mod info;
 mod laws;
 mod presets;
@@ -114,7 +115,10 @@ pub(super) enum Command {
     Verify(verify::VerifyArguments),
     /// List the presets, or print one, or the scenario of a recording, as a scenario file.
     Presets(presets::PresetsArguments),
-    /// List the laws of friction, or describe one: formulas, parameters, typical values and sources.
+    /// List the laws of friction, or describe some: formulas, parameters, typical values and sources.
+    ///
+    /// With --plot, draws their coefficients of friction against the slip speed: of laws with usual parameters, of scenario
+    /// files and of recordings.
     Laws(laws::LawsArguments),
     /// List the channels of a recording, print the schema of one, or write all schemas.
     Schema(schema::SchemaArguments),
@@ -147,7 +151,7 @@ pub(super) fn dispatch(
         Command::Info(arguments) => info(&arguments),
         Command::Verify(arguments) => verify(&arguments),
         Command::Presets(arguments) => presets(&arguments),
-        Command::Laws(arguments) => laws(&arguments),
+        Command::Laws(arguments) => laws(&arguments, drafts),
         Command::Schema(arguments) => schema(&arguments, schemas(), drafts),
         Command::Completions { shell } => {
             output::print(&completions::script(shell, definition))?;

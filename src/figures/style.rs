@@ -50,12 +50,7 @@ impl Style {
     pub(super) fn envelope(self, run: usize) -> Colour {
         // Areas are opaque, so their colour has to contain the opacity.
         let stroke = self.motion(run);
-        let Colour(red, green, blue) = stroke.colour;
-        Colour(
-            on_white(red, stroke.opacity),
-            on_white(green, stroke.opacity),
-            on_white(blue, stroke.opacity),
-        )
+        on_white(stroke.colour, stroke.opacity)
     }
 
     /// The stroke of averages. Dashed if there are several runs, because they often coincide.
@@ -137,9 +132,11 @@ impl Style {
     }
 }
 
-/// A component of a translucent colour on white.
-fn on_white(component: u8, opacity: f64) -> u8 {
-    (255.0 - opacity * f64::from(255 - component)).round() as u8
+/// A translucent colour on white.
+pub(super) fn on_white(Colour(red, green, blue): Colour, opacity: f64) -> Colour {
+    let [red, green, blue] = [red, green, blue]
+        .map(|component| (255.0 - opacity * f64::from(255 - component)).round() as u8);
+    Colour(red, green, blue)
 }
 
 /// Note of a figure whose samples are too few for the nutation of a run.

@@ -327,6 +327,76 @@ fn lists_laws() {
 }
 
 #[test]
+fn draws_laws_without_replacing_files() {
+    let folder = Folder::new();
+    let paper = answer(&folder, "presets paper");
+    fs::write(folder.at("mine.toml"), paper).unwrap();
+    folder.toprise("run paper --set stop.duration=0.01 -o run.mcap", 0);
+    let text = answer(&folder, "laws stribeck mine.toml run.mcap --plot laws.svg");
+    assert_contains_all(
+        &text,
+        &["friction.stribeck_speed", "coulomb", "wrote  laws.svg"],
+    );
+    let svg = fs::read_to_string(folder.at("laws.svg")).unwrap();
+    let curves = [
+        "\"stribeck\"",
+        "\"mine\"",
+        "\"run\"",
+        "slip speed v (m/s)",
+        "coefficient of friction μ",
+    ];
+    assert_contains_all(&svg, &curves);
+    folder.refuses("laws viscous --plot laws.svg", "overwrite it with --force");
+    assert_eq!(fs::read_to_string(folder.at("laws.svg")).unwrap(), svg);
+    answer(&folder, "laws viscous --plot laws.svg --force");
+    assert_ne!(fs::read_to_string(folder.at("laws.svg")).unwrap(), svg);
+    answer(&folder, "laws viscous --plot laws.png");
+    assert!(
+        fs::read(folder.at("laws.png"))
+            .unwrap()
+            .starts_with(b"\x89PNG")
+    );
+    for (line, expected) in [
+        ("laws viscos --plot a.svg", "did you mean viscous?"),
+        (
+            "laws missing.toml --plot a.svg",
+            "cannot read the scenario missing.toml",
+        ),
+        ("laws rolling --plot a.svg", "rolling is an additional loss"),
+        ("laws viscous --plot a.pdf", "call it a.svg"),
+        ("laws mine.toml --plot mine.toml", "call it mine.svg"),
+        ("laws --plot a.svg", "<LAW>"),
+    ] {
+        folder.refuses(line, expected);
+    }
+    assert!(!folder.at("a.svg").exists());
+}
+
+#[test]
+fn diff_draws_both_laws_without_replacing_files() {
+    let folder = Folder::new();
+    let line = "diff paper viscous --set stop.duration=0.5 --no-integration-error --plot pair.svg";
+    let printed = folder.toprise(line, 1);
+    assert_contains(&printed.stderr, "wrote pair.svg");
+    assert_contains(
+        &printed.stdout,
+        "A: μ stays at 0.03; B: μ falls from 0.0342 to 0.0335 as the slip",
+    );
+    let svg = fs::read_to_string(folder.at("pair.svg")).unwrap();
+    let parts = [
+        "key: A: paper: coulomb, k = 0.03",
+        "key: B: viscous: k = 0.03, v_0 = 0.5 m/s",
+        "paper: visited slip speeds",
+        "B: time spent at each slip speed",
+    ];
+    assert_contains_all(&svg, &parts);
+    folder.refuses(line, "overwrite it with --force");
+    assert_eq!(fs::read_to_string(folder.at("pair.svg")).unwrap(), svg);
+    folder.toprise(&format!("{line} --force"), 1);
+    folder.refuses("diff paper viscous --plot pair.pdf", "call it pair.svg");
+}
+
+#[test]
 fn prints_schemas_and_completions() {
     let folder = Folder::new();
     assert_contains(&answer(&folder, "schema"), "/top/torque");

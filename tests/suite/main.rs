@@ -65,6 +65,7 @@ mod rerun_pair;
 mod rest;
 mod scenarios;
 mod similarity;
+mod slip;
 mod supplements;
 mod support;
 #[cfg(feature = "sweep")]

@@ -15,6 +15,7 @@ use super::tolerance::{Options, full_name};
 use super::topic::TopicTally;
 use crate::analysis::history::RunHistory;
 use crate::analysis::history::energy::Energies;
+use crate::analysis::slip::{SlipComparison, SlipHistory};
 use crate::analysis::subject::{ReadEnd, Subject};
 use crate::archive::memory::Owned;
 use crate::archive::recording::Condition;
@@ -71,6 +72,15 @@ impl Paired {
     pub(super) fn is_identical(&self) -> bool {
         let is_whole = self.runs.iter().all(|run| run.losses.is_empty());
         is_whole && self.compared().all(TopicTally::is_identical)
+    }
+
+    /// The slip of both runs.
+    pub(super) fn slip(&self) -> SlipComparison {
+        let [a, b] = self.runs.each_ref().map(|run| {
+            let slip = run.history.slip.as_ref();
+            slip.and_then(SlipHistory::slip)
+        });
+        SlipComparison { a, b }
     }
 
     /// Number of messages of A and B that were compared with each other.

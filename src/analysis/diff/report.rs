@@ -14,6 +14,7 @@ use super::pairing::{Paired, PairedRun};
 use super::setup::{KeyDifference, SetupDifferences};
 use super::topic::{ChannelDifference, TopicTally};
 use crate::analysis::history::RunSummary;
+use crate::analysis::slip::SlipComparison;
 use crate::analysis::subject::Subject;
 use crate::archive::recording::Condition;
 use crate::run::time::seconds;
@@ -47,6 +48,8 @@ pub struct Report {
     pub averaged: Option<Averaged>,
     /// B's model evaluated at the states of A; requires both scenarios and `/top/state` of A.
     pub discrepancy: Option<Discrepancy>,
+    /// The slip of both runs, and the coefficients of friction there; absent for foreign files.
+    pub slip: Option<SlipComparison>,
     /// The integration errors; absent if not requested or not computable.
     pub integration_errors: Option<IntegrationErrors>,
     /// Notes on this comparison.
@@ -187,6 +190,7 @@ impl Report {
             others,
             averaged,
             discrepancy,
+            slip: Some(paired.slip()),
             integration_errors: integrations.map(|integrations| integrations.errors),
             notes,
             a,

@@ -8,20 +8,17 @@ use clap_complete::{Shell, generate};
 
 /// The completion script of a command line.
 pub(super) fn script(shell: Shell, command: Command) -> String {
-    let mut suggesting = command.mut_subcommands(|command| {
-        let name = command.get_name().to_owned();
-        command.mut_args(|argument| with_values(argument, &name))
-    });
+    let mut suggesting = command.mut_subcommands(|command| command.mut_args(with_values));
     let mut script = Vec::new();
     generate(shell, &mut suggesting, "toprise", &mut script);
     String::from_utf8_lossy(&script).into_owned()
 }
 
 /// An argument with the values that it can complete. They are suggestions: this command line parses nothing.
-fn with_values(argument: Arg, command: &str) -> Arg {
-    // Ids are the names of the fields; two commands have a `name`.
+fn with_values(argument: Arg) -> Arg {
+    // Ids are the names of the fields.
     match argument.get_id().as_str() {
-        "name" if command == "laws" => {
+        "laws" => {
             let laws = LAWS.iter().map(|law| law.name);
             argument.value_parser(PossibleValuesParser::new(laws))
         }
@@ -37,7 +34,9 @@ fn with_values(argument: Arg, command: &str) -> Arg {
             let topics = Topic::all().map(Topic::name);
             argument.value_parser(PossibleValuesParser::new(topics))
         }
-        "files" | "file" | "output" | "rrd" | "table" => argument.value_hint(ValueHint::FilePath),
+        "files" | "file" | "output" | "plot" | "rrd" | "table" => {
+            argument.value_hint(ValueHint::FilePath)
+        }
         _ => argument,
     }
 }

@@ -1,11 +1,14 @@
 //! `toprise diff`.
 
 pub(in crate::cli) mod content;
+mod slip;
 
+use self::slip::LawPlot;
+use super::image::Plot;
 use crate::analysis::diff::{Observer, Options, Tolerance, Tolerances, Verdict, compare_observed};
-use crate::archive::publish::Drafts;
+use crate::archive::publish::{Drafts, Existing};
 use crate::archive::sink::SinkError;
-use crate::cli::arguments::{Format, Override, parse_override, parse_tolerance};
+use crate::cli::arguments::{Format, OUTPUT, Override, parse_override, parse_tolerance};
 use crate::cli::extension::{FeatureArguments as _, PairViewer, ShowPair, ShowPairArguments};
 use crate::cli::input::{OpenRun, open};
 use crate::cli::progress::Progress;
@@ -43,8 +46,16 @@ pub(in crate::cli) struct DiffArguments {
     #[command(flatten)]
     comparison: ComparisonArguments,
 
+    /// Draw both laws of friction, with the slip speeds of the runs, as SVG or PNG
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
+    plot: Option<PathBuf>,
+
     #[command(flatten)]
     show: ShowPairArguments,
+
+    /// Overwrite existing files.
+    #[arg(long, help_heading = OUTPUT)]
+    force: bool,
 }
 
 /// What counts as a difference.
@@ -105,6 +116,7 @@ struct DiffPlan {
     options: Options,
     /// Whether everything is printed.
     all: bool,
+    plot: Option<LawPlot>,
     show: Option<Box<dyn ShowPair>>,
 }
 
@@ -117,11 +129,20 @@ impl DiffArguments {
         if !self.overrides.is_empty() && a.is_recording() && b.is_recording() {
             bail!("--set requires a preset or scenario file, but both runs are recordings");
         }
+        let existing = Existing::forced(self.force);
+        let plot = match &self.plot {
+            Some(path) => {
+                let plot = Plot::new(path, existing, &self.runs)?;
+                Some(LawPlot::new(plot, [&a, &b])?)
+            }
+            None => None,
+        };
         Ok(DiffPlan {
             runs: [a, b],
             options,
             all: self.all,
-            show: self.show.plan(self.runs.as_slice())?,
+            plot,
+            show: self.show.plan((self.runs.as_slice(), existing))?,
         })
     }
 }
@@ -132,6 +153,7 @@ pub(super) fn diff(arguments: &DiffArguments, drafts: &Drafts) -> Result<Status,
         runs: [a, b],
         options,
         all,
+        plot,
         show,
     } = arguments.plan()?;
     let subjects = [a.subject(), b.subject()];
@@ -154,6 +176,9 @@ pub(super) fn diff(arguments: &DiffArguments, drafts: &Drafts) -> Result<Status,
     // A document has room for whole values.
     let is_cut = !all && output::format() == Format::Text;
     report::print(&report, || content::page(&report, all, is_cut))?;
+    if let Some(plot) = plot {
+        plot.write(&report, drafts)?;
+    }
     let is_viewer_lost = match observers.viewer {
         Some(viewer) => viewer.finish(&report)?,
         None => false,

@@ -2,9 +2,10 @@
 
 mod files;
 
-use self::files::{FigureFiles, ImageFormat};
+use self::files::FigureFiles;
 use crate::archive::publish::{Drafts, Existing};
 use crate::cli::arguments::OUTPUT;
+use crate::cli::commands::image::ImageFormat;
 use crate::cli::extension::{FeatureArguments as _, MapArguments, MapTable};
 use crate::cli::input::{OpenRun, open};
 use crate::cli::output;

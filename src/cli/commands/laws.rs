@@ -1,20 +1,37 @@
 //! `toprise laws`.
 
-use crate::cli::report;
+use super::image::Plot;
+use crate::archive::input::{Input, InputError};
+use crate::archive::publish::{Drafts, Existing};
+use crate::cli::arguments::OUTPUT;
+use crate::cli::input::{checked, run_name};
+use crate::cli::report::{self, WrittenFile};
 use crate::cli::status::Status;
-use crate::run::scenario::{Key, LAWS, Law};
+use crate::figures::{LawCurve, draw_laws};
+use crate::run::scenario::{Key, LAWS, Law, Preset, Scenario};
 use crate::run::suggestion::suggestion;
 use crate::words::{Section, Table};
+use anyhow::Error;
 use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// Arguments of `toprise laws`.
 #[derive(Args, Debug, Default, PartialEq)]
 pub(in crate::cli) struct LawsArguments {
-    /// Law to describe, e.g. viscous
-    name: Option<String>,
+    /// Laws to describe, e.g. viscous; or scenario files, recordings and presets, for their laws
+    #[arg(value_name = "LAW")]
+    laws: Vec<PathBuf>,
+
+    /// Draw the coefficient of friction of each against the slip speed, as SVG or PNG
+    #[arg(long, value_name = "FILE", requires = "laws", help_heading = OUTPUT)]
+    plot: Option<PathBuf>,
+
+    /// Overwrite existing files
+    #[arg(long, help_heading = OUTPUT)]
+    force: bool,
 }
 
 /// A name that no law has.
@@ -22,6 +39,26 @@ pub(in crate::cli) struct LawsArguments {
 #[error("there is no law {name:?}{}; laws: {}", suggestion(name, LAWS.iter().map(|law| law.name)), LAWS.iter().map(|law| law.name).collect::<Vec<_>>().join(", "))]
 struct UnknownLaw {
     name: String,
+}
+
+/// A law that has no coefficient of friction to draw.
+#[derive(Debug, Error)]
+#[error(
+    "{name} is an additional loss, which has no coefficient of friction against the slip speed"
+)]
+struct NotSliding {
+    name: &'static str,
+}
+
+/// The law that a word names.
+enum NamedLaw {
+    /// A law of the table.
+    Law(&'static Law),
+    /// The law of a scenario.
+    Scenario {
+        name: String,
+        scenario: Box<Scenario>,
+    },
 }
 
 /// The listed laws of friction.
@@ -58,21 +95,93 @@ struct LawParameter {
     allowed: String,
 }
 
-/// Lists the laws of friction, or describes one.
-pub(super) fn laws(arguments: &LawsArguments) -> Result<Status, anyhow::Error> {
+/// Lists the laws of friction, or describes and draws some.
+pub(super) fn laws(arguments: &LawsArguments, drafts: &Drafts) -> Result<Status, Error> {
+    let plot = match &arguments.plot {
+        Some(path) => {
+            let existing = Existing::forced(arguments.force);
+            Some(Plot::new(path, existing, &arguments.laws)?)
+        }
+        None => None,
+    };
+    let mut named = Vec::new();
+    for word in &arguments.laws {
+        named.push(NamedLaw::find(word)?);
+    }
+    let written = match plot {
+        Some(plot) => Some(draw(&named, &plot, drafts)?),
+        None => None,
+    };
     let mut laws = Vec::new();
     for law in LAWS {
-        if arguments.name.as_ref().is_none_or(|name| name == law.name) {
+        if named.is_empty() || named.iter().any(|other| other.name() == law.name) {
             laws.push(LawReport::new(law));
         }
     }
-    if laws.is_empty() {
-        let name = arguments.name.clone().unwrap_or_default();
-        return Err(UnknownLaw { name }.into());
-    }
     let report = LawsReport(laws);
-    report::print(&report, || report.page())?;
+    report::print(&report, || {
+        let mut page = report.page();
+        page.extend(written.map(|file| written_section(&file)));
+        page
+    })?;
     Ok(Status::Success)
+}
+
+/// Draws laws.
+fn draw(laws: &[NamedLaw], plot: &Plot, drafts: &Drafts) -> Result<WrittenFile, Error> {
+    let mut curves = Vec::new();
+    for law in laws {
+        curves.push(law.curve()?);
+    }
+    plot.write(drafts, &draw_laws(&curves, Plot::WIDTH))
+}
+
+/// The file that was written.
+fn written_section(file: &WrittenFile) -> Section {
+    Section::from(Table::from_facts([("wrote", file.line())]))
+}
+
+impl NamedLaw {
+    /// The law of this name, or that of a scenario, a recording or a preset. Some presets have the name of their law.
+    fn find(word: &Path) -> Result<Self, Error> {
+        if let Some(law) = LAWS.iter().find(|law| word.as_os_str() == law.name) {
+            return Ok(Self::Law(law));
+        }
+        let input = match Input::open(word) {
+            Ok(input) => input,
+            Err(InputError::UnknownPreset(_)) => {
+                let name = word.display().to_string();
+                return Err(UnknownLaw { name }.into());
+            }
+            Err(error) => return Err(error.into()),
+        };
+        let scenario = checked(&input, input.values()?, &[])?;
+        Ok(Self::Scenario {
+            name: run_name(&input, &scenario, &[]),
+            scenario: Box::new(scenario),
+        })
+    }
+
+    /// The name of the law.
+    fn name(&self) -> &str {
+        match self {
+            Self::Law(law) => law.name,
+            Self::Scenario { scenario, .. } => scenario.word("friction.law"),
+        }
+    }
+
+    /// The curve of the law. One of the table has the usual parameters, and the motion of the paper's top.
+    fn curve(&self) -> Result<LawCurve, Error> {
+        match self {
+            Self::Scenario { name, scenario } => Ok(LawCurve::new(name, scenario)),
+            Self::Law(law) if law.is_sliding() => {
+                let mut values = Preset::find("paper")?.values()?;
+                values.change("friction.law", law.name)?;
+                Ok(LawCurve::new(law.name, &Scenario::new(values)?))
+            }
+            Self::Law(law) => Err(NotSliding { name: law.name }.into()),
+        }
+    }
 }
 
 impl LawsReport {

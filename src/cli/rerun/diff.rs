@@ -25,10 +25,6 @@ pub(in crate::cli) struct ShowPairArguments {
 
     #[command(flatten)]
     viewer: ViewerArguments,
-
-    /// Overwrite existing files.
-    #[arg(long, help_heading = OUTPUT)]
-    force: bool,
 }
 
 /// The Rerun output of a comparison, resolved.
@@ -38,9 +34,12 @@ struct ShowPairPlan {
     live: Option<Live>,
 }
 
-impl FeatureArguments<&[PathBuf], Box<dyn ShowPair>> for ShowPairArguments {
+impl FeatureArguments<(&[PathBuf], Existing), Box<dyn ShowPair>> for ShowPairArguments {
     /// Refuses to overwrite an input.
-    fn plan(&self, runs: &[PathBuf]) -> Result<Option<Box<dyn ShowPair>>, Error> {
+    fn plan(
+        &self,
+        (runs, existing): (&[PathBuf], Existing),
+    ) -> Result<Option<Box<dyn ShowPair>>, Error> {
         if let Some(rrd) = &self.rrd {
             FileKind::Rrd.check("--rrd", rrd)?;
             check_not_an_input(rrd, runs.iter().map(PathBuf::as_path))?;
@@ -51,7 +50,7 @@ impl FeatureArguments<&[PathBuf], Box<dyn ShowPair>> for ShowPairArguments {
         }
         Ok(Some(Box::new(ShowPairPlan {
             rrd: self.rrd.clone(),
-            existing: Existing::forced(self.force),
+            existing,
             live,
         })))
     }

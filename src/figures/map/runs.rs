@@ -2,6 +2,7 @@
 
 use crate::figures::plot::frame::Quantity;
 use crate::figures::plot::shape::Colour;
+use crate::figures::symbol;
 use crate::run::scenario::{KEYS, Key};
 use crate::run::simulation::StopReason;
 use std::collections::BTreeMap;
@@ -66,7 +67,7 @@ impl MapAxis {
     pub(super) fn quantity(&self) -> Quantity {
         let symbol = self
             .key_with_symbol()
-            .map_or_else(|| self.name.replace('_', " "), markup);
+            .map_or_else(|| self.name.replace('_', " "), symbol::markup);
         Quantity {
             symbol: symbol.into(),
             unit: self.unit.clone().into(),
@@ -85,21 +86,6 @@ impl MapAxis {
     /// Whether the column has the values of a key.
     fn is_of(&self, key: &Key) -> bool {
         key.path.replace('.', "_") == self.name
-    }
-}
-
-/// The symbol of a key, as markup. Initial values have the index 0.
-fn markup((key, symbol): (&Key, &str)) -> String {
-    let (letter, index) = symbol.split_once('_').unwrap_or((symbol, ""));
-    let index = if key.path.starts_with("initial.") {
-        "0"
-    } else {
-        index
-    };
-    if index.is_empty() {
-        format!("*{letter}*")
-    } else {
-        format!("*{letter}*_{{{index}}}")
     }
 }
 

@@ -68,6 +68,11 @@ impl LegendEntry {
         ]
     }
 
+    /// The entry of a dot.
+    pub(crate) fn dot(text: &str) -> Self {
+        Self::new(LegendSymbol::End, Text::plain(text))
+    }
+
     /// The entry of the marks where curves exceed their axis.
     pub(crate) fn beyond() -> Self {
         Self::new(LegendSymbol::Marks, Text::plain("beyond the axis"))

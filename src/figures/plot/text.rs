@@ -149,19 +149,29 @@ impl Text {
 
     /// Typesets a name. A long name is truncated at its start, because file names usually differ at their ends.
     pub(crate) fn name(source: &str) -> Self {
-        let mut text = Self::plain(source);
+        Self::default().followed_by_name(source)
+    }
+
+    /// Appends a name to the text.
+    pub(crate) fn followed_by_name(self, source: &str) -> Self {
+        let mut name = source.to_owned();
         let mut rest = source.chars();
         // Letter by letter: letters have different widths.
-        while text.width > MAX_NAME_WIDTH && rest.next().is_some() {
-            text = Self::plain(&format!("…{}", rest.as_str()));
+        while Self::plain(&name).width > MAX_NAME_WIDTH && rest.next().is_some() {
+            name = format!("…{}", rest.as_str());
         }
-        text
+        self.followed_by(&name)
     }
 
     /// Typesets a text in which `*` begins and ends symbols, `_{…}` and `^{…}` are scripts, and combining dots
     /// stand over the letter before them.
     pub(crate) fn markup(source: &str) -> Self {
-        let mut text = Self::default();
+        Self::default().followed_by_markup(source)
+    }
+
+    /// Appends text with markup.
+    pub(crate) fn followed_by_markup(self, source: &str) -> Self {
+        let mut text = self;
         let mut style = FontStyle::Upright;
         let mut script = NORMAL;
         let mut letters = source.chars().peekable();

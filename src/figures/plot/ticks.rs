@@ -105,8 +105,23 @@ impl Scale {
     /// An empty range is widened; if the ends are not finite, it becomes 0 to 1.
     pub(crate) fn new(low: f64, high: f64, max_labels: usize) -> Self {
         let (low, high) = widened(low, high);
-        let step = shortest_step(low, high, max_labels.max(3));
         let exponent = exponent_of_labels(decade(low.abs().max(high.abs())));
+        Self::in_units(exponent, (low, high), max_labels)
+    }
+
+    /// A scale of a quantity whose usual values are hundredths: only smaller ones have a power of ten.
+    pub(crate) fn of_hundredths((low, high): (f64, f64), max_labels: usize) -> Self {
+        let (low, high) = widened(low, high);
+        let exponent = match decade(low.abs().max(high.abs())) {
+            -2 => 0,
+            decade => exponent_of_labels(decade),
+        };
+        Self::in_units(exponent, (low, high), max_labels)
+    }
+
+    /// A scale whose labels are in units of ten to the power `exponent`.
+    fn in_units(exponent: i32, (low, high): (f64, f64), max_labels: usize) -> Self {
+        let step = shortest_step(low, high, max_labels.max(3));
         // Minor ticks are at round numbers too: 0.5 apart where the step is 2, 0.2 where it is 1, 1 where it is 5.
         let parts = if step.mantissa == 2 { 4 } else { 5 };
         let part = step.value() / parts as f64;

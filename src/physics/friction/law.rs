@@ -117,6 +117,12 @@ impl FrictionLaw {
         }
     }
 
+    /// Coefficient of friction μ = |f|/N at a slip speed above 0 (m/s), with the angular velocity `drilling` about the
+    /// vertical (rad/s).
+    pub fn coefficient(&self, slip_speed: f64, drilling: f64) -> f64 {
+        self.resistance(slip_speed, drilling, 1.0) * slip_speed
+    }
+
     /// Upper bound of the friction force at a slip speed (m/s) and normal force (N), N.
     pub fn bound(&self, slip_speed: f64, normal_force: f64) -> f64 {
         match *self {

@@ -1,5 +1,6 @@
 //! The human-readable report of a comparison.
 
+use super::slip;
 use crate::analysis::diff::{
     Averaged, ChannelDifference, ComparedRun, Deviation, Discrepancy, FieldDifference, Finding,
     FirstDifference, IntegrationErrors, IntegratorError, KeyDifference, Report, Residual,
@@ -17,7 +18,8 @@ const MAX_NAMED: usize = 6;
 
 /// The page: one screen, or everything. `is_cut` shortens long values to their difference.
 pub(in crate::cli) fn page(report: &Report, all: bool, is_cut: bool) -> Vec<Section> {
-    let mut sections = vec![setup(report, all, is_cut), findings(report, all)];
+    let mut sections = vec![setup(report, all, is_cut), slip::section(report)];
+    sections.push(findings(report, all));
     sections.push(others(report, all));
     if all || !report.has_other_scenarios() {
         sections.push(topics(report));

@@ -2,36 +2,11 @@
 
 use crate::archive::publish::{self, Drafts, Existing};
 use crate::archive::sink::SinkError;
+use crate::cli::commands::image::ImageFormat;
 use crate::cli::output;
 use crate::figures::{Drawing, FigureFile};
 use anyhow::Context as _;
-use clap::ValueEnum;
 use std::path::PathBuf;
-
-/// The kind of a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum ImageFormat {
-    /// Vector graphics
-    Svg,
-    /// Bitmap, 300 dpi
-    Png,
-}
-
-impl ImageFormat {
-    fn extension(self) -> &'static str {
-        match self {
-            Self::Svg => "svg",
-            Self::Png => "png",
-        }
-    }
-
-    fn bytes(self, drawing: &Drawing) -> Result<Vec<u8>, anyhow::Error> {
-        Ok(match self {
-            Self::Svg => drawing.svg().into_bytes(),
-            Self::Png => drawing.png()?,
-        })
-    }
-}
 
 /// The files that are written.
 pub(super) struct FigureFiles {
