@@ -122,10 +122,6 @@ pub(super) fn warn_of_link(path: &Path, is_forced: bool) {
 }
 
 /// Prints a note, unless --quiet is set.
-#[cfg_attr(
-    not(any(feature = "rerun", feature = "sweep")),
-    expect(dead_code, reason = "only these commands have notes")
-)]
 pub(super) fn note(what: &str) {
     if !is_quiet() {
         print_line("", what);
