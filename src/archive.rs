@@ -12,5 +12,6 @@ pub mod publish;
 pub mod recording;
 pub mod replay;
 pub mod sink;
+pub mod supplements;
 pub mod verify;
 pub mod writer;

@@ -18,7 +18,9 @@ mod sentence;
 pub use self::count::{counted, grouped, plural};
 pub use self::markdown::sections as markdown;
 pub use self::piece::{Argument, ArgumentStyle, Count, Estimate, Number, Piece};
-pub use self::sanitize::{MAX_LINE, is_control, sanitized, sanitized_lines, shortened};
+pub use self::sanitize::{
+    MAX_LINE, is_control, sanitized, sanitized_lines, shortened, shortened_to,
+};
 pub use self::section::{Column, Part, Section, Table, Tone};
 pub(crate) use self::sentence::sentence;
 pub use self::sentence::{Sentence, and, capitalized, placeholders};

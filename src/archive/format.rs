@@ -5,7 +5,9 @@
 //! interrupted. Nothing in a recording depends on when or where it was made.
 //!
 //! In addition to the table's channels there are channels for viewers ([`crate::telemetry::views`]), which are not part
-//! of the content digest.
+//! of the content digest. Names that begin with [`RESERVED_PREFIX`], that of the scenario's attachment and the topics of
+//! the table and of the views are reserved; everything else in a recording is a supplement
+//! ([`crate::archive::supplements`]).
 
 use crate::run::outcome::Outcome;
 use crate::run::scenario::Scenario;
@@ -23,6 +25,9 @@ pub const RUN_RECORD: &str = "toprise.run";
 pub const END_RECORD: &str = "toprise.end";
 /// Name of the attachment that holds the scenario as TOML.
 pub const SCENARIO_ATTACHMENT: &str = "scenario.toml";
+
+/// Prefix of the names of metadata records, attachments and message types that belong to a run.
+pub const RESERVED_PREFIX: &str = "toprise.";
 
 /// Prefix of the library field of recordings; the version follows.
 pub const LIBRARY_PREFIX: &str = "toprise/";
@@ -85,6 +90,16 @@ impl Default for Form {
 
 /// Entries of a metadata record.
 pub type Entries = BTreeMap<String, String>;
+
+/// Whether a metadata record or a message type of this name belongs to a run.
+pub fn is_reserved(name: &str) -> bool {
+    name.starts_with(RESERVED_PREFIX)
+}
+
+/// Whether an attachment of this name belongs to a run.
+pub fn is_reserved_attachment(name: &str) -> bool {
+    name == SCENARIO_ATTACHMENT || is_reserved(name)
+}
 
 /// The attachment that holds a scenario.
 pub fn scenario_attachment(toml: String) -> Attachment<'static> {

@@ -4,6 +4,7 @@
 use crate::archive::format::end_entries;
 use crate::archive::publish::{Draft, Existing};
 use crate::archive::sink::{Sink, SinkError};
+use crate::archive::supplements::Supplements;
 use crate::archive::writer::{Batch, ChunkWriter, Form, Header, RunEncoder};
 use crate::run::scenario::Scenario;
 use crate::run::simulation::RunEnd;
@@ -46,10 +47,17 @@ impl<W: Write + Send + 'static> Pipeline<W> {
     }
 
     /// Ends the recording; returns the target and the content digest.
-    pub(crate) fn end(mut self, end: &RunEnd) -> Result<(W, String), SinkError> {
+    pub(crate) fn end(
+        mut self,
+        end: &RunEnd,
+        supplements: &Supplements<'_>,
+    ) -> Result<(W, String), SinkError> {
         self.send_batch()?;
-        let finished = self.join()?.finish(end_entries(end));
-        finished.map_err(|reason| mcap_error(&self.name, reason))
+        let mut chunks = self.join()?;
+        let written = chunks.writer().and_then(|writer| supplements.write(writer));
+        written
+            .and_then(|()| chunks.finish(end_entries(end)))
+            .map_err(|reason| mcap_error(&self.name, reason))
     }
 
     fn send_batch(&mut self) -> Result<(), SinkError> {
@@ -189,8 +197,20 @@ impl McapSink {
     /// # Errors
     /// [`SinkError`] if anything could not be written; the partial file is kept.
     pub fn complete(self, end: &RunEnd) -> Result<(Draft, String), SinkError> {
+        self.complete_with(end, &Supplements::default())
+    }
+
+    /// As [`Self::complete`], with supplements before the end record.
+    ///
+    /// # Errors
+    /// As [`Self::complete`].
+    pub fn complete_with(
+        self,
+        end: &RunEnd,
+        supplements: &Supplements<'_>,
+    ) -> Result<(Draft, String), SinkError> {
         let Self { pipeline, draft } = self;
-        let (file, digest) = pipeline.end(end)?;
+        let (file, digest) = pipeline.end(end, supplements)?;
         file.into_inner().map_err(|error| SinkError::Io {
             action: "write",
             path: draft.working_name().to_owned(),

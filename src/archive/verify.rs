@@ -16,10 +16,10 @@ mod readings;
 mod releases;
 mod rerun;
 mod scope;
-mod supplements;
 
 use crate::archive::format::{FORMER_WORDS, TELEMETRY, VERSION};
 use crate::archive::recording::{Condition, Loss, Recording, RecordingError};
+pub use crate::archive::supplements::Supplementary;
 use crate::archive::writer::{Form, Header};
 use crate::run::scenario::Scenario;
 use crate::telemetry::{RunMessages, Topic, Topics, table};
@@ -32,7 +32,6 @@ use rerun::Rerun;
 use schemars::JsonSchema;
 use scope::Scope;
 use serde::Serialize;
-pub use supplements::Supplementary;
 
 /// The result of a verification.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
@@ -97,7 +96,8 @@ pub struct Report {
     /// Recorded fields and topics that this version doesn't know, so that they are not compared.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub unknown: Vec<String>,
-    /// Channels and attachments in addition to the run, e.g. the data of a fit. Their content is not verified.
+    /// Channels, attachments and metadata records in addition to the run, e.g. its licence or the data of a fit. Their
+    /// content is not verified.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub supplements: Vec<Supplementary>,
     /// Metadata records and attachments that are repeated in equal form, by their names.
@@ -230,7 +230,7 @@ fn compare(
         report.difference = readings::difference(recording)?;
     }
     report.unknown = unknown_fields(recording);
-    report.supplements = supplements::list(recording);
+    report.supplements = recording.supplements();
     report.repeated = container::repeated(recording);
     report.verdict = if report.difference.is_some() {
         Verdict::Different

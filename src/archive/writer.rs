@@ -270,7 +270,8 @@ impl<W: Write> ChunkWriter<W> {
         Ok((chunks, ids))
     }
 
-    fn writer(&mut self) -> McapResult<&mut Writer<NoSeek<W>>> {
+    /// The writer of records that are not of the run.
+    pub(super) fn writer(&mut self) -> McapResult<&mut Writer<NoSeek<W>>> {
         self.writer
             .as_mut()
             .ok_or(McapError::AttemptedWriteAfterFailure)
@@ -410,7 +411,8 @@ impl<W: Write> McapWriter<W> {
     }
 }
 
-fn options() -> WriteOptions {
+/// The options with which recordings are written.
+pub(super) fn options() -> WriteOptions {
     WriteOptions::new()
         .compression(Some(Compression::Zstd))
         .compression_level(1)
@@ -423,7 +425,8 @@ fn options() -> WriteOptions {
         .library(LIBRARY)
 }
 
-fn metadata(name: &str, metadata: Entries) -> Metadata {
+/// A metadata record.
+pub(super) fn metadata(name: &str, metadata: Entries) -> Metadata {
     Metadata {
         name: name.to_owned(),
         metadata,

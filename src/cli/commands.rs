@@ -1,5 +1,6 @@
 //! The commands: a file each, with the arguments, the report and the function.
 
+mod annotate;
 mod completions;
 pub(super) mod diff;
 mod explain;
@@ -16,6 +17,7 @@ mod schema;
 pub(super) mod sweep;
 mod verify;
 
+use self::annotate::annotate;
 use self::diff::diff;
 use self::explain::explain;
 use self::figures::figures;
@@ -113,6 +115,12 @@ pub(super) enum Command {
         after_help = "Exit codes: 0 verified, 1 different, 2 unreadable, 3 the common part is equal (incomplete run, or recorded by another version of toprise)."
     )]
     Verify(verify::VerifyArguments),
+    /// Add title, creators, licence and more to a recording, in a copy.
+    ///
+    /// The copy holds the same run, and verifies as the recording does. Running it again with the next file replaces what
+    /// was added before.
+    #[command(after_help = "Exit codes: 0 written, 2 unreadable or failed output.")]
+    Annotate(annotate::AnnotateArguments),
     /// List the presets, or print one, or the scenario of a recording, as a scenario file.
     Presets(presets::PresetsArguments),
     /// List the laws of friction, or describe some: formulas, parameters, typical values and sources.
@@ -150,6 +158,7 @@ pub(super) fn dispatch(
         Command::Sweep(arguments) => sweep(&arguments, drafts),
         Command::Info(arguments) => info(&arguments),
         Command::Verify(arguments) => verify(&arguments),
+        Command::Annotate(arguments) => annotate(&arguments, drafts),
         Command::Presets(arguments) => presets(&arguments),
         Command::Laws(arguments) => laws(&arguments, drafts),
         Command::Schema(arguments) => schema(&arguments, schemas(), drafts),
@@ -195,6 +204,7 @@ pub fn schemas() -> Vec<(String, String)> {
         report::schema::<sweep::report::SweepReport>("SweepReport"),
         report::schema::<info::InfoReport>("InfoReport"),
         report::schema::<verify::VerifyReport>("VerifyReport"),
+        report::schema::<annotate::AnnotateReport>("AnnotateReport"),
         report::schema::<presets::PresetsReport>("PresetsReport"),
         report::schema::<laws::LawsReport>("LawsReport"),
         report::schema::<schema::SchemaReport>("SchemaReport"),

@@ -2,8 +2,9 @@
 
 use super::arguments::Override;
 use crate::analysis::subject::Subject;
-use crate::archive::input::Input;
+use crate::archive::input::{Input, read_file};
 use crate::archive::recording::Recording;
+use crate::archive::supplements::about::About;
 use crate::run::scenario::{Scenario, Values};
 use anyhow::{Context as _, Error, bail};
 use std::path::Path;
@@ -73,6 +74,13 @@ pub(super) fn open(word: &Path, common: &[Override], own: &[Override]) -> Result
 pub(super) fn open_scenario(word: &Path, overrides: &[Override]) -> Result<Scenario, Error> {
     let input = Input::open(word)?;
     checked(&input, input.values()?, overrides)
+}
+
+/// Reads what a file says about a recording.
+pub(super) fn read_about(path: &Path) -> Result<About, Error> {
+    let name = || path.display().to_string();
+    let text = read_file(path).with_context(name)?;
+    About::from_toml(&text).with_context(name)
 }
 
 /// The name of a run in reports and of its files: the one that was set, or the stem of the scenario's file, or the name in

@@ -23,7 +23,12 @@ pub fn sanitized(text: &str) -> Cow<'_, str> {
 
 /// Truncates a line to [`MAX_LINE`] characters.
 pub fn shortened(line: &str) -> Cow<'_, str> {
-    match line.char_indices().nth(MAX_LINE) {
+    shortened_to(line, MAX_LINE)
+}
+
+/// Truncates a line to a length in characters.
+pub fn shortened_to(line: &str, length: usize) -> Cow<'_, str> {
+    match line.char_indices().nth(length) {
         Some((end, _)) => Cow::Owned(format!("{}…", &line[..end])),
         None => Cow::Borrowed(line),
     }

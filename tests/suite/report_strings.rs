@@ -62,6 +62,7 @@ const ALLOWED: [(&str, &[&str]); 8] = [
             "SignalReport.field",
             "SignalReport.source",
             "StatisticsFault.name",
+            "Supplementary.entries[]",
             "Supplementary.name",
             "Supplementary.topic",
             "TopicBytes.topic",

@@ -3,6 +3,7 @@
 use crate::forgeries::forgery::{Forgery, edit};
 use crate::support::{Folder, assert_contains, recorded, scenario, verified};
 use std::error::Error;
+use std::fs;
 use std::path::Path;
 use toprise::archive::format::end_entries;
 use toprise::archive::recording::Recording;
@@ -22,7 +23,7 @@ fn write_fit(path: &Path, encoding: Encoding) {
     let scenario = scenario("paper", &[("stop.duration", "0.05")]);
     let mut run = RunMessages::new(&scenario, &Topics::All).unwrap();
     let views = true;
-    let file = std::fs::File::create(path).unwrap();
+    let file = fs::File::create(path).unwrap();
     let form = Form { encoding, views };
     let mut writer = McapWriter::new(file, &scenario, run.telemetry(), form).unwrap();
     while let Some(record) = run.next(|message| Ok::<(), Box<dyn Error>>(writer.write(message)?)) {
@@ -139,7 +140,7 @@ fn rejects_other_declarations_of_supplements() {
 }
 
 #[test]
-fn rejects_other_attachments() {
+fn attachments_with_reserved_names_are_of_the_run() {
     let folder = Folder::new();
     let form = Form::default();
     let scenario = scenario("paper", &[("stop.duration", "0.05")]);
@@ -147,9 +148,9 @@ fn rejects_other_attachments() {
     let path = folder.at("forged.mcap");
     for (name, media_type, time, verdict) in [
         ("fit-report.json", "application/json", 0, Verdict::Verified),
-        ("fit-report.json", "application/json", 1, Verdict::Different),
-        ("fit-report.json", "text/plain", 0, Verdict::Different),
-        ("other.json", "application/json", 0, Verdict::Different),
+        ("fit-report.json", "text/plain", 1, Verdict::Verified),
+        ("other.json", "application/json", 0, Verdict::Verified),
+        ("toprise.fit", "application/json", 0, Verdict::Different),
     ] {
         let mut forgery = original.clone();
         forgery.attach(|header, _| {
@@ -159,9 +160,121 @@ fn rejects_other_attachments() {
         });
         forgery.write(&path);
         let report = verified(&path);
-        assert_eq!(
-            report.verdict, verdict,
-            "{name} ({media_type}) at {time}: {report:?}"
-        );
+        assert_eq!(report.verdict, verdict, "{name}: {report:?}");
+    }
+}
+
+/// A recording with supplements of others, as a file.
+fn write_supplemented(path: &Path) -> Recording {
+    let scenario = scenario("paper", &[("stop.duration", "0.05")]);
+    let mut forgery = Forgery::of(&recorded(&scenario, &[], Form::default()));
+    forgery.add_supplements();
+    forgery.write(path);
+    Recording::open(path).unwrap()
+}
+
+/// A file about a recording.
+const ABOUT: &str = r#"
+title = "A rising top"
+licence = "CC-BY-4.0"
+date = 2026-11-29
+creators = [{ name = "Carberry, Josiah", orcid = "0000-0002-1825-0097" }]
+"#;
+
+#[test]
+fn runs_carry_supplements_along() {
+    let folder = Folder::new();
+    let original = write_supplemented(&folder.at("a.mcap")).supplements();
+    assert_eq!(original.len(), 3, "{original:?}");
+    folder.toprise("run a.mcap -o b.mcap --encoding protobuf", 0);
+    let copy = verified(&folder.at("b.mcap"));
+    assert_eq!(
+        (copy.verdict, copy.supplements),
+        (Verdict::Verified, original.clone())
+    );
+    // Times, numbers and data of messages and attachments, too.
+    let printed = folder.toprise("run a.mcap -o c.mcap", 0);
+    assert_contains(&printed.stdout, "c.mcap");
+    let printed = folder.toprise("diff a.mcap c.mcap", 0);
+    assert_contains(&printed.stdout, "Identical (bit for bit)");
+    let copied = Forgery::of(&folder.read("c.mcap"));
+    let of_others = |mut forgery: Forgery| {
+        let mut messages = Vec::new();
+        forgery.messages("/lab/note", |header, data| {
+            let times = (header.log_time, header.publish_time);
+            messages.push((times, header.sequence, data.clone()));
+        });
+        messages
+    };
+    assert_eq!(
+        of_others(copied),
+        of_others(Forgery::of(&folder.read("a.mcap")))
+    );
+    // They are not about a changed run.
+    folder.toprise("run a.mcap -o d.mcap --set friction.k=0.02", 0);
+    assert_eq!(verified(&folder.at("d.mcap")).supplements, []);
+}
+
+#[test]
+fn annotating_and_running_with_a_file_give_equal_bytes() {
+    let folder = Folder::new();
+    folder.write("about.toml", ABOUT);
+    folder.write("later.toml", ABOUT.replace("29", "30"));
+    write_supplemented(&folder.at("a.mcap"));
+    folder.toprise("annotate a.mcap about.toml -o b.mcap", 0);
+    folder.toprise("run a.mcap --about about.toml -o c.mcap", 0);
+    assert!(folder.read("b.mcap") == folder.read("c.mcap"));
+    let report = verified(&folder.at("b.mcap"));
+    assert_eq!(report.verdict, Verdict::Verified);
+    assert_eq!(report.supplements.len(), 4);
+    // A record replaces that of its name.
+    folder.toprise("annotate b.mcap later.toml -o d.mcap", 0);
+    let annotated = Recording::open(&folder.at("d.mcap")).unwrap();
+    let dates = &annotated.metadata("datacite").unwrap()["dates"];
+    assert_contains(dates, "2026-11-30");
+    assert_eq!(annotated.supplements().len(), 4);
+    // The run is the same to the last bit.
+    let digest = |name: &str| Recording::open(&folder.at(name)).unwrap().end().cloned();
+    assert_eq!(digest("a.mcap"), digest("d.mcap"));
+    folder.toprise("annotate d.mcap about.toml -o e.mcap", 0);
+    assert!(folder.read("e.mcap") == folder.read("b.mcap"));
+}
+
+#[test]
+fn annotates_whole_recordings_only() {
+    let folder = Folder::new();
+    folder.write("about.toml", ABOUT);
+    folder.write("bad.toml", ABOUT.replace("0097", "0098"));
+    let bytes = recorded(
+        &scenario("paper", &[("stop.duration", "0.05")]),
+        &[],
+        Form::default(),
+    );
+    fs::write(folder.at("a.mcap"), &bytes).unwrap();
+    fs::write(folder.at("cut.mcap"), &bytes[..bytes.len() / 2]).unwrap();
+    for (arguments, expected) in [
+        (
+            "annotate cut.mcap about.toml -o b.mcap",
+            "only a whole recording",
+        ),
+        (
+            "annotate a.mcap bad.toml -o b.mcap",
+            "bad.toml: TOML parse error at line 5",
+        ),
+        ("annotate a.mcap a.mcap -o b.mcap", "a.mcap"),
+        (
+            "annotate a.mcap about.toml -o about.toml",
+            "call it about.mcap",
+        ),
+        (
+            "annotate a.mcap about.toml -o a.mcap --force",
+            "choose another file",
+        ),
+        ("annotate a.mcap about.toml -o cut.mcap", "cut.mcap exists"),
+        ("run a.mcap --about bad.toml -o b.mcap", "check digit"),
+    ] {
+        let printed = folder.toprise(arguments, 2);
+        assert_contains(&printed.stderr, expected);
+        assert!(!folder.at("b.mcap").exists(), "{arguments}");
     }
 }

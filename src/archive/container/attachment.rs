@@ -2,8 +2,9 @@
 
 use super::record::{AttachmentHeader, HEAD, RecordSpan, attachment_fields};
 use super::source::Source;
+use mcap::{McapResult, Writer, records};
 use sha2::{Digest as _, Sha256};
-use std::io;
+use std::io::{self, Seek, Write};
 
 /// Maximum length of an attachment's names, bytes; longer ones are truncated.
 pub(crate) const MAX_NAMES: u64 = 1 << 16;
@@ -60,16 +61,10 @@ impl Attachment {
     /// Media type, size, SHA-256 and times in words.
     pub(crate) fn describe(&self, source: &Source) -> io::Result<String> {
         let mut hasher = Sha256::new();
-        let (mut at, end) = (self.data_start, self.data_start + self.data_length);
-        let mut bytes = Vec::new();
-        while at < end {
-            source.read(at, PIECE.min(end - at), &mut bytes)?;
-            if bytes.is_empty() {
-                return Err(io::ErrorKind::UnexpectedEof.into());
-            }
-            hasher.update(&bytes);
-            at += bytes.len() as u64;
-        }
+        self.read_pieces(source, |piece| {
+            hasher.update(piece);
+            Ok::<(), io::Error>(())
+        })?;
         let digest = format!("{:x}", hasher.finalize());
         let checked = if self.is_intact {
             ""
@@ -77,6 +72,42 @@ impl Attachment {
             ", with a wrong checksum"
         };
         Ok(self.header.describe(self.data_length, &digest) + checked)
+    }
+
+    /// Writes the attachment into another file.
+    pub(crate) fn copy<W: Write + Seek>(
+        &self,
+        source: &Source,
+        writer: &mut Writer<W>,
+    ) -> McapResult<()> {
+        let header = records::AttachmentHeader {
+            log_time: self.header.log_time,
+            create_time: self.header.create_time,
+            name: self.header.name.clone(),
+            media_type: self.header.media_type.clone(),
+        };
+        writer.start_attachment(self.data_length, header)?;
+        self.read_pieces(source, |piece| writer.put_attachment_bytes(piece))?;
+        writer.finish_attachment()
+    }
+
+    /// Reads the data piece by piece.
+    fn read_pieces<E: From<io::Error>>(
+        &self,
+        source: &Source,
+        mut take: impl FnMut(&[u8]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let (mut at, end) = (self.data_start, self.data_start + self.data_length);
+        let mut bytes = Vec::new();
+        while at < end {
+            source.read(at, PIECE.min(end - at), &mut bytes)?;
+            if bytes.is_empty() {
+                return Err(io::Error::from(io::ErrorKind::UnexpectedEof).into());
+            }
+            take(&bytes)?;
+            at += bytes.len() as u64;
+        }
+        Ok(())
     }
 }
 

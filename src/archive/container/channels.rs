@@ -1,12 +1,15 @@
 //! Channels of a file, matched with the table.
 
+use crate::archive::format::is_reserved;
 use crate::telemetry::encoding::{DecodeError, Decoder};
 use crate::telemetry::supplement::Supplement;
 use crate::telemetry::views::VIEW_CHANNELS;
 use crate::telemetry::{ChannelInfo, Topic};
 use mcap::records::Record;
+use mcap::{McapResult, Writer};
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::{Seek, Write};
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -65,9 +68,28 @@ impl FileChannel {
         VIEW_CHANNELS.iter().any(|view| view.topic == self.topic)
     }
 
-    /// Whether it is a channel of toprise in addition to those of a run.
+    /// Whether it is a channel in addition to those of a run. One whose schema the file doesn't define may be of the run,
+    /// and those of a later version have schemas of toprise.
     pub fn is_supplement(&self) -> bool {
+        let is_of_run = self.table.is_some()
+            || self.is_view()
+            || self.undefined_schema().is_some()
+            || is_reserved(self.schema_name());
+        self.is_declared_supplement() || !is_of_run
+    }
+
+    /// Whether it has a topic of toprise in addition to those of a run, so that toprise knows how it must be declared.
+    pub(crate) fn is_declared_supplement(&self) -> bool {
         Supplement::find(&self.topic).is_some()
+    }
+
+    /// Declares the channel in another file and returns its id there.
+    pub(crate) fn register<W: Write + Seek>(&self, writer: &mut Writer<W>) -> McapResult<u16> {
+        let schema = match &self.schema {
+            Some(schema) => writer.add_schema(&schema.name, &schema.encoding, &schema.data)?,
+            None => NO_SCHEMA,
+        };
+        writer.add_channel(schema, &self.topic, &self.encoding, &self.metadata)
     }
 
     /// Decoder of its messages, if it is a channel of the table.

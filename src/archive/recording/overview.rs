@@ -11,6 +11,7 @@ use crate::archive::container::channels::FileChannel;
 use crate::archive::container::loss::Loss;
 use crate::archive::error::RecordingError;
 use crate::archive::format::Entries;
+use crate::archive::supplements::Supplementary;
 use crate::physics::top::Top;
 use crate::telemetry::fields::{EVENTS, events};
 use crate::telemetry::{Message, Topics, event_sentence};
@@ -46,6 +47,9 @@ pub struct Overview {
     /// A number in the file's statistics that contradicts its content; absent if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub statistics_fault: Option<StatisticsFault>,
+    /// What a recording of toprise holds in addition to its run; absent if nothing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub supplements: Vec<Supplementary>,
     /// The attachments, in the order of the file.
     #[serde(skip)]
     pub attachments: Vec<AttachmentOverview>,
@@ -197,6 +201,11 @@ impl Overview {
             events,
             faults,
             statistics_fault,
+            supplements: if is_ours {
+                recording.supplements()
+            } else {
+                Vec::new()
+            },
             attachments: recording
                 .layout
                 .attachments

@@ -4,6 +4,7 @@ use crate::archive::container::source::Source;
 use crate::archive::pipeline::Pipeline;
 use crate::archive::recording::Recording;
 use crate::archive::sink::{Sink, record};
+use crate::archive::supplements::Supplements;
 use crate::archive::writer::Header;
 use crate::telemetry::RunMessages;
 use std::io::{self, BufWriter, Write};
@@ -35,7 +36,9 @@ pub(super) fn are_equal(
         progress(equal - std::mem::replace(&mut reported, equal));
         Ok(ControlFlow::Continue(()))
     });
-    let (file, _) = sink.end(&recorded.ok()?.outcome.end).ok()?;
+    let (file, _) = sink
+        .end(&recorded.ok()?.outcome.end, &Supplements::default())
+        .ok()?;
     // The last bytes are compared when the buffer is emptied.
     file.into_inner().ok()?;
     let equal = position.load(Ordering::Relaxed);

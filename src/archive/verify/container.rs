@@ -2,12 +2,13 @@
 
 use super::difference::Difference;
 use super::scope::Scope;
-use super::supplements::is_supplementary;
 use crate::archive::container::record::AttachmentHeader;
 use crate::archive::format::{
     CONTENT_DIGEST, END_RECORD, Entries, INVERSION_TIME, RUN_RECORD, TELEMETRY, VERSION,
+    is_reserved,
 };
-use crate::archive::recording::Recording;
+use crate::archive::recording::{FileChannel, Recording};
+use crate::archive::supplements::is_supplementary;
 use crate::archive::writer::{Header, RegisteredChannel};
 use crate::telemetry::supplement::supplements;
 use crate::words::plural;
@@ -154,7 +155,7 @@ impl FileFacts {
         let is_damaged = recording.is_damaged();
         // Some software repeats what it copies: equal records say nothing new.
         let records: BTreeSet<_> = recording.all_metadata().collect();
-        for (name, entries) in records {
+        for (name, entries) in records.into_iter().filter(|(name, _)| is_reserved(name)) {
             facts.add_metadata(name, entries);
         }
         let attachments: BTreeSet<_> = attachments(recording).collect();
@@ -163,7 +164,10 @@ impl FileFacts {
         }
         // Two publishers may share a topic.
         let mut channels = BTreeSet::new();
-        for channel in recording.channels().iter().filter(|c| !c.is_superseded) {
+        // Those of others say nothing about the run.
+        let is_compared = |c: &&FileChannel| c.is_declared_supplement() || !c.is_supplement();
+        let compared = recording.channels().iter().filter(is_compared);
+        for channel in compared.filter(|c| !c.is_superseded) {
             if let Some(id) = channel.undefined_schema() {
                 // The damage may be that of the schema.
                 if !is_damaged {

@@ -4,6 +4,7 @@ use crate::archive::format::{
     CONTENT_DIGEST, SCENARIO_DIGEST, STEPS, STOP_REASON, STOP_TIME, VERSION,
 };
 use crate::archive::recording::{AttachmentOverview, ChannelOverview, Condition, Overview};
+use crate::archive::supplements::Supplementary;
 use crate::cli::losses::loss_lines;
 use crate::cli::report;
 use crate::cli::status::Status;
@@ -11,6 +12,7 @@ use crate::run::simulation::EventKind;
 use crate::run::time::seconds_and_nanoseconds;
 use crate::telemetry::Topic;
 use crate::words::number::{bytes, fixed};
+use crate::words::shortened_to;
 use crate::words::{Column, Section, Table, grouped, plural};
 use anyhow::{Context as _, Error};
 use clap::Args;
@@ -22,6 +24,9 @@ use std::path::PathBuf;
 
 /// Event kinds with more events than this are only counted.
 const MAX_LISTED: u64 = 20;
+
+/// Longest value of a metadata record that is shown whole, characters.
+const MAX_VALUE: usize = 80;
 
 /// Arguments of `toprise info`.
 #[derive(Args, Debug, Default, PartialEq)]
@@ -78,6 +83,7 @@ impl InfoReport {
         if !self.overview.is_ours {
             rest.table(self.attachment_table());
         }
+        rest.table(self.metadata_table());
         rest.table(self.event_table());
         vec![head, rest]
     }
@@ -106,6 +112,8 @@ impl InfoReport {
             let digest = entry(end, CONTENT_DIGEST);
             facts.push(("content", format!("sha-256 {digest}")));
         }
+        let supplements = overview.supplements.iter().map(ToString::to_string);
+        facts.extend(supplements.map(|supplement| ("in addition", supplement)));
         facts.push(("span", exact_seconds(self.last_ns - self.first_ns)));
         facts.push(("messages", self.message_line()));
         if !self.overview.events.is_empty() {
@@ -174,6 +182,21 @@ impl InfoReport {
             ("bytes", |attachment| bytes(attachment.bytes)),
         ];
         Table::new(&self.overview.attachments, 2, &columns)
+    }
+
+    /// The entries of the metadata records in addition to the run.
+    fn metadata_table(&self) -> Table {
+        let mut rows = Vec::new();
+        for supplement in &self.overview.supplements {
+            let Supplementary::Metadata { name, entries } = supplement else {
+                continue;
+            };
+            for (key, value) in entries {
+                let value = shortened_to(value, MAX_VALUE).into_owned();
+                rows.push(vec![name.clone(), key.clone(), value]);
+            }
+        }
+        Table::from_texts(rows)
     }
 
     fn event_table(&self) -> Table {

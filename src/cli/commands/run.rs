@@ -19,6 +19,7 @@ use crate::archive::pipeline::McapSink;
 use crate::archive::publish::{Draft, Drafts};
 use crate::archive::recording::{Condition, Recording};
 use crate::archive::sink::{RecordedRun, Sink, record};
+use crate::archive::supplements::{Supplements, about};
 use crate::archive::writer::Header;
 use crate::cli::extension::RunViewer;
 use crate::cli::interrupt;
@@ -39,6 +40,8 @@ pub(super) fn run(arguments: &RunArguments, drafts: &Drafts) -> Result<Status, E
         base,
         form,
         topics,
+        repeated,
+        about,
         speed,
         files,
         show,
@@ -57,7 +60,11 @@ pub(super) fn run(arguments: &RunArguments, drafts: &Drafts) -> Result<Status, E
     // Until here nothing is lost with the file.
     archive.keep();
     let outcome = simulate(&mut run, &mut archive, viewer.as_mut(), Pace::start(speed))?;
-    let (draft, content_digest) = archive.complete(&outcome.end)?;
+    let supplements = Supplements {
+        source: repeated.as_deref(),
+        metadata: about.map(|about| (about::RECORD, about.to_entries())),
+    };
+    let (draft, content_digest) = archive.complete_with(&outcome.end, &supplements)?;
     let mcap = finish_mcap(draft, &files, &earlier, &outcome)?;
     let rrd = match viewer {
         Some(viewer) => viewer.finish(&mcap, &outcome),

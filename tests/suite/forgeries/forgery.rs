@@ -453,6 +453,55 @@ impl Forgery {
         self.records.insert(1, metadata(name, entries));
     }
 
+    /// Adds a metadata record, an attachment and a channel of others with two messages.
+    pub fn add_supplements(&mut self) {
+        let text = |text: &str| text.to_owned();
+        let attachment = AttachmentHeader {
+            log_time: 5,
+            create_time: 6,
+            name: text("notes.txt"),
+            media_type: text("text/plain"),
+        };
+        let schema = SchemaHeader {
+            id: 900,
+            name: text("lab.Note"),
+            encoding: text("jsonschema"),
+        };
+        let channel = Channel {
+            id: 901,
+            schema_id: 900,
+            topic: text("/lab/note"),
+            message_encoding: text("json"),
+            metadata: BTreeMap::new(),
+        };
+        let message = |log_time| {
+            let header = MessageHeader {
+                channel_id: 901,
+                sequence: 3,
+                log_time,
+                publish_time: 8,
+            };
+            Record::Message(header, b"{}".to_vec())
+        };
+        let chunk = vec![
+            Record::Schema(schema, b"{}".to_vec()),
+            Record::Channel(channel),
+            message(7),
+            message(20_000_000),
+        ];
+        // Forgeries of the last chunk are of the run.
+        let is_chunk = |record: &Record| matches!(record, Record::Chunk(_));
+        let last = self.records.iter().rposition(is_chunk).unwrap();
+        self.records.splice(
+            last..last,
+            [
+                Record::Chunk(chunk),
+                Record::Attachment(attachment, b"measured at night".to_vec()),
+                metadata("lab", &[("place", "cellar")]),
+            ],
+        );
+    }
+
     /// The header of the attachment with the scenario.
     pub fn scenario(&mut self) -> &mut AttachmentHeader {
         self.find(|record| match record {

@@ -7,7 +7,7 @@ use crate::archive::publish::Existing;
 use crate::cli::arguments::{OUTPUT, Override, VIEWER, parse_override, parse_positive};
 use crate::cli::extension::{FeatureArguments as _, RowArgument, ShowRunArguments, SweepRow};
 use crate::cli::file_kind::FileKind;
-use crate::cli::input::{checked, run_name};
+use crate::cli::input::{checked, read_about, run_name};
 use crate::physics::dynamics::Support;
 use crate::telemetry::encoding::Encoding;
 use crate::telemetry::{Topic, Topics};
@@ -49,6 +49,10 @@ pub(crate) struct RunArguments {
     #[arg(long, value_name = "TOPICS", value_delimiter = ',', value_parser = NonEmptyStringValueParser::new(), help_heading = OUTPUT)]
     topics: Vec<String>,
 
+    /// TOML file with title, creators, licence, date and more, which the recording then holds
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
+    about: Option<PathBuf>,
+
     /// Limit the speed to real time, or to SPEED × real time
     #[arg(long, value_name = "SPEED", num_args = 0..=1, default_missing_value = "1",
           value_parser = parse_positive, help_heading = VIEWER)]
@@ -66,6 +70,7 @@ impl RunArguments {
         if let Some(path) = &self.output {
             FileKind::Mcap.check("-o", path)?;
         }
+        let about = self.about.as_deref().map(read_about).transpose()?;
         let input = Input::open(&self.scenario)?;
         let row: Option<SweepRow> = self.row.plan(&input)?;
         let base = match &row {
@@ -85,7 +90,13 @@ impl RunArguments {
         if let Some(row) = row {
             name.push_str(&format!("_row{}", row.number));
         }
+        let repeated = match input {
+            Input::Recording(recording) if self.overrides.is_empty() => Some(recording),
+            _ => None,
+        };
         Ok(RunPlan {
+            repeated,
+            about,
             files: FilePlan {
                 input: self.scenario.clone(),
                 mcap: self.output.clone(),

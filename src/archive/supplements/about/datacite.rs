@@ -1,0 +1,194 @@
+//! The metadata record in `DataCite`'s words.
+
+use super::{About, Creator, Funder, Identifier, Related};
+use crate::archive::format::Entries;
+use serde_json::{Map, Value, json};
+
+/// Name of the metadata record. Each of its values is the JSON of the property of `DataCite` that its key names.
+pub const RECORD: &str = "datacite";
+
+/// The schema that the record follows.
+const SCHEMA: &str = "http://datacite.org/schema/kernel-4";
+
+impl About {
+    /// The entries of [`RECORD`].
+    pub fn to_entries(&self) -> Entries {
+        let entries = self.properties().into_iter();
+        entries
+            .map(|(key, value)| (key, value.to_string()))
+            .collect()
+    }
+
+    /// The properties of `DataCite`'s JSON, in the order of its documentation.
+    fn properties(&self) -> Map<String, Value> {
+        let creators: Vec<_> = self.creators.iter().map(creator).collect();
+        let mut properties = Properties::default();
+        properties.add("creators", creators.into());
+        properties.add("titles", json!([{ "title": self.title.as_str() }]));
+        properties.add("publicationYear", self.date.year().into());
+        let date = self.date.to_string();
+        properties.add("dates", json!([{ "date": date, "dateType": "Issued" }]));
+        let kind = json!({ "resourceTypeGeneral": "Dataset", "resourceType": "Simulation" });
+        properties.add("types", kind);
+        properties.add("rightsList", self.rights());
+        properties.add("schemaVersion", SCHEMA.into());
+        if let Some(doi) = &self.doi {
+            properties.add("doi", doi.as_str().into());
+        }
+        if let Some(publisher) = &self.publisher {
+            properties.add("publisher", json!({ "name": publisher.as_str() }));
+        }
+        if let Some(text) = &self.description {
+            let abstract_ = json!({ "description": text.as_str(), "descriptionType": "Abstract" });
+            properties.add("descriptions", json!([abstract_]));
+        }
+        let subject = |keyword: &super::Text| json!({ "subject": keyword.as_str() });
+        properties.add_list("subjects", &self.keywords, subject);
+        properties.add_list("fundingReferences", &self.funders, funder);
+        properties.add_list("relatedIdentifiers", &self.related, related);
+        properties.0
+    }
+
+    fn rights(&self) -> Value {
+        let licences = self.licence.listed().into_iter();
+        licences
+            .map(|(name, full_name)| {
+                json!({
+                    "rights": full_name,
+                    "rightsUri": format!("https://spdx.org/licenses/{name}"),
+                    "rightsIdentifier": name,
+                    "rightsIdentifierScheme": "SPDX",
+                    "schemeUri": "https://spdx.org/licenses/",
+                })
+            })
+            .collect()
+    }
+}
+
+#[derive(Default)]
+struct Properties(Map<String, Value>);
+
+impl Properties {
+    fn add(&mut self, name: &str, value: Value) {
+        self.0.insert(name.to_owned(), value);
+    }
+
+    /// Adds a list, unless it is empty.
+    fn add_list<T>(&mut self, name: &str, list: &[T], to_json: fn(&T) -> Value) {
+        if !list.is_empty() {
+            self.add(name, list.iter().map(to_json).collect());
+        }
+    }
+}
+
+fn creator(creator: &Creator) -> Value {
+    let mut properties = Properties::default();
+    properties.add("name", creator.name.as_str().into());
+    if let Some(orcid) = &creator.orcid {
+        properties.add("nameType", "Personal".into());
+        let identifier = json!({
+            "nameIdentifier": format!("https://orcid.org/{}", orcid.as_str()),
+            "nameIdentifierScheme": "ORCID",
+            "schemeUri": "https://orcid.org",
+        });
+        properties.add("nameIdentifiers", json!([identifier]));
+    }
+    if let Some(affiliation) = &creator.affiliation {
+        properties.add("affiliation", json!([{ "name": affiliation.as_str() }]));
+    }
+    properties.0.into()
+}
+
+fn funder(funder: &Funder) -> Value {
+    let mut properties = Properties::default();
+    properties.add("funderName", funder.name.as_str().into());
+    if let Some(award) = &funder.award {
+        properties.add("awardNumber", award.as_str().into());
+    }
+    properties.0.into()
+}
+
+fn related(related: &Related) -> Value {
+    let (kind, id) = match &related.id {
+        Identifier::Doi(doi) => ("DOI", doi.as_str()),
+        Identifier::Arxiv(number) => ("arXiv", number.as_str()),
+        Identifier::Url(address) => ("URL", address.as_str()),
+    };
+    json!({
+        "relationType": related.relation.as_str(),
+        "relatedIdentifierType": kind,
+        "relatedIdentifier": id,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn writes_the_properties_of_datacite() {
+        let about = About::from_toml(
+            r#"
+title = "A rising top"
+description = "Figure 2 again"
+licence = "CC-BY-4.0"
+date = 2026-11-29
+doi = "https://doi.org/10.5281/zenodo.1234567"
+publisher = "Zenodo"
+keywords = ["top"]
+
+[[creators]]
+name = "Carberry, Josiah"
+orcid = "0000-0002-1825-0097"
+affiliation = "Brown University"
+
+[[creators]]
+name = "Top Group"
+
+[[funders]]
+name = "ERC"
+award = "101"
+
+[[related]]
+relation = "isSupplementTo"
+id = "arXiv:1101.0001"
+"#,
+        )
+        .unwrap();
+        let expected = [
+            (
+                "creators",
+                r#"[{"name":"Carberry, Josiah","nameType":"Personal","nameIdentifiers":[{"nameIdentifier":"https://orcid.org/0000-0002-1825-0097","nameIdentifierScheme":"ORCID","schemeUri":"https://orcid.org"}],"affiliation":[{"name":"Brown University"}]},{"name":"Top Group"}]"#,
+            ),
+            ("dates", r#"[{"date":"2026-11-29","dateType":"Issued"}]"#),
+            (
+                "descriptions",
+                r#"[{"description":"Figure 2 again","descriptionType":"Abstract"}]"#,
+            ),
+            ("doi", r#""10.5281/zenodo.1234567""#),
+            (
+                "fundingReferences",
+                r#"[{"funderName":"ERC","awardNumber":"101"}]"#,
+            ),
+            ("publicationYear", "2026"),
+            ("publisher", r#"{"name":"Zenodo"}"#),
+            (
+                "relatedIdentifiers",
+                r#"[{"relationType":"IsSupplementTo","relatedIdentifierType":"arXiv","relatedIdentifier":"arXiv:1101.0001"}]"#,
+            ),
+            (
+                "rightsList",
+                r#"[{"rights":"Creative Commons Attribution 4.0 International","rightsUri":"https://spdx.org/licenses/CC-BY-4.0","rightsIdentifier":"CC-BY-4.0","rightsIdentifierScheme":"SPDX","schemeUri":"https://spdx.org/licenses/"}]"#,
+            ),
+            ("schemaVersion", r#""http://datacite.org/schema/kernel-4""#),
+            ("subjects", r#"[{"subject":"top"}]"#),
+            ("titles", r#"[{"title":"A rising top"}]"#),
+            (
+                "types",
+                r#"{"resourceTypeGeneral":"Dataset","resourceType":"Simulation"}"#,
+            ),
+        ];
+        let expected = expected.map(|(key, value)| (key.to_owned(), value.to_owned()));
+        assert_eq!(about.to_entries(), expected.into());
+    }
+}

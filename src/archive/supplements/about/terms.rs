@@ -1,0 +1,392 @@
+//! The values of a file about a recording, each checked as it is read.
+
+use crate::run::suggestion::{did_you_mean, suggestion};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
+use std::fmt;
+use thiserror::Error;
+use toml::value::Datetime;
+
+/// A value that is not allowed.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum InvalidTerm {
+    /// A text without a visible character.
+    #[error("this must not be empty")]
+    Empty,
+    /// A licence that SPDX doesn't list.
+    #[error("{value:?} is no SPDX licence expression, such as CC-BY-4.0{}: see https://spdx.org/licenses", did_you_mean(.nearest.as_slice()))]
+    Licence {
+        /// The value.
+        value: String,
+        /// The licence that was probably meant.
+        nearest: Option<&'static str>,
+    },
+    /// Not a day.
+    #[error("{0} is no day, YYYY-MM-DD")]
+    Date(String),
+    /// Not in the form of an ORCID.
+    #[error("{0:?} is no ORCID, such as 0000-0002-1825-0097")]
+    Orcid(String),
+    /// The check digit of an ORCID is wrong.
+    #[error("{0:?} is no ORCID: its check digit (the last) doesn't fit the others")]
+    CheckDigit(String),
+    /// Not a DOI.
+    #[error("{0:?} is no DOI, such as 10.5281/zenodo.1234567")]
+    Doi(String),
+    /// Not a relation of `DataCite`.
+    #[error(
+        "{value:?} is no relation of DataCite, such as isSupplementTo{}",
+        suggestion(value, RELATIONS)
+    )]
+    Relation {
+        /// The value.
+        value: String,
+    },
+    /// Not an identifier of a work.
+    #[error("{0:?} is neither a DOI, an arXiv number (arXiv:1101.0001) nor an address (https://…)")]
+    Identifier(String),
+}
+
+/// A list that must not be empty.
+pub(super) fn some<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Vec<T>, D::Error> {
+    let list = Vec::deserialize(deserializer)?;
+    if list.is_empty() {
+        return Err(D::Error::custom("at least one is needed"));
+    }
+    Ok(list)
+}
+
+/// Declares a text that is checked as it is read.
+macro_rules! checked {
+    ($(#[$meta:meta])* $Name:ident) => {
+        $(#[$meta])*
+        #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+        #[serde(try_from = "String")]
+        pub struct $Name(String);
+
+        impl $Name {
+            /// The text.
+            pub fn as_str(&self) -> &str {
+                &self.0
+            }
+        }
+    };
+}
+
+checked! {
+    /// A text that is not empty.
+    Text
+}
+
+checked! {
+    /// A licence: an SPDX expression (ISO/IEC 5962) such as `CC-BY-4.0`.
+    Licence
+}
+
+checked! {
+    /// An ORCID, e.g. `0000-0002-1825-0097`, with a right check digit (ISO/IEC 7064, MOD 11-2).
+    Orcid
+}
+
+checked! {
+    /// A DOI without a prefix, e.g. `10.5281/zenodo.1234567`.
+    Doi
+}
+
+checked! {
+    /// How a recording is related to another work, in the words of `DataCite`, e.g. `IsSupplementTo`.
+    Relation
+}
+
+impl TryFrom<String> for Text {
+    type Error = InvalidTerm;
+
+    fn try_from(text: String) -> Result<Self, InvalidTerm> {
+        match text.trim() {
+            "" => Err(InvalidTerm::Empty),
+            text => Ok(Self(text.to_owned())),
+        }
+    }
+}
+
+impl TryFrom<String> for Licence {
+    type Error = InvalidTerm;
+
+    fn try_from(value: String) -> Result<Self, InvalidTerm> {
+        if spdx::Expression::parse(&value).is_ok() {
+            return Ok(Self(value));
+        }
+        let nearest = spdx::imprecise_license_id(&value).map(|(id, _)| id.name);
+        Err(InvalidTerm::Licence { value, nearest })
+    }
+}
+
+impl Licence {
+    /// The identifiers of its licences in SPDX's list, with their full names, in the order of the expression.
+    pub(super) fn listed(&self) -> Vec<(&'static str, &'static str)> {
+        let Ok(expression) = spdx::Expression::parse(&self.0) else {
+            return Vec::new();
+        };
+        expression
+            .requirements()
+            .filter_map(|requirement| requirement.req.license.id())
+            .map(|id| (id.name, id.full_name))
+            .collect()
+    }
+}
+
+impl TryFrom<String> for Orcid {
+    type Error = InvalidTerm;
+
+    fn try_from(value: String) -> Result<Self, InvalidTerm> {
+        let id = value.trim_start_matches("https://orcid.org/");
+        let groups: Vec<&str> = id.split('-').collect();
+        if groups.len() != 4 || groups.iter().any(|group| group.len() != 4) {
+            return Err(InvalidTerm::Orcid(value));
+        }
+        let digits: Option<Vec<u32>> = groups.concat().chars().map(orcid_digit).collect();
+        match digits.as_deref().and_then(<[u32]>::split_last) {
+            Some((last, digits)) if !digits.contains(&10) && digits.len() == 15 => {
+                let sum = digits.iter().fold(0, |sum, digit| (sum + digit) * 2 % 11);
+                if (12 - sum) % 11 == *last {
+                    Ok(Self(id.to_owned()))
+                } else {
+                    Err(InvalidTerm::CheckDigit(value))
+                }
+            }
+            Some(_) | None => Err(InvalidTerm::Orcid(value)),
+        }
+    }
+}
+
+/// The value of a character of an ORCID; `X` is ten.
+fn orcid_digit(character: char) -> Option<u32> {
+    match character {
+        'X' => Some(10),
+        character => character.to_digit(10),
+    }
+}
+
+impl TryFrom<String> for Doi {
+    type Error = InvalidTerm;
+
+    fn try_from(value: String) -> Result<Self, InvalidTerm> {
+        match bare_doi(&value) {
+            Some(doi) => Ok(Self(doi.to_owned())),
+            None => Err(InvalidTerm::Doi(value)),
+        }
+    }
+}
+
+/// A DOI without its prefix, if a text is one.
+fn bare_doi(text: &str) -> Option<&str> {
+    let prefixes = ["https://doi.org/", "doi:", "DOI:"];
+    let bare = prefixes
+        .iter()
+        .find_map(|prefix| text.strip_prefix(prefix))
+        .unwrap_or(text);
+    let (prefix, suffix) = bare.split_once('/')?;
+    let registrant = prefix.strip_prefix("10.")?;
+    let is_number =
+        !registrant.is_empty() && registrant.chars().all(|c| c.is_ascii_digit() || c == '.');
+    let is_visible = !suffix.is_empty() && !suffix.contains(char::is_whitespace);
+    (is_number && is_visible).then_some(bare)
+}
+
+/// A day.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Date(toml::value::Date);
+
+impl Date {
+    /// The year.
+    pub fn year(self) -> u16 {
+        self.0.year
+    }
+}
+
+impl fmt::Display for Date {
+    /// As `YYYY-MM-DD`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl<'de> Deserialize<'de> for Date {
+    /// From a date, or a text that is one.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = toml::Value::deserialize(deserializer)?;
+        let datetime: Option<Datetime> = match &value {
+            toml::Value::Datetime(datetime) => Some(*datetime),
+            toml::Value::String(text) => text.parse().ok(),
+            _ => None,
+        };
+        match datetime {
+            Some(Datetime {
+                date: Some(date),
+                time: None,
+                offset: None,
+            }) => Ok(Self(date)),
+            Some(_) | None => Err(D::Error::custom(InvalidTerm::Date(value.to_string()))),
+        }
+    }
+}
+
+impl TryFrom<String> for Relation {
+    type Error = InvalidTerm;
+
+    fn try_from(value: String) -> Result<Self, InvalidTerm> {
+        let mut relations = RELATIONS.into_iter();
+        match relations.find(|name| name.eq_ignore_ascii_case(&value)) {
+            Some(name) => Ok(Self(name.to_owned())),
+            None => Err(InvalidTerm::Relation { value }),
+        }
+    }
+}
+
+/// The relations of `DataCite` 4.6 (controlled list `relationType`).
+const RELATIONS: [&str; 38] = [
+    "IsCitedBy",
+    "Cites",
+    "IsCollectedBy",
+    "Collects",
+    "IsSupplementTo",
+    "IsSupplementedBy",
+    "IsContinuedBy",
+    "Continues",
+    "IsDescribedBy",
+    "Describes",
+    "HasMetadata",
+    "IsMetadataFor",
+    "HasVersion",
+    "IsVersionOf",
+    "IsNewVersionOf",
+    "IsPreviousVersionOf",
+    "IsPartOf",
+    "HasPart",
+    "IsPublishedIn",
+    "IsReferencedBy",
+    "References",
+    "IsDocumentedBy",
+    "Documents",
+    "IsCompiledBy",
+    "Compiles",
+    "IsVariantFormOf",
+    "IsOriginalFormOf",
+    "IsIdenticalTo",
+    "IsReviewedBy",
+    "Reviews",
+    "IsDerivedFrom",
+    "IsSourceOf",
+    "IsRequiredBy",
+    "Requires",
+    "Obsoletes",
+    "IsObsoletedBy",
+    "HasTranslation",
+    "IsTranslationOf",
+];
+
+/// What identifies a work.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(try_from = "String")]
+pub enum Identifier {
+    /// A DOI.
+    Doi(Doi),
+    /// A number of arXiv, e.g. `arXiv:1101.0001`.
+    Arxiv(String),
+    /// An address on the web.
+    Url(String),
+}
+
+impl TryFrom<String> for Identifier {
+    type Error = InvalidTerm;
+
+    fn try_from(value: String) -> Result<Self, InvalidTerm> {
+        if let Some(doi) = bare_doi(&value) {
+            return Ok(Self::Doi(Doi(doi.to_owned())));
+        }
+        let begins_with = |prefix: &str| {
+            let rest = value.strip_prefix(prefix);
+            rest.is_some_and(|rest| !rest.is_empty() && !rest.contains(char::is_whitespace))
+        };
+        if begins_with("arXiv:") {
+            Ok(Self::Arxiv(value))
+        } else if begins_with("https://") || begins_with("http://") {
+            Ok(Self::Url(value))
+        } else {
+            Err(InvalidTerm::Identifier(value))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn val_orcids_have_right_check_digits() {
+        // Examples of ORCID's documentation ("Structure of the ORCID Identifier").
+        for id in [
+            "0000-0002-1825-0097",
+            "0000-0001-5109-3700",
+            "0000-0002-1694-233X",
+        ] {
+            let address = format!("https://orcid.org/{id}");
+            assert_eq!(Orcid::try_from(address).unwrap().as_str(), id);
+            assert!(Orcid::try_from(id.to_owned()).is_ok(), "{id}");
+            let others = "0123456789X".chars().filter(|last| !id.ends_with(*last));
+            for last in others {
+                let wrong = format!("{}{last}", &id[..18]);
+                let expected = Err(InvalidTerm::CheckDigit(wrong.clone()));
+                assert_eq!(Orcid::try_from(wrong), expected);
+            }
+        }
+        for text in [
+            "",
+            "0000-0002-1825-009",
+            "0000000218250097",
+            "000X-0002-1825-0097",
+            "ää-ää-ää-ää",
+        ] {
+            let expected = Err(InvalidTerm::Orcid(text.to_owned()));
+            assert_eq!(Orcid::try_from(text.to_owned()), expected);
+        }
+    }
+
+    #[test]
+    fn knows_identifiers_by_their_form() {
+        let identifier = |text: &str| Identifier::try_from(text.to_owned());
+        let doi = Identifier::Doi(Doi("10.5281/zenodo.1".to_owned()));
+        for prefix in ["", "doi:", "https://doi.org/"] {
+            assert_eq!(
+                identifier(&format!("{prefix}10.5281/zenodo.1")),
+                Ok(doi.clone())
+            );
+        }
+        let arxiv = "arXiv:1101.0001";
+        assert_eq!(identifier(arxiv), Ok(Identifier::Arxiv(arxiv.to_owned())));
+        let url = "https://example.org/a";
+        assert_eq!(identifier(url), Ok(Identifier::Url(url.to_owned())));
+        for text in [
+            "",
+            "10.5281",
+            "10./a",
+            "10.5281/",
+            "https://",
+            "a b",
+            "ftp://a",
+            "https://a b",
+        ] {
+            let expected = Err(InvalidTerm::Identifier(text.to_owned()));
+            assert_eq!(identifier(text), expected);
+        }
+    }
+
+    #[test]
+    fn lists_the_licences_of_an_expression() {
+        let licence = Licence::try_from("MIT OR Apache-2.0".to_owned()).unwrap();
+        let names: Vec<_> = licence.listed().iter().map(|(name, _)| *name).collect();
+        assert_eq!(names, ["MIT", "Apache-2.0"]);
+    }
+}

@@ -1,0 +1,71 @@
+//! Annotating a recording: a copy that holds a metadata record more.
+
+use super::{Supplements, copy_channels};
+use crate::archive::format::{END_RECORD, RUN_RECORD, SCENARIO_ATTACHMENT};
+use crate::archive::recording::{Condition, Recording};
+use crate::archive::writer::{metadata, options};
+use mcap::write::NoSeek;
+use mcap::{McapError, Writer};
+use std::io::Write;
+use thiserror::Error;
+
+/// Error of annotating a recording.
+#[derive(Debug, Error)]
+pub enum AnnotateError {
+    /// It is not a whole recording of toprise: a copy would hide that.
+    #[error("it is {}: only a whole recording of toprise can be annotated", .0.name())]
+    NotWhole(Condition),
+    /// Parts of it can't be read.
+    #[error("parts of it can't be read, and a copy would lack them: see toprise info")]
+    Unreadable,
+    /// The target can't be written, or the recording can't be read.
+    #[error(transparent)]
+    Mcap(#[from] McapError),
+}
+
+/// Copies a recording, its supplements included, into `target`, with a metadata record instead of those of its name. The
+/// bytes are those of a new run of its scenario by its version, with the same supplements.
+///
+/// # Errors
+/// [`AnnotateError`].
+pub fn annotate<W: Write>(
+    recording: &Recording,
+    supplements: &Supplements<'_>,
+    target: W,
+) -> Result<W, AnnotateError> {
+    if recording.condition() != Condition::Whole {
+        return Err(AnnotateError::NotWhole(recording.condition()));
+    }
+    let options = options()
+        .library(recording.library())
+        .profile(recording.profile());
+    let mut writer = options.create(NoSeek::new(target))?;
+    copy_run(recording, &mut writer)?;
+    supplements.write(&mut writer)?;
+    if let Some(end) = recording.end() {
+        writer.write_metadata(&metadata(END_RECORD, end.clone()))?;
+    }
+    writer.finish()?;
+    Ok(writer.into_inner().into_inner())
+}
+
+/// Copies what belongs to the run, except its end record, in the order in which a run is written.
+fn copy_run<W: Write>(
+    recording: &Recording,
+    writer: &mut Writer<NoSeek<W>>,
+) -> Result<(), AnnotateError> {
+    if let Some(run) = recording.run() {
+        writer.write_metadata(&metadata(RUN_RECORD, run.clone()))?;
+    }
+    for attachment in &recording.layout.attachments {
+        if attachment.header.name == SCENARIO_ATTACHMENT {
+            attachment.copy(&recording.source, writer)?;
+        }
+    }
+    writer.flush()?;
+    if copy_channels(recording, |channel| !channel.is_supplement(), writer)? {
+        Ok(())
+    } else {
+        Err(AnnotateError::Unreadable)
+    }
+}
