@@ -85,14 +85,21 @@ function findingRows(cells) {
   ];
 }
 
-/** Shows the program's comparison of A and B, or a note instead. */
-export function showComparison(place, { error, verdict, agreement, findings }) {
-  const head = element("tr", {}, ...["A", "B", "B − A"].map((textContent) => element("th", { textContent })));
-  const rows = (findings ?? []).flatMap(findingRows);
-  const sentences = [];
-  if (error) sentences.push(error);
-  else if (agreement) sentences.push(sentenceText(agreement));
-  else if (rows.length === 0) sentences.push(`${verdict}. No average, event or energy differs by more than the integration error.`);
-  const table = rows.length > 0 ? [element("table", {}, head, ...rows)] : [];
-  place.replaceChildren(...sentences.map((textContent) => element("p", { textContent })), ...table);
+/** A table of findings, whose last column has this name; nothing if there are none. */
+function findingTable(findings, last) {
+  if (findings.length === 0) return [];
+  const head = element("tr", {}, ...["A", "B", last].map((textContent) => element("th", { textContent })));
+  return [element("table", {}, head, ...findings.flatMap(findingRows))];
+}
+
+/** Shows the program's comparison of A and B, or a note instead: the differences first, equal numbers at the end. */
+export function showComparison(place, { error, headline, agreement, findings = [], remarks = [], equal = [] }) {
+  const paragraphs = (sentences) => sentences.map((textContent) => element("p", { textContent }));
+  const lead = error ? [error] : [headline, agreement].filter(Boolean).map((sentence) => `${sentenceText(sentence).replace(/[.]$/, "")}.`);
+  place.replaceChildren(
+    ...paragraphs(lead),
+    ...findingTable(findings, "B − A"),
+    ...paragraphs(remarks.map(sentenceText)),
+    ...findingTable(equal, "equal within"),
+  );
 }

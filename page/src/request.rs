@@ -101,13 +101,14 @@ impl Page {
             Request::Explain(request) => explanation(&request.scenario()?),
             Request::Compare { a, b } => {
                 let report = compare(&a.scenario()?, &b.scenario()?, &Options::default())?;
-                let findings = report.findings.iter().filter(|finding| finding.differs());
-                let findings: Vec<_> = findings.map(Finding::cells).collect();
-                let agreement = report.agreement.map(Agreement::sentence);
+                let differing = report.differing().map(Finding::cells);
+                let equal = report.findings.iter().filter(|finding| !finding.differs());
                 Ok(json!({
-                    "verdict": report.verdict.title(),
-                    "agreement": agreement,
-                    "findings": findings,
+                    "headline": report.headline(),
+                    "agreement": report.agreement.map(Agreement::sentence),
+                    "findings": Vec::from_iter(differing),
+                    "remarks": Vec::from_iter(report.remarks()),
+                    "equal": Vec::from_iter(equal.map(Finding::cells_of_equal)),
                 }))
             }
             Request::Record { scenario, encoding } => {

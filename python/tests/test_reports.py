@@ -30,8 +30,9 @@ def test_a_difference_is_summarised(brief):
     assert report.verdict == "different"
     assert report.summary == str(report) == repr(report)
     lines = report.summary.splitlines()
-    assert lines[:2] == ["Different", "friction.k: A 0.03, B 0.0303"]
-    assert all("B − A" in line for line in lines[2:])
+    assert lines[0].startswith("Nearly the same: mean θ differs by up to ")
+    assert lines[1] == "friction.k: A 0.03, B 0.0303"
+    assert "B − A" in lines[2]
     assert report["setup"]["scenario"][0]["key"] == "friction.k"
     assert report["integration_errors"] is None
     equal = toprise.diff(brief, other, abs=1.0, rel=0.5, integration_error=False, topics=["/top/state"])

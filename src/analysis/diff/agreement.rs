@@ -2,7 +2,8 @@
 
 use super::evidence::Evidence;
 use super::findings::end_conditions;
-use super::findings::finding::{EndCondition, Finding, Quantity};
+use super::findings::finding::Finding;
+use super::findings::quantity::{EndCondition, Quantity};
 use super::topic::ChannelDifference;
 use crate::analysis::history::RunHistory;
 use crate::run::simulation::{EventKind, StopReason};

@@ -1,6 +1,7 @@
 //! The basis of findings, and comparisons of numbers that each run has for itself.
 
-use super::findings::finding::{Finding, Quantity};
+use super::findings::finding::Finding;
+use super::findings::quantity::Quantity;
 use crate::analysis::diff::averages::Averaged;
 use crate::analysis::diff::discrepancy::Discrepancy;
 use crate::analysis::diff::integration_error::{IntegrationError, Integrations, combined};
@@ -70,12 +71,14 @@ impl Evidence<'_> {
         time: impl Fn(&RunHistory) -> Option<f64>,
     ) -> Option<Finding> {
         let finding = self.compare(quantity, &time)?;
-        let only = match [finding.a, finding.b] {
+        let (only, lacking) = match [finding.a, finding.b] {
             [Some(_), Some(_)] => return Some(finding),
             [None, None] => return None,
-            [Some(time), None] | [None, Some(time)] => time,
+            [Some(time), None] => (time, Side::B),
+            [None, Some(time)] => (time, Side::A),
         };
-        (only + self.margin(&time)? < self.common_end()?).then_some(finding)
+        let end = self.histories()[lacking.index()].stop_time()?;
+        (only + self.margin(&time)? < end).then_some(finding)
     }
 
     /// By how much an event must precede the end of the other run so that its absence there is certain, s.
@@ -108,7 +111,6 @@ impl Evidence<'_> {
         let is_positive = finding.a > Some(0.0) || finding.b > Some(0.0);
         (is_certain && is_positive).then_some(Finding {
             // A count is right or wrong.
-            uncertainty: None,
             integration_error: finding.integration_error.map(|_| 0.0),
             ..finding
         })

@@ -5,14 +5,17 @@
 //! the integration, because another integration of the same run does not have it, is left out.
 
 mod averaged;
+pub(super) mod contrast;
 mod crossing;
 mod events;
 pub(super) mod finding;
+pub(super) mod quantity;
 
 use self::averaged::{amplitude, crossing, means, phase_lead};
 use self::crossing::ripple;
 use self::events::events;
-use self::finding::{EndCondition, Finding, Quantity};
+use self::finding::{Dependence, Finding};
+use self::quantity::{EndCondition, Quantity};
 use super::evidence::Evidence;
 use super::integration_error::{IntegrationError, combined};
 use super::pairing::PairedRun;
@@ -61,7 +64,7 @@ fn is_whole(run: &PairedRun) -> bool {
     run.losses.is_empty() && !run.history.lacks(EVENTS)
 }
 
-/// Merges times of one instant in both runs, e.g. of a rise that ends both: one row, with the larger uncertainty.
+/// Merges times of one instant in both runs, e.g. of a rise that ends both: one row, with the dependences of both.
 fn merge_equal_times(found: Vec<Finding>) -> Vec<Finding> {
     let mut merged: Vec<Finding> = Vec::new();
     for finding in found {
@@ -73,10 +76,7 @@ fn merge_equal_times(found: Vec<Finding>) -> Vec<Finding> {
         match same {
             Some(known) => {
                 known.difference = known.difference.or(finding.difference);
-                known.uncertainty = match (known.uncertainty, finding.uncertainty) {
-                    (Some(one), Some(other)) => Some(one.max(other)),
-                    (one, other) => one.or(other),
-                };
+                known.dependences.extend(finding.dependences);
                 known.integration_error = known.integration_error.or(finding.integration_error);
             }
             None => merged.push(finding),
@@ -157,13 +157,12 @@ fn first_reach(evidence: &Evidence<'_>) -> Option<Finding> {
         return None;
     }
     let finding = evidence.compare_times(Quantity::FirstReach { level }, first_crossing)?;
-    let integration = finding.integration_error;
     let [a, b] = Side::BOTH.map(|side| largest_ripple(evidence, side));
     let by_nutation = a.zip(b).filter(|_| finding.difference.is_some());
     Some(Finding {
-        uncertainty: by_nutation
-            .map(|(a, b)| a + b + integration.unwrap_or(0.0))
-            .or(integration),
+        dependences: Vec::from_iter(
+            by_nutation.map(|(a, b)| Dependence::Nutation { change: a + b }),
+        ),
         ..finding
     })
 }
@@ -245,13 +244,20 @@ fn energy_lost(evidence: &Evidence<'_>) -> Option<Finding> {
 /// Difference of the models' torques of friction, losses and air drag at the states of A.
 fn torque(evidence: &Evidence<'_>) -> Option<Finding> {
     let torque = evidence.discrepancy?.quantities.first()?;
+    if torque.largest == 0.0 {
+        return None;
+    }
     let has_air_drag = evidence
         .scenarios
         .iter()
         .flatten()
         .any(|scenario| scenario.model.friction.has_air_drag());
     Some(Finding::from_difference(
-        Quantity::TorqueDifference { has_air_drag },
+        Quantity::TorqueDifference {
+            has_air_drag,
+            at: torque.at,
+            rms_a: torque.rms_a,
+        },
         torque.largest,
     ))
 }

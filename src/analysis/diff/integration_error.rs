@@ -13,8 +13,9 @@ use crate::analysis::subject::Subject;
 use crate::run::scenario::{FormulationKind, Scenario};
 use crate::run::simulation::{EventKind, StopReason};
 use crate::telemetry::Topic;
-use crate::telemetry::fields::{NumberField, nutation};
+use crate::telemetry::fields::{NumberField, nutation, state};
 use crate::telemetry::side::Side;
+use crate::words::{Piece, Sentence, sentence};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -70,12 +71,37 @@ impl IntegratorError {
         let (_, error) = self.fields.iter().find(|(name, _)| name == field)?;
         Some(*error)
     }
+
+    fn tolerances(&self) -> Sentence {
+        sentence!(
+            "{} against {}",
+            format!("{:e}", self.relative_tolerance),
+            format!("{:e}", self.compared_with)
+        )
+    }
 }
 
 impl IntegrationErrors {
     /// The errors of a field, A's and B's together.
     pub(super) fn field(&self, field: &str) -> Option<f64> {
         Some(self.a.field(field)? + self.b.field(field)?)
+    }
+
+    /// The largest errors of both runs, and what they are estimated with.
+    pub fn sentence(&self) -> Sentence {
+        let runs = [&self.a, &self.b];
+        let theta = runs.map(|run| run.field(&state::THETA.to_string()).unwrap_or_default());
+        let tolerances = if self.a.relative_tolerance == self.b.relative_tolerance {
+            self.a.tolerances()
+        } else {
+            sentence!("{} in A, {} in B", self.a.tolerances(), self.b.tolerances())
+        };
+        sentence!(
+            "Integration errors: θ {}, events {} (tolerance {}). ± has five times those of both runs.",
+            Piece::number(theta[0].max(theta[1]), 1, "rad"),
+            Piece::number(self.a.event_time.max(self.b.event_time), 1, "s"),
+            tolerances
+        )
     }
 }
 

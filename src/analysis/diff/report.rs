@@ -2,10 +2,13 @@
 //!
 //! Differences are B − A throughout. Angles are in rad, times in s of simulated time.
 
+mod headline;
+
 use super::agreement::{Agreement, agreement};
 use super::averages::{self, Averaged};
 use super::discrepancy::{Discrepancy, Residuals};
 use super::evidence::Evidence;
+use super::findings::contrast::{Contrast, contrasts};
 use super::findings::finding::Finding;
 use super::findings::findings;
 use super::integration_error::{IntegrationErrors, Integrations};
@@ -40,6 +43,8 @@ pub struct Report {
     pub setup: SetupDifferences,
     /// The findings, the most important first; empty for foreign files.
     pub findings: Vec<Finding>,
+    /// The findings that set the motions apart, the most important first.
+    pub contrasts: Vec<Contrast>,
     /// The topics of toprise, message by message.
     pub channels: Vec<ChannelDifference>,
     /// Topics compared byte by byte: foreign ones, and all if the values of the others are identical.
@@ -180,8 +185,15 @@ impl Report {
             Verdict::Different => agreement(&evidence, &findings, &channels),
             Verdict::Identical | Verdict::SameValues | Verdict::Equal | Verdict::Agreeing => None,
         };
+        let contrasts = match verdict {
+            Verdict::Different => contrasts(&evidence, &findings),
+            Verdict::Identical | Verdict::SameValues | Verdict::Equal | Verdict::Agreeing => {
+                Vec::new()
+            }
+        };
         Self {
             verdict,
+            contrasts,
             is_complete: is_cut == [false; 2],
             agreement,
             setup,
@@ -321,31 +333,6 @@ impl Report {
         self.notes.push(format!(
             "{own} was simulated with {other}'s sampling period, because neither sampling period is a multiple of the other."
         ));
-    }
-
-    /// The verdict, how far the motions agree, and a line for each key of the scenarios and each finding that differs.
-    pub fn summary(&self) -> Vec<String> {
-        let mut lines = vec![self.verdict.title().to_owned()];
-        lines.extend(
-            self.agreement
-                .map(|agreement| agreement.sentence().to_string()),
-        );
-        for key in &self.setup.scenario {
-            let [a, b] = [&key.a, &key.b].map(|value| value.as_deref().unwrap_or("–"));
-            lines.push(format!("{}: A {a}, B {b}", key.key));
-        }
-        for finding in self.findings.iter().filter(|finding| finding.differs()) {
-            let [what, a, b, difference] = finding.cells();
-            let mut parts = Vec::new();
-            if finding.a.is_some() || finding.b.is_some() {
-                parts.extend([format!("A {a}"), format!("B {b}")]);
-            }
-            if !difference.is_empty() {
-                parts.push(format!("B − A {difference}"));
-            }
-            lines.push(format!("{what}: {}", parts.join(", ")));
-        }
-        lines
     }
 
     /// Whether the scenarios differ (except name and description).

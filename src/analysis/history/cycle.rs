@@ -2,6 +2,7 @@
 
 use crate::telemetry::Message;
 use crate::telemetry::fields::{NumberField, nutation};
+use std::f64::consts::TAU;
 
 /// A nutation cycle.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,5 +57,10 @@ impl Cycle {
     /// Amplitude of the nutation: half the range of θ̇, rad/s. That of θ is widened by the drift.
     pub(crate) fn amplitude(&self) -> f64 {
         0.5 * (self.field(nutation::THETA_DOT_MAX) - self.field(nutation::THETA_DOT_MIN))
+    }
+
+    /// Amplitude of θ in the nutation, rad: that of θ̇ over the frequency.
+    pub(crate) fn amplitude_of_theta(&self) -> f64 {
+        self.amplitude() * self.period / TAU
     }
 }

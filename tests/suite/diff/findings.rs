@@ -1,6 +1,7 @@
 //! Findings that could be false.
 
 use super::*;
+use toprise::analysis::diff::Dependence;
 
 /// The mean θ of the cycles at a time, by straight lines between the middles.
 fn mean_theta(run: &Run, time: f64) -> Option<f64> {
@@ -23,9 +24,11 @@ fn val_means_cross_levels_that_both_runs_cross() {
     let runs = ["0.03", "0.0301"].map(|k| scenario("free-paper", &[("friction.k", k)]));
     let report = compare(&runs[0], &runs[1], &quick()).unwrap();
     let crossing = finding(&report, "mean θ crosses").unwrap();
-    let (shift, within) = (crossing.difference.unwrap(), crossing.uncertainty.unwrap());
-    assert!(shift + within < 0.0, "{crossing:?}");
-    let Quantity::MeanCrossing { level } = crossing.quantity else {
+    assert!(
+        crossing.difference.unwrap() < 0.0 && crossing.differs(),
+        "{crossing:?}"
+    );
+    let Quantity::MeanCrossing { level, .. } = crossing.quantity else {
         panic!("{crossing:?}");
     };
     let rolling = values(&report, "θ at start of final rolling").map(Option::unwrap);
@@ -82,7 +85,8 @@ fn event_of_one_run_is_absent_in_the_other() {
     ] {
         let found = finding(&report, what).unwrap();
         assert!(found.a.is_none() && found.b.is_some(), "{found:?}");
-        assert_eq!((found.difference, found.uncertainty), (None, None));
+        assert_eq!((found.difference, found.integration_error), (None, None));
+        assert!(found.dependences.is_empty());
     }
     // The free top's run ends before the other has risen: it may have risen later.
     assert!(finding(&report, "θ first reaches").is_none());
@@ -366,7 +370,7 @@ fn ends_of_two_kinds_have_no_difference() {
     let report = compare(&run("1.5"), &run("1.2"), &quick()).unwrap();
     let end = finding(&report, "ends (fallen to 1.50 rad, fallen to 1.20 rad)").unwrap();
     assert!(end.a > end.b && end.differs());
-    assert_eq!((end.difference, end.uncertainty), (None, None));
+    assert_eq!((end.difference, end.integration_error), (None, None));
     assert!(finding(&report, "falls").is_none());
 }
 
@@ -415,14 +419,106 @@ fn leaves_out_the_precession_near_the_vertical() {
     }
 }
 
-/// The uncertainty of a phase lead is that of both runs together.
+/// The error of a phase lead is that of both runs together.
 #[test]
-fn phase_lead_uncertainty_is_symmetric() {
+fn phase_lead_error_is_symmetric() {
     let [a, b] = ["full-coulomb", "viscous"].map(|name| scenario(name, &[("stop.duration", "3")]));
     let [there, back] = [(&a, &b), (&b, &a)].map(|(a, b)| {
         let report = compare(a, b, &Options::default()).unwrap();
         let lead = finding(&report, "nutation phase lead").unwrap().clone();
-        (lead.difference.unwrap(), lead.uncertainty.unwrap())
+        (lead.difference.unwrap(), lead.integration_error.unwrap())
     });
     assert_eq!((there.0, there.1), (-back.0, back.1));
+}
+
+/// ± is the error of the integration: a level that the comparison chose, and the phase of the nutation, are told apart.
+#[test]
+fn val_dependence_on_the_level_is_that_of_the_curves() {
+    let [a, b] = ["paper", "viscous"].map(|name| scenario(name, &[]));
+    let report = compare(&a, &b, &quick()).unwrap();
+    let crossing = finding(&report, "mean θ crosses").unwrap();
+    let Quantity::MeanCrossing { level, .. } = crossing.quantity else {
+        panic!("{crossing:?}");
+    };
+    let Some(Dependence::Level { relative, change }) = crossing.dependences.first() else {
+        panic!("{crossing:?}");
+    };
+    let lower = level * (1.0 + relative);
+    let times = [&a, &b].map(|scenario| {
+        let cycles = Run::of(scenario).cycles;
+        let pair = cycles
+            .windows(2)
+            .find(|pair| pair[1].theta_mean <= lower)
+            .unwrap();
+        let [from, to] = [&pair[0], &pair[1]].map(|cycle| 0.5 * (cycle.start + cycle.end));
+        let part = (pair[0].theta_mean - lower) / (pair[0].theta_mean - pair[1].theta_mean);
+        from + part * (to - from)
+    });
+    let expected = times[1] - times[0] - crossing.difference.unwrap();
+    // A straight line between means 0.05 s apart, of slopes that change by 4 % there.
+    assert_near("change", *change, expected, 2e-3);
+    assert_near("relative", *relative, -0.02, 1e-12);
+}
+
+/// The headline tells what sets the motions apart, by the size of the findings.
+#[test]
+fn headline_is_a_sentence_on_the_motion() {
+    let friction = [("friction.k", "0.0303")];
+    let tolerance = [("integrator.relative_tolerance", "1e-10")];
+    for (a, b, changes, expected) in [
+        (
+            "paper",
+            "viscous",
+            &[][..],
+            "B rises 3.0 times slower than A and does not loop",
+        ),
+        (
+            "viscous",
+            "paper",
+            &[],
+            "B rises 3.0 times faster than A; unlike A, B loops",
+        ),
+        (
+            "paper",
+            "full-coulomb",
+            &[],
+            "The same but for the nutation: B's is 3.9 times weaker; B does not loop",
+        ),
+        ("paper", "paper", &friction, "B rises 0.98 % faster than A"),
+        (
+            "paper",
+            "spin-torque-only",
+            &[],
+            "B does not rise to 0.0200 rad and does not loop",
+        ),
+        (
+            "paper",
+            "free-paper",
+            &[],
+            "B rises to a mean θ of 0.168 rad 3.0 times faster than A; unlike A, B rolls and hops",
+        ),
+        (
+            "full-coulomb",
+            "full-coulomb",
+            &tolerance,
+            "The same within the integration error",
+        ),
+    ] {
+        let [a, b] = [scenario(a, &[]), scenario(b, changes)];
+        let headline = compare(&a, &b, &Options::default()).unwrap().headline();
+        let headline = headline.to_string();
+        assert!(headline.starts_with(expected), "{headline}");
+    }
+}
+
+/// Rows within the ripple of the nutation are equal, and below those that differ.
+#[test]
+fn equal_rows_stand_below_the_differences() {
+    let mut command = Command::cargo_bin("toprise").unwrap();
+    let command = command.args(["diff", "paper", "full-coulomb", "--no-floor"]);
+    let page = command.args(["--color", "never"]).assert().code(1);
+    let page = String::from_utf8(page.get_output().stdout.clone()).unwrap();
+    let place = |text: &str| page.find(text).unwrap_or_else(|| panic!("{text}: {page}"));
+    assert!(place("first loop [s]") < place("equal within"));
+    assert!(place("equal within") < place("ends (risen to 0.0200 rad)"));
 }

@@ -1,7 +1,8 @@
 //! Findings about the motion averaged over nutations.
 
 use super::crossing::MeanCrossing;
-use super::finding::{Finding, Quantity};
+use super::finding::{Dependence, Finding};
+use super::quantity::Quantity;
 use crate::analysis::diff::averages::AverageErrors;
 use crate::analysis::diff::evidence::Evidence;
 use crate::analysis::diff::integration_error::{IntegrationError, combined};
@@ -17,10 +18,19 @@ pub(super) fn crossing(evidence: &Evidence<'_>) -> Option<Finding> {
         None => [0.0; 2],
     };
     let found = MeanCrossing::find(a, b, errors)?;
-    let quantity = Quantity::MeanCrossing { level: found.level };
+    let quantity = Quantity::MeanCrossing {
+        level: found.level,
+        farthest: found.farthest,
+    };
+    let [relative, change] = found.lower;
     Some(Finding {
-        uncertainty: Some(found.uncertainty),
         integration_error: evidence.integrations.map(|_| found.integration_error),
+        dependences: vec![
+            Dependence::Level { relative, change },
+            Dependence::Nutation {
+                change: found.ripple,
+            },
+        ],
         ..Finding::new(quantity, found.times.map(Some))
     })
 }

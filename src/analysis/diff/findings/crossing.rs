@@ -16,8 +16,8 @@ const MIN_CHANGE: f64 = 10.0;
 const LEVELS: u32 = 16;
 /// Minimum slope at a crossing, relative to the mean slope before it.
 const MIN_SLOPE: f64 = 0.2;
-/// Relative distance of the neighbouring levels used to estimate the uncertainty.
-const NEIGHBOUR_DISTANCE: f64 = 0.02;
+/// Distance of the lower level that shows the dependence on the level, relative to it.
+const LOWER: f64 = 0.02;
 /// Ratio of the leave-one-out error to the interpolation error of a cubic.
 const LEFT_OUT_RATIO: f64 = 4.0;
 
@@ -28,10 +28,14 @@ pub(super) struct MeanCrossing {
     pub(super) level: f64,
     /// The times at which A and B cross it, s.
     pub(super) times: [f64; 2],
-    /// Uncertainty of the difference of these times, s.
-    pub(super) uncertainty: f64,
-    /// Contribution of the integration errors, s.
+    /// The farthest averaged θ that both come to, rad.
+    pub(super) farthest: f64,
+    /// Error of the difference of these times by the integrations, s.
     pub(super) integration_error: f64,
+    /// The largest change of the difference by what the averages keep of the nutation, s.
+    pub(super) ripple: f64,
+    /// A lower level, relative to the level, and the change of the difference there, s.
+    pub(super) lower: [f64; 2],
 }
 
 impl MeanCrossing {
@@ -64,36 +68,35 @@ impl MeanCrossing {
         let descent = start - farthest;
         let level = farthest + part * descent;
         let times = first_crossings(&curves, level)?;
-        let (mut uncertainty, mut integration_error) = (0.0_f64, 0.0);
+        let (mut ripple, mut integration_error) = (0.0_f64, 0.0);
         for side in 0..2 {
             let (curve, time) = (&curves[side], times[side]);
             let slope = curve.slope(time)?.abs();
             let (first, _) = curve.domain()?;
             let mean_slope = (start - level) / (time - first);
-            let error = integrators[side]
-                + interpolation_error(curve, time)
-                + averaging_error(histories[side], time);
+            let remainder =
+                interpolation_error(curve, time) + averaging_error(histories[side], time);
             // Also rejects NaN.
-            let crosses = slope >= MIN_SLOPE * mean_slope && start - level > MIN_CHANGE * error;
+            let crosses = slope >= MIN_SLOPE * mean_slope
+                && start - level > MIN_CHANGE * (integrators[side] + remainder);
             if !crosses {
                 return None;
             }
-            uncertainty += error / slope;
+            ripple += remainder / slope;
             integration_error += integrators[side] / slope;
         }
-        let shift = times[1] - times[0];
-        for near in [
-            level - NEIGHBOUR_DISTANCE * descent,
-            level + NEIGHBOUR_DISTANCE * descent,
-        ] {
-            let [a, b] = first_crossings(&curves, near)?;
-            uncertainty = uncertainty.max((b - a - shift).abs());
-        }
-        uncertainty.is_finite().then_some(Self {
+        // No farther than halfway to the ends of what both cross.
+        let step = (LOWER * level.abs()).min(0.5 * part.min(1.0 - part) * descent);
+        let [a, b] = first_crossings(&curves, level - sign * step)?;
+        let change = (b - a) - (times[1] - times[0]);
+        let is_finite = ripple.is_finite() && change.is_finite();
+        is_finite.then_some(Self {
             level: sign * level,
+            farthest: sign * farthest,
             times,
-            uncertainty,
             integration_error,
+            ripple,
+            lower: [-step / level.abs(), change],
         })
     }
 }
@@ -141,7 +144,7 @@ fn interpolation_error(curve: &CubicCurve, time: f64) -> f64 {
 /// Averaging error of the mean over a nutation, rad: if the amplitude changes by ΔA per cycle, the mean of A cos 2πs is
 /// off by up to ΔA/2π.
 fn averaging_error(history: &RunHistory, time: f64) -> f64 {
-    let amplitude = history.curve(amplitude);
+    let amplitude = history.curve(Cycle::amplitude_of_theta);
     let Some((first, last)) = amplitude.domain() else {
         return 0.0;
     };
@@ -155,11 +158,6 @@ fn averaging_error(history: &RunHistory, time: f64) -> f64 {
     let [before, after] =
         [end - 0.5 * period, end + 0.5 * period].map(|time| amplitude.at(time).unwrap_or_default());
     (after - before).abs() / TAU
-}
-
-/// The amplitude of θ in a nutation, rad: that of θ̇ over the frequency.
-fn amplitude(cycle: &Cycle) -> f64 {
-    cycle.amplitude() * cycle.period / TAU
 }
 
 /// Range of the delay of the first crossing of θ relative to its mean, s (negative: earlier), over all nutation phases;
@@ -197,7 +195,7 @@ struct Ripple {
 impl Ripple {
     fn new(history: &RunHistory) -> Self {
         Self {
-            amplitude: history.curve(amplitude),
+            amplitude: history.curve(Cycle::amplitude_of_theta),
             rate_amplitude: history.curve(Cycle::amplitude),
             mean: history.curve(|cycle| cycle.means[0]),
         }

@@ -1,6 +1,7 @@
 //! Findings about events: first times and counts.
 
-use super::finding::{Finding, Quantity};
+use super::finding::Finding;
+use super::quantity::Quantity;
 use crate::analysis::diff::evidence::Evidence;
 use crate::analysis::history::{Interval, PegPhase, RunHistory, in_phase};
 use crate::run::simulation::EventKind;

@@ -20,6 +20,7 @@ const MAX_NAMED: usize = 6;
 pub(in crate::cli) fn page(report: &Report, all: bool, is_cut: bool) -> Vec<Section> {
     let mut sections = vec![setup(report, all, is_cut), slip::section(report)];
     sections.push(findings(report, all));
+    sections.push(equals(report, all));
     sections.push(others(report, all));
     if all || !report.has_other_scenarios() {
         sections.push(topics(report));
@@ -56,7 +57,7 @@ pub(in crate::cli) fn verdict(report: &Report) -> Section {
         Verdict::Agreeing => Tone::Weak,
         Verdict::Different => Tone::Bad,
     };
-    let mut section = Section::with_tone(tone, report.verdict.title());
+    let mut section = Section::with_tone(tone, report.headline());
     if let Some(agreement) = report.agreement {
         section.line(agreement.sentence());
     }
@@ -147,50 +148,56 @@ fn excerpt(key: &KeyDifference, value: Option<&str>) -> String {
     format!("{before}{part}{after}")
 }
 
+/// The numbers that differ, with their remarks.
 pub(in crate::cli) fn findings(report: &Report, all: bool) -> Section {
     let mut section = Section::default();
-    let shown: Vec<_> = report
-        .findings
-        .iter()
-        .filter(|finding| all || finding.differs())
-        .take(max_rows(all))
-        .map(Finding::cells)
-        .collect();
-    if shown.is_empty() && report.integration_errors.is_some() && report.has_other_scenarios() {
-        section.line(no_difference(report));
+    let shown: Vec<_> = report.differing().take(max_rows(all)).collect();
+    let cells = shown.iter().map(|finding| finding.cells());
+    section.table(Table::new(cells, 1, &columns("B − A")));
+    for remark in shown.into_iter().filter_map(Finding::remark) {
+        section.line(remark);
     }
-    let columns: [Column<[Sentence; 4], Sentence>; 4] = [
-        ("", |cells| cells[0].clone()),
-        ("A", |cells| cells[1].clone()),
-        ("B", |cells| cells[2].clone()),
-        ("B − A", |cells| cells[3].clone()),
-    ];
-    section.table(Table::new(shown, 1, &columns));
     section
 }
 
-/// What was compared where nothing differs by more than the integration error.
-fn no_difference(report: &Report) -> String {
-    let compared = match report.findings.len() {
-        0 => "Neither run has a number to compare, such as an event or a mean over a nutation."
-            .to_owned(),
-        1 => "The one number that both runs have differs by no more than the integration error."
-            .to_owned(),
-        count => format!(
-            "None of the {count} compared numbers differs by more than the integration error."
-        ),
-    };
-    let nutations = if report.averaged.is_none() {
-        " There are no complete nutations to compare."
+/// The numbers that are equal, and the integration errors. Without `--all` not of runs of one scenario, of which each number
+/// is equal.
+pub(in crate::cli) fn equals(report: &Report, all: bool) -> Section {
+    let mut section = Section::default();
+    if !all && !report.has_other_scenarios() {
+        return section;
+    }
+    let equal = report.findings.iter().filter(|finding| !finding.differs());
+    let cells = equal.take(max_rows(all)).map(Finding::cells_of_equal);
+    section.table(Table::new(cells, 1, &columns("equal within")));
+    if let Some(line) = no_numbers(report) {
+        section.line(line);
+    }
+    if let Some(errors) = &report.integration_errors {
+        section.line(errors.sentence());
+    }
+    section
+}
+
+/// The columns of a table of findings; the last has this name.
+fn columns(last: &'static str) -> [Column<[Sentence; 4], Sentence>; 4] {
+    [
+        ("", |cells| cells[0].clone()),
+        ("A", |cells| cells[1].clone()),
+        ("B", |cells| cells[2].clone()),
+        (last, |cells| cells[3].clone()),
+    ]
+}
+
+/// Says so if there is no number to compare, or no nutation.
+fn no_numbers(report: &Report) -> Option<&'static str> {
+    if report.findings.is_empty() {
+        Some("Neither run has a number to compare, such as an event or a mean over a nutation.")
+    } else if report.averaged.is_none() {
+        Some("There are no complete nutations to compare.")
     } else {
-        ""
-    };
-    let hint = if report.findings.is_empty() {
-        ""
-    } else {
-        " --all lists them."
-    };
-    format!("{compared}{nutations}{hint}")
+        None
+    }
 }
 
 /// The topics that differ, with the first difference of each.
@@ -328,7 +335,7 @@ pub(in crate::cli) fn notes(report: &Report, all: bool) -> Section {
         section.line(note.clone());
     }
     if !all && report.verdict == Verdict::Different && !report.findings.is_empty() {
-        let findings = report.findings.iter().filter(|f| f.differs()).count();
+        let findings = report.differing().count();
         let more = match findings.saturating_sub(MAX_ROWS) {
             0 => String::new(),
             1 => "one more finding and ".to_owned(),
