@@ -8,6 +8,7 @@ pub mod format;
 pub mod input;
 pub mod memory;
 pub mod pipeline;
+pub mod provenance;
 pub mod publish;
 pub mod recording;
 pub mod replay;

@@ -1,5 +1,6 @@
 //! The version of the program.
 
+use crate::archive::provenance::Build;
 use crate::telemetry::table;
 
 /// The features that this program was compiled with.
@@ -9,7 +10,7 @@ const FEATURES: [(&str, bool); 3] = [
     ("sweep", cfg!(feature = "sweep")),
 ];
 
-/// Version, telemetry version, commit (where the build names one) and features, for `--version`.
+/// Version, telemetry version, features and build, for `--version`.
 pub(super) fn long() -> String {
     let mut features = vec!["cli"];
     for (name, is_enabled) in FEATURES {
@@ -17,15 +18,21 @@ pub(super) fn long() -> String {
             features.push(name);
         }
     }
-    let mut text = format!(
-        "{}\ntelemetry {}\nfeatures {}",
-        env!("CARGO_PKG_VERSION"),
+    let build = Build::this();
+    let commit = build
+        .commit
+        .as_deref()
+        .unwrap_or(match build.profile.as_str() {
+            "release" => "unknown: built from neither a checkout nor a package",
+            _ => "unknown: only release builds name it",
+        });
+    format!(
+        "{}\ntelemetry {}\nfeatures {}\ncommit {commit}\ntarget {}\ncompiler {}\nprofile {}",
+        build.version,
         table::VERSION,
-        features.join(", ")
-    );
-    // Set by whoever builds: a build script would compile everything again after each commit.
-    if let Some(commit) = option_env!("TOPRISE_COMMIT") {
-        text.push_str(&format!("\ncommit {commit}"));
-    }
-    text
+        features.join(", "),
+        build.target,
+        build.compiler,
+        build.profile
+    )
 }

@@ -281,7 +281,14 @@ fn version_names_telemetry_and_features() {
     let telemetry = format!("telemetry {}", toprise::telemetry::table::VERSION);
     assert_contains_all(
         &text,
-        &[env!("CARGO_PKG_VERSION"), &telemetry, "features cli"],
+        &[
+            env!("CARGO_PKG_VERSION"),
+            &telemetry,
+            "features cli",
+            "commit ",
+            "compiler rustc ",
+            "profile ",
+        ],
     );
     assert_eq!(text.contains("rerun"), cfg!(feature = "rerun"));
 }
