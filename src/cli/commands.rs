@@ -1,6 +1,7 @@
 //! The commands: a file each, with the arguments, the report and the function.
 
 mod annotate;
+mod archive;
 mod completions;
 pub(super) mod diff;
 mod explain;
@@ -18,6 +19,7 @@ pub(super) mod sweep;
 mod verify;
 
 use self::annotate::annotate;
+use self::archive::archive;
 use self::diff::diff;
 use self::explain::explain;
 use self::figures::figures;
@@ -121,6 +123,12 @@ pub(super) enum Command {
     /// was added before.
     #[command(after_help = "Exit codes: 0 written, 2 unreadable or failed output.")]
     Annotate(annotate::AnnotateArguments),
+    /// Archive recordings with all that a repository asks, as a directory or a ZIP file.
+    ///
+    /// The archive holds the recordings and their scenarios, reports, comparisons and figures, and says who made them
+    /// (RO-Crate 1.2, CITATION.cff, .zenodo.json, SHA256SUMS). toprise verify checks all of it.
+    #[command(after_help = "Exit codes: 0 written, 2 unreadable, not verified, or failed output.")]
+    Archive(archive::ArchiveArguments),
     /// List the presets, or print one, or the scenario of a recording, as a scenario file.
     Presets(presets::PresetsArguments),
     /// List the laws of friction, or describe some: formulas, parameters, typical values and sources.
@@ -159,6 +167,7 @@ pub(super) fn dispatch(
         Command::Info(arguments) => info(&arguments),
         Command::Verify(arguments) => verify(&arguments),
         Command::Annotate(arguments) => annotate(&arguments, drafts),
+        Command::Archive(arguments) => archive(&arguments, drafts),
         Command::Presets(arguments) => presets(&arguments),
         Command::Laws(arguments) => laws(&arguments, drafts),
         Command::Schema(arguments) => schema(&arguments, schemas(), drafts),
@@ -205,6 +214,7 @@ pub fn schemas() -> Vec<(String, String)> {
         report::schema::<info::InfoReport>("InfoReport"),
         report::schema::<verify::VerifyReport>("VerifyReport"),
         report::schema::<annotate::AnnotateReport>("AnnotateReport"),
+        report::schema::<archive::ArchiveReport>("ArchiveReport"),
         report::schema::<presets::PresetsReport>("PresetsReport"),
         report::schema::<laws::LawsReport>("LawsReport"),
         report::schema::<schema::SchemaReport>("SchemaReport"),

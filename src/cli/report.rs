@@ -27,6 +27,16 @@ pub(super) fn print(
     Ok(())
 }
 
+/// A report as the documents that the formats JSON and Markdown give.
+pub(super) fn documents(
+    report: &impl Serialize,
+    sections: &[Section],
+) -> Result<[String; 2], Error> {
+    let json = sanitized_json(&serde_json::to_string_pretty(report)?);
+    let markdown = markdown(sections, terminal::option);
+    Ok([json, markdown].map(|text| format!("{}\n", text.trim_end())))
+}
+
 /// With --format json, prints an error as JSON on standard output, with the key of the scenario that is wrong, if any.
 pub(super) fn print_error(error: &str, key: Option<&str>) {
     if output::format() == Format::Json {

@@ -19,6 +19,7 @@ mod compatible;
 mod conformance;
 #[cfg(unix)]
 mod crash;
+mod crates;
 mod cycles;
 mod damage;
 mod diff;

@@ -143,6 +143,54 @@ fn val_python_reads_the_same_content_in_both_encodings() {
     assert_eq!(digests[0], digests[1]);
 }
 
+/// The profile's validator and the crates' library, both by their makers.
+#[test]
+fn val_archives_are_process_run_crates() {
+    let Some(python) = python() else { return };
+    let directory = tempdir().unwrap();
+    for (name, extra) in [
+        ("least", ""),
+        (
+            "most",
+            "doi = \"10.5281/zenodo.1\"\npublisher = \"Zenodo\"\ndescription = \"Two\"\nkeywords = [\"a\", \"b\"]\n\
+             [[funders]]\nname = \"ERC\"\naward = \"1\"\n\
+             [[related]]\nrelation = \"cites\"\nid = \"https://example.org/a b\"\n",
+        ),
+    ] {
+        let creators =
+            "creators = [{ name = \"Doe, Jo\", affiliation = \"MIT\" }, { name = \"Top Group\" }]";
+        let about =
+            format!("title = \"Tops\"\nlicence = \"MIT\"\ndate = 2026-11-29\n{creators}\n{extra}");
+        fs::write(
+            directory.path().join("about.toml"),
+            about.replace("a b", "a"),
+        )
+        .unwrap();
+        let run = [
+            "run",
+            "paper",
+            "--set",
+            "stop.duration=0.05",
+            "--force",
+            "-o",
+            "a b.mcap",
+        ];
+        toprise(&directory).args(run).assert().success();
+        let archive = ["archive", "a b.mcap", "--about", "about.toml", "-o", name];
+        toprise(&directory).args(archive).assert().success();
+        let script = readers().join("ro_crate.py");
+        let actions = answer(
+            Command::new(&python)
+                .arg(script)
+                .arg(directory.path().join(name)),
+        );
+        assert!(
+            actions.contains("toprise run scenarios/a b.toml"),
+            "{actions}"
+        );
+    }
+}
+
 /// The program on the page about the format, for fixed and free pegs.
 #[test]
 fn val_documented_program_computes_the_content_digest() {

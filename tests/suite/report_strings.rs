@@ -10,6 +10,8 @@ const ALLOWED: [(&str, &[&str]); 8] = [
     (
         "names of topics, fields, keys, signals, laws, parameters, figures, runs and events",
         &[
+            "ArchiveCheck.made_by",
+            "ArchiveReport.recordings[]",
             "ChannelDifference.topic",
             "ChannelOverview.encoding",
             "ChannelOverview.schema",
@@ -74,6 +76,8 @@ const ALLOWED: [(&str, &[&str]); 8] = [
     (
         "paths",
         &[
+            "ArchiveFault.file",
+            "ArchiveReport.path",
             "ComparedRun.file",
             "FigureFile.path",
             "InfoReport.file",
@@ -163,6 +167,7 @@ const ALLOWED: [(&str, &[&str]); 8] = [
             "RowError.error",
             "RunLoss.loss",
             "ShownRecording.losses[]",
+            "FaultKind.unreadable",
             "VerifiedFile.error",
         ],
     ),

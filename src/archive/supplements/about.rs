@@ -89,6 +89,13 @@ impl About {
     }
 }
 
+impl Creator {
+    /// Whether it is a person, and no organisation: it has an ORCID, or a family name and a given name.
+    pub fn is_person(&self) -> bool {
+        self.orcid.is_some() || self.name.as_str().contains(", ")
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

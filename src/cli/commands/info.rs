@@ -3,7 +3,9 @@
 use crate::archive::format::{
     CONTENT_DIGEST, SCENARIO_DIGEST, STEPS, STOP_REASON, STOP_TIME, VERSION,
 };
-use crate::archive::recording::{AttachmentOverview, ChannelOverview, Condition, Overview};
+use crate::archive::recording::{
+    AttachmentOverview, ChannelOverview, Condition, Overview, Recording,
+};
 use crate::archive::supplements::Supplementary;
 use crate::cli::losses::loss_lines;
 use crate::cli::report;
@@ -19,7 +21,6 @@ use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::PathBuf;
 
 /// Event kinds with more events than this are only counted.
@@ -56,18 +57,11 @@ pub(super) struct InfoReport {
 pub(super) fn info(arguments: &InfoArguments) -> Result<Status, Error> {
     let path = &arguments.file;
     let file = path.display().to_string();
-    let overview = Overview::read(path).with_context(|| file.clone())?;
-    let size = fs::metadata(path).with_context(|| file.clone())?.len();
+    let recording = Recording::open(path).with_context(|| file.clone())?;
+    let report = InfoReport::new(file, &recording);
     // Files of other software have no end of a run that could be missing.
-    let is_whole = matches!(overview.condition, Condition::Whole | Condition::Foreign);
-    let report = InfoReport {
-        file,
-        bytes: size,
-        messages: overview.messages(),
-        first_ns: overview.first_ns(),
-        last_ns: overview.last_ns(),
-        overview,
-    };
+    let condition = report.overview.condition;
+    let is_whole = matches!(condition, Condition::Whole | Condition::Foreign);
     report::print(&report, || report.page())?;
     Ok(Status::from_whole(
         is_whole && report.overview.losses.is_empty(),
@@ -75,7 +69,20 @@ pub(super) fn info(arguments: &InfoArguments) -> Result<Status, Error> {
 }
 
 impl InfoReport {
-    fn page(&self) -> Vec<Section> {
+    /// The content of a recording; `file` is its name in the report.
+    pub(super) fn new(file: String, recording: &Recording) -> Self {
+        let overview = Overview::new(recording);
+        Self {
+            file,
+            bytes: recording.size(),
+            messages: overview.messages(),
+            first_ns: overview.first_ns(),
+            last_ns: overview.last_ns(),
+            overview,
+        }
+    }
+
+    pub(super) fn page(&self) -> Vec<Section> {
         let facts = Section::from(Table::from_facts(self.facts()));
         let head = facts.titled(&self.file, bytes(self.bytes));
         let mut rest = Section::from(self.channel_table());

@@ -1,13 +1,17 @@
 //! `toprise verify`.
 
-use crate::archive::recording::{Condition, Recording};
-use crate::archive::verify::{Equality, Report, SchemaCheck, Verdict, verify as check};
+pub(super) mod file;
+
+use self::file::check_file;
+use super::archive::check::{ArchiveCheck, check_archive, is_archive};
+use crate::archive::recording::Condition;
+use crate::archive::verify::{Equality, Report, SchemaCheck, Verdict};
 use crate::cli::losses::loss_lines;
 use crate::cli::progress::Progress;
 use crate::cli::status::Status;
 use crate::cli::{output, report};
 use crate::telemetry::table;
-use crate::words::{Section, Table, Tone, counted};
+use crate::words::{Section, Table, Tone, counted, grouped};
 use anyhow::Error;
 use clap::Args;
 use rayon::iter::{IntoParallelRefIterator as _, ParallelIterator as _};
@@ -18,7 +22,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of `toprise verify`.
 #[derive(Args, Debug, Default, PartialEq)]
 pub(in crate::cli) struct VerifyArguments {
-    /// Recordings (MCAP files).
+    /// Recordings (MCAP files), and archives of them: directories or ZIP files that toprise archive wrote
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 }
@@ -35,6 +39,9 @@ struct VerifiedFile {
     /// The result; absent if the file could not be read.
     #[serde(flatten)]
     report: Option<Report>,
+    /// The result for an archive; absent for a recording.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    archive: Option<ArchiveCheck>,
     /// The reason why the file could not be read; absent if it could.
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<String>,
@@ -64,29 +71,42 @@ fn check_all(files: &[PathBuf]) -> Vec<VerifiedFile> {
     // Each file is one simulation, which uses one thread and one for compression.
     let verified = files
         .par_iter()
-        .map(|path| VerifiedFile::new(path, check_file(path, &progress)))
+        .map(|path| VerifiedFile::new(path, &progress))
         .collect();
     progress.finish();
     verified
 }
 
-fn check_file(path: &Path, progress: &Progress) -> Result<Report, Error> {
-    let recording = Recording::open(path)?;
-    Ok(check(&recording, &|bytes| progress.add(bytes))?)
-}
-
 impl VerifiedFile {
-    fn new(path: &Path, checked: Result<Report, Error>) -> Self {
-        Self {
+    fn new(path: &Path, progress: &Progress) -> Self {
+        let mut verified = Self {
             file: path.display().to_string(),
-            error: checked.as_ref().err().map(ToString::to_string),
-            report: checked.ok(),
-        }
+            report: None,
+            archive: None,
+            error: None,
+        };
+        let error = if is_archive(path) {
+            let checked = check_archive(path, progress);
+            checked.map(|check| verified.archive = Some(check)).err()
+        } else {
+            let checked = check_file(path, progress);
+            checked.map(|report| verified.report = Some(report)).err()
+        };
+        verified.error = error.map(|error| output::with_causes(&error));
+        verified
+    }
+
+    fn verdict(&self) -> Option<Verdict> {
+        let of_archive = self.archive.as_ref().map(|check| check.verdict);
+        self.report
+            .as_ref()
+            .map(|report| report.verdict)
+            .or(of_archive)
     }
 
     /// The status, and its rank from good to bad.
     fn status(&self) -> (u8, Status) {
-        match self.report.as_ref().map(|report| report.verdict) {
+        match self.verdict() {
             Some(Verdict::Verified) => (0, Status::Success),
             Some(Verdict::Incomplete) => (1, Status::Partial),
             Some(Verdict::Different) => (2, Status::Different),
@@ -111,6 +131,9 @@ impl VerifyReport {
         for file in &self.0 {
             if let Some(report) = &file.report {
                 sections.push(section(&file.file, report));
+            }
+            if let Some(check) = &file.archive {
+                sections.push(archive_section(&file.file, check));
             }
         }
         sections
@@ -185,6 +208,34 @@ fn section(file: &str, report: &Report) -> Section {
     }
     if !report.without.is_empty() {
         facts.push(("not recorded", report.without.join(", ")));
+    }
+    section.table(Table::from_facts(facts));
+    section
+}
+
+fn archive_section(file: &str, check: &ArchiveCheck) -> Section {
+    let (tone, conclusion) = match check.verdict {
+        Verdict::Verified => (
+            Tone::Good,
+            "verified (every file follows from the recordings)",
+        ),
+        Verdict::Incomplete => (Tone::Weak, "all that can be compared is equal"),
+        Verdict::Different => (Tone::Bad, "ALTERED"),
+    };
+    let mut section = Section::with_tone(tone, format!("{file}: {conclusion}"));
+    let mut facts = vec![
+        ("files", grouped(check.files)),
+        ("recordings", grouped(check.recordings.len() as u64)),
+    ];
+    facts.extend(
+        check
+            .faults
+            .iter()
+            .map(|fault| ("altered", fault.to_string())),
+    );
+    if let Some(version) = &check.made_by {
+        let words = format!("reports, figures and words, which toprise {version} made");
+        facts.push(("not compared", words));
     }
     section.table(Table::from_facts(facts));
     section

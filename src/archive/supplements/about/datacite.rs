@@ -13,14 +13,55 @@ const SCHEMA: &str = "http://datacite.org/schema/kernel-4";
 impl About {
     /// The entries of [`RECORD`].
     pub fn to_entries(&self) -> Entries {
-        let entries = self.properties().into_iter();
+        let entries = self.to_datacite().into_iter();
         entries
             .map(|(key, value)| (key, value.to_string()))
             .collect()
     }
 
-    /// The properties of `DataCite`'s JSON, in the order of its documentation.
-    fn properties(&self) -> Map<String, Value> {
+    /// What the entries of [`RECORD`] say, if they are as [`Self::to_entries`] writes them.
+    pub fn from_entries(entries: &Entries) -> Option<Self> {
+        let mut properties = Map::new();
+        for (key, text) in entries {
+            properties.insert(key.clone(), serde_json::from_str(text).ok()?);
+        }
+        let about = Self::from_datacite(&properties.into())?;
+        (about.to_entries() == *entries).then_some(about)
+    }
+
+    /// What `DataCite`'s JSON says, as far as toprise writes it.
+    pub fn from_datacite(datacite: &Value) -> Option<Self> {
+        let list = |name: &str, to_about: fn(&Value) -> Value| -> Value {
+            let items = datacite[name].as_array();
+            items.into_iter().flatten().map(to_about).collect()
+        };
+        let about = json!({
+            "title": datacite["titles"][0]["title"],
+            "creators": list("creators", |creator| json!({
+                "name": creator["name"],
+                "orcid": creator["nameIdentifiers"][0]["nameIdentifier"],
+                "affiliation": creator["affiliation"][0]["name"],
+            })),
+            "licence": datacite["rightsList"][0]["rightsIdentifier"],
+            "date": datacite["dates"][0]["date"],
+            "description": datacite["descriptions"][0]["description"],
+            "doi": datacite["doi"],
+            "publisher": datacite["publisher"]["name"],
+            "keywords": list("subjects", |subject| subject["subject"].clone()),
+            "funders": list("fundingReferences", |funder| json!({
+                "name": funder["funderName"],
+                "award": funder["awardNumber"],
+            })),
+            "related": list("relatedIdentifiers", |related| json!({
+                "relation": related["relationType"],
+                "id": related["relatedIdentifier"],
+            })),
+        });
+        serde_json::from_value(about).ok()
+    }
+
+    /// The properties of `DataCite`'s JSON.
+    pub fn to_datacite(&self) -> Map<String, Value> {
         let creators: Vec<_> = self.creators.iter().map(creator).collect();
         let mut properties = Properties::default();
         properties.add("creators", creators.into());
@@ -30,7 +71,14 @@ impl About {
         properties.add("dates", json!([{ "date": date, "dateType": "Issued" }]));
         let kind = json!({ "resourceTypeGeneral": "Dataset", "resourceType": "Simulation" });
         properties.add("types", kind);
-        properties.add("rightsList", self.rights());
+        let rights = json!({
+            "rights": self.licence.name,
+            "rightsUri": self.licence.address(),
+            "rightsIdentifier": self.licence.id,
+            "rightsIdentifierScheme": "SPDX",
+            "schemeUri": "https://spdx.org/licenses/",
+        });
+        properties.add("rightsList", json!([rights]));
         properties.add("schemaVersion", SCHEMA.into());
         if let Some(doi) = &self.doi {
             properties.add("doi", doi.as_str().into());
@@ -47,21 +95,6 @@ impl About {
         properties.add_list("fundingReferences", &self.funders, funder);
         properties.add_list("relatedIdentifiers", &self.related, related);
         properties.0
-    }
-
-    fn rights(&self) -> Value {
-        let licences = self.licence.listed().into_iter();
-        licences
-            .map(|(name, full_name)| {
-                json!({
-                    "rights": full_name,
-                    "rightsUri": format!("https://spdx.org/licenses/{name}"),
-                    "rightsIdentifier": name,
-                    "rightsIdentifierScheme": "SPDX",
-                    "schemeUri": "https://spdx.org/licenses/",
-                })
-            })
-            .collect()
     }
 }
 
@@ -84,8 +117,13 @@ impl Properties {
 fn creator(creator: &Creator) -> Value {
     let mut properties = Properties::default();
     properties.add("name", creator.name.as_str().into());
+    let kind = if creator.is_person() {
+        "Personal"
+    } else {
+        "Organizational"
+    };
+    properties.add("nameType", kind.into());
     if let Some(orcid) = &creator.orcid {
-        properties.add("nameType", "Personal".into());
         let identifier = json!({
             "nameIdentifier": format!("https://orcid.org/{}", orcid.as_str()),
             "nameIdentifierScheme": "ORCID",
@@ -158,7 +196,7 @@ id = "arXiv:1101.0001"
         let expected = [
             (
                 "creators",
-                r#"[{"name":"Carberry, Josiah","nameType":"Personal","nameIdentifiers":[{"nameIdentifier":"https://orcid.org/0000-0002-1825-0097","nameIdentifierScheme":"ORCID","schemeUri":"https://orcid.org"}],"affiliation":[{"name":"Brown University"}]},{"name":"Top Group"}]"#,
+                r#"[{"name":"Carberry, Josiah","nameType":"Personal","nameIdentifiers":[{"nameIdentifier":"https://orcid.org/0000-0002-1825-0097","nameIdentifierScheme":"ORCID","schemeUri":"https://orcid.org"}],"affiliation":[{"name":"Brown University"}]},{"name":"Top Group","nameType":"Organizational"}]"#,
             ),
             ("dates", r#"[{"date":"2026-11-29","dateType":"Issued"}]"#),
             (
@@ -190,5 +228,6 @@ id = "arXiv:1101.0001"
         ];
         let expected = expected.map(|(key, value)| (key.to_owned(), value.to_owned()));
         assert_eq!(about.to_entries(), expected.into());
+        assert_eq!(About::from_entries(&about.to_entries()), Some(about));
     }
 }

@@ -14,7 +14,7 @@ pub enum InvalidTerm {
     #[error("this must not be empty")]
     Empty,
     /// A licence that SPDX doesn't list.
-    #[error("{value:?} is no SPDX licence expression, such as CC-BY-4.0{}: see https://spdx.org/licenses", did_you_mean(.nearest.as_slice()))]
+    #[error("{value:?} is no licence of SPDX's list, such as CC-BY-4.0{}: see https://spdx.org/licenses", did_you_mean(.nearest.as_slice()))]
     Licence {
         /// The value.
         value: String,
@@ -80,9 +80,20 @@ checked! {
     Text
 }
 
-checked! {
-    /// A licence: an SPDX expression (ISO/IEC 5962) such as `CC-BY-4.0`.
-    Licence
+/// A licence of SPDX's list (ISO/IEC 5962, annex A).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Licence {
+    /// Identifier, e.g. `CC-BY-4.0`.
+    pub id: &'static str,
+    /// Full name.
+    pub name: &'static str,
+}
+
+impl<'de> Deserialize<'de> for Licence {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let id = String::deserialize(deserializer)?;
+        Self::try_from(id).map_err(D::Error::custom)
+    }
 }
 
 checked! {
@@ -115,8 +126,11 @@ impl TryFrom<String> for Licence {
     type Error = InvalidTerm;
 
     fn try_from(value: String) -> Result<Self, InvalidTerm> {
-        if spdx::Expression::parse(&value).is_ok() {
-            return Ok(Self(value));
+        if let Some(id) = spdx::license_id(&value) {
+            return Ok(Self {
+                id: id.name,
+                name: id.full_name,
+            });
         }
         let nearest = spdx::imprecise_license_id(&value).map(|(id, _)| id.name);
         Err(InvalidTerm::Licence { value, nearest })
@@ -124,16 +138,9 @@ impl TryFrom<String> for Licence {
 }
 
 impl Licence {
-    /// The identifiers of its licences in SPDX's list, with their full names, in the order of the expression.
-    pub(super) fn listed(&self) -> Vec<(&'static str, &'static str)> {
-        let Ok(expression) = spdx::Expression::parse(&self.0) else {
-            return Vec::new();
-        };
-        expression
-            .requirements()
-            .filter_map(|requirement| requirement.req.license.id())
-            .map(|id| (id.name, id.full_name))
-            .collect()
+    /// The address of its text in SPDX's list.
+    pub fn address(self) -> String {
+        format!("https://spdx.org/licenses/{}", self.id)
     }
 }
 
@@ -381,12 +388,5 @@ mod tests {
             let expected = Err(InvalidTerm::Identifier(text.to_owned()));
             assert_eq!(identifier(text), expected);
         }
-    }
-
-    #[test]
-    fn lists_the_licences_of_an_expression() {
-        let licence = Licence::try_from("MIT OR Apache-2.0".to_owned()).unwrap();
-        let names: Vec<_> = licence.listed().iter().map(|(name, _)| *name).collect();
-        assert_eq!(names, ["MIT", "Apache-2.0"]);
     }
 }
