@@ -20,6 +20,7 @@ mod verify;
 
 use self::annotate::annotate;
 use self::archive::archive;
+use self::completions::ScriptKind;
 use self::diff::diff;
 use self::explain::explain;
 use self::figures::figures;
@@ -43,7 +44,6 @@ use crate::cli::{output, report};
 use crate::run::scenario::ScenarioError;
 use anyhow::Error;
 use clap::Subcommand;
-use clap_complete::Shell;
 
 /// A command with its arguments.
 #[derive(Debug, Subcommand)]
@@ -138,10 +138,11 @@ pub(super) enum Command {
     Laws(laws::LawsArguments),
     /// List the channels of a recording, print the schema of one, or write all schemas.
     Schema(schema::SchemaArguments),
-    /// Print a completion script for a shell.
+    /// Print a completion script for a shell, or the man page.
     Completions {
-        /// The shell.
-        shell: Shell,
+        /// The shell, or man
+        #[arg(value_name = "SHELL")]
+        kind: ScriptKind,
     },
 }
 
@@ -171,8 +172,8 @@ pub(super) fn dispatch(
         Command::Presets(arguments) => presets(&arguments),
         Command::Laws(arguments) => laws(&arguments, drafts),
         Command::Schema(arguments) => schema(&arguments, schemas(), drafts),
-        Command::Completions { shell } => {
-            output::print(&completions::script(shell, definition))?;
+        Command::Completions { kind } => {
+            output::print(&completions::script(kind, definition)?)?;
             Ok(Status::Success)
         }
     }

@@ -304,6 +304,20 @@ fn completions_know_names() {
         "coulomb-tanh",
     ];
     assert_contains_all(&text, &names);
+    for shell in ["elvish", "fish", "nushell", "powershell", "zsh"] {
+        let script = answer(&Folder::new(), &format!("completions {shell}"));
+        assert_contains_all(&script, &["no-views"]);
+    }
+}
+
+#[test]
+fn the_man_page_has_every_command() {
+    let folder = Folder::new();
+    let page = answer(&folder, "completions man");
+    assert!(page.contains(".TH toprise 1"), "{page}");
+    for command in ["RUN", "DIFF", "VERIFY", "ARCHIVE"] {
+        assert_contains_all(&page, &[&format!(".SH \"TOPRISE {command}\"")]);
+    }
 }
 
 #[test]

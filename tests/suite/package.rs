@@ -89,6 +89,7 @@ fn every_part_has_the_same_version() {
         ("python/Cargo.toml", format!("version = \"{version}\"")),
         ("page/Cargo.toml", format!("version = \"{version}\"")),
         ("CITATION.cff", format!("version: {version}")),
+        ("codemeta.json", format!("  \"version\": \"{version}\",")),
     ] {
         let text = fs::read_to_string(root.join(file)).unwrap();
         assert!(text.lines().any(|other| other == line), "{file}: {line}");

@@ -1,17 +1,73 @@
-//! Completion scripts, which know presets, keys, topics, figures and laws.
+//! What shells and packages take: completion scripts, which know presets, keys, topics, figures and laws, and man pages.
 
 use crate::run::scenario::{KEYS, LAWS, PRESETS};
 use crate::telemetry::Topic;
 use clap::builder::PossibleValuesParser;
-use clap::{Arg, Command, ValueHint};
+use clap::{Arg, Command, ValueEnum, ValueHint};
 use clap_complete::{Shell, generate};
+use clap_complete_nushell::Nushell;
+use clap_mangen::Man;
+use std::io;
 
-/// The completion script of a command line.
-pub(super) fn script(shell: Shell, command: Command) -> String {
-    let mut suggesting = command.mut_subcommands(|command| command.mut_args(with_values));
+/// What is printed for a shell, or for `man`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(in crate::cli) enum ScriptKind {
+    /// Bash
+    Bash,
+    /// Elvish
+    Elvish,
+    /// Fish
+    Fish,
+    /// Nushell
+    Nushell,
+    /// PowerShell
+    #[value(name = "powershell")]
+    PowerShell,
+    /// Zsh
+    Zsh,
+    /// Not a shell: the man page, in roff
+    Man,
+}
+
+/// The completion script of a command line, or its man page.
+///
+/// # Errors
+/// Never: it is written into memory.
+pub(super) fn script(kind: ScriptKind, command: Command) -> io::Result<String> {
+    let mut suggesting = command
+        .clone()
+        .mut_subcommands(|command| command.mut_args(with_values));
     let mut script = Vec::new();
-    generate(shell, &mut suggesting, "toprise", &mut script);
-    String::from_utf8_lossy(&script).into_owned()
+    let mut complete = |shell| generate(shell, &mut suggesting, "toprise", &mut script);
+    match kind {
+        ScriptKind::Bash => complete(Shell::Bash),
+        ScriptKind::Elvish => complete(Shell::Elvish),
+        ScriptKind::Fish => complete(Shell::Fish),
+        ScriptKind::PowerShell => complete(Shell::PowerShell),
+        ScriptKind::Zsh => complete(Shell::Zsh),
+        ScriptKind::Nushell => generate(Nushell, &mut suggesting, "toprise", &mut script),
+        ScriptKind::Man => write_man_page(command, &mut script)?,
+    }
+    Ok(String::from_utf8_lossy(&script).into_owned())
+}
+
+/// One page: the program, then each command with its options.
+fn write_man_page(mut command: Command, page: &mut Vec<u8>) -> io::Result<()> {
+    command.build();
+    let man = Man::new(command.clone());
+    man.render_title(page)?;
+    man.render_name_section(page)?;
+    man.render_synopsis_section(page)?;
+    man.render_description_section(page)?;
+    man.render_options_section(page)?;
+    for subcommand in command.get_subcommands().filter(|c| c.get_name() != "help") {
+        let man = Man::new(subcommand.clone());
+        page.extend(format!(".SH \"TOPRISE {}\"\n", subcommand.get_name().to_uppercase()).bytes());
+        man.render_synopsis_section(page)?;
+        man.render_description_section(page)?;
+        man.render_options_section(page)?;
+    }
+    man.render_extra_section(page)
 }
 
 /// An argument with the values that it can complete. They are suggestions: this command line parses nothing.
