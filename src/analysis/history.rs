@@ -18,6 +18,7 @@ pub use self::summary::RunSummary;
 use self::curve::CubicCurve;
 use self::energy::Energies;
 use self::level::FirstCrossing;
+use crate::analysis::normal_force::NormalForce;
 use crate::analysis::slip::SlipHistory;
 use crate::archive::format::{Entries, INVERSION_TIME, SAMPLE_COUNT, STOP_REASON, STOP_TIME};
 use crate::archive::recording::Missing;
@@ -75,6 +76,8 @@ pub(crate) struct RunHistory {
     pub(crate) slip_path: Option<f64>,
     /// The slip, if the scenario is known.
     pub(crate) slip: Option<SlipHistory>,
+    /// The normal force, if it is recorded.
+    pub(crate) normal_force: Option<NormalForce>,
     /// First crossing of the requested θ level, if there is one.
     pub(crate) rise: Option<FirstCrossing>,
     /// The phases of a free peg.
@@ -124,6 +127,7 @@ impl RunHistory {
                 if let Some(slip) = &mut self.slip {
                     slip.take_contact(message);
                 }
+                NormalForce::take_contact(&mut self.normal_force, message);
                 self.slip_path = Some(contact::SLIP_PATH.of(message)).filter(|p| !p.is_nan());
             }
             NUTATION => self.cycles.push(Cycle::from_message(message)),

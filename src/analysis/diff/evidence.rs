@@ -6,9 +6,12 @@ use crate::analysis::diff::averages::Averaged;
 use crate::analysis::diff::discrepancy::Discrepancy;
 use crate::analysis::diff::integration_error::{IntegrationError, Integrations, combined};
 use crate::analysis::diff::pairing::Paired;
+use crate::analysis::diff::tolerance::full_name;
+use crate::analysis::diff::topic::field::FieldDifference;
 use crate::analysis::history::RunHistory;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::EventKind;
+use crate::telemetry::fields::STATE;
 use crate::telemetry::side::Side;
 
 /// Everything that the findings are computed from.
@@ -31,6 +34,25 @@ impl Evidence<'_> {
             .into_iter()
             // Each run has it, so a recording without it has no events.
             .all(|run| run.first(EventKind::Start).is_some())
+    }
+
+    /// The difference of a field of `/top/state`, or of a quantity that is derived from it.
+    pub(super) fn state(&self, name: &str) -> Option<FieldDifference> {
+        let tally = self.paired.topics[STATE.index()].as_ref()?;
+        let fields = tally.report(&|_| None).fields;
+        fields.into_iter().find(|field| field.field == name)
+    }
+
+    /// The error of the difference of two values of such a field.
+    pub(super) fn error_of_field(&self, name: &str, values: [f64; 2]) -> IntegrationError {
+        let Some(integrations) = self.integrations else {
+            return IntegrationError::Unknown;
+        };
+        let errors = [&integrations.errors.a, &integrations.errors.b];
+        match errors.map(|error| error.field(&full_name(STATE.name(), name))) {
+            [Some(a), Some(b)] => IntegrationError::Within(combined([a, b], values)),
+            [None, _] | [_, None] => IntegrationError::Undetermined,
+        }
     }
 
     /// The time up to which both runs go, s.

@@ -11,7 +11,7 @@ mod events;
 pub(super) mod finding;
 pub(super) mod quantity;
 
-use self::averaged::{amplitude, crossing, means, phase_lead};
+use self::averaged::{amplitude, axial_spin, crossing, distances, means, phase_lead};
 use self::crossing::ripple;
 use self::events::events;
 use self::finding::{Dependence, Finding};
@@ -48,8 +48,12 @@ pub(super) fn findings(evidence: &Evidence<'_>) -> Vec<Finding> {
             found.extend(events(evidence));
         }
     }
+    found.extend(distances(evidence));
     if has_cycles {
         found.extend(means(evidence));
+    }
+    found.extend(axial_spin(evidence));
+    if has_cycles {
         found.extend(phase_lead(evidence));
         found.extend(amplitude(evidence));
     }

@@ -57,7 +57,7 @@ pub struct IntegratorError {
     pub relative_tolerance: f64,
     /// The tightened relative tolerance.
     pub compared_with: f64,
-    /// The largest error of each field, by its full name.
+    /// The largest error of each field, by its full name, and then of each derived quantity.
     pub fields: Vec<(String, f64)>,
     /// The largest error of an event's time, s: of the end, of an inversion, and of the first event of each kind.
     pub event_time: f64,
@@ -261,9 +261,13 @@ fn repeat(
         }
         None => repeated.add(scenario, &between, limits, &mut fields, carry_on)?,
     }
-    repeated.error.fields = scenario_fields(scenario)
-        .filter_map(|field| Some((field.to_string(), *fields.get(&field.to_string())?)))
-        .collect();
+    for field in scenario_fields(scenario) {
+        repeated
+            .error
+            .fields
+            .extend(fields.remove_entry(&field.to_string()));
+    }
+    repeated.error.fields.extend(fields);
     repeated.error.event_time = repeated.event_time();
     repeated.error.theta_mean = repeated.averages.largest(nutation::THETA_MEAN);
     Some(repeated)

@@ -15,6 +15,7 @@ use super::tolerance::{Options, full_name};
 use super::topic::TopicTally;
 use crate::analysis::history::RunHistory;
 use crate::analysis::history::energy::Energies;
+use crate::analysis::normal_force::NormalForces;
 use crate::analysis::slip::{SlipComparison, SlipHistory};
 use crate::analysis::subject::{ReadEnd, Subject};
 use crate::archive::memory::Owned;
@@ -81,6 +82,12 @@ impl Paired {
             slip.and_then(SlipHistory::slip)
         });
         SlipComparison { a, b }
+    }
+
+    /// The normal forces of both runs.
+    pub(super) fn normal_forces(&self) -> NormalForces {
+        let [a, b] = self.runs.each_ref().map(|run| run.history.normal_force);
+        NormalForces { a, b }
     }
 
     /// Number of messages of A and B that were compared with each other.

@@ -17,6 +17,7 @@ use super::pairing::{Paired, PairedRun};
 use super::setup::{KeyDifference, SetupDifferences};
 use super::topic::{ChannelDifference, TopicTally};
 use crate::analysis::history::RunSummary;
+use crate::analysis::normal_force::NormalForces;
 use crate::analysis::slip::SlipComparison;
 use crate::analysis::subject::Subject;
 use crate::archive::recording::Condition;
@@ -55,6 +56,8 @@ pub struct Report {
     pub discrepancy: Option<Discrepancy>,
     /// The slip of both runs, and the coefficients of friction there; absent for foreign files.
     pub slip: Option<SlipComparison>,
+    /// The normal forces of both runs; absent for foreign files.
+    pub normal_forces: Option<NormalForces>,
     /// The integration errors; absent if not requested or not computable.
     pub integration_errors: Option<IntegrationErrors>,
     /// Notes on this comparison.
@@ -203,6 +206,7 @@ impl Report {
             averaged,
             discrepancy,
             slip: Some(paired.slip()),
+            normal_forces: Some(paired.normal_forces()),
             integration_errors: integrations.map(|integrations| integrations.errors),
             notes,
             a,

@@ -1,6 +1,6 @@
 //! The comparison of the messages of one topic.
 
-mod derived;
+pub(super) mod derived;
 pub(super) mod field;
 
 use self::derived::Derived;
@@ -233,10 +233,12 @@ impl TopicTally {
         self.found.between != [0; 2]
     }
 
-    /// The largest difference of each field, with its name.
+    /// The largest difference of each field and of each derived quantity, with its name.
     pub(super) fn largest(&self) -> impl Iterator<Item = (String, f64)> + '_ {
         let fields = self.fields.iter();
-        fields.map(|(number, tally)| (number.to_string(), tally.found.largest.abs()))
+        let own = fields.map(|(number, tally)| (number.to_string(), tally.found.largest.abs()));
+        let derived = self.derived.iter();
+        own.chain(derived.map(|derived| (derived.full_name(), derived.largest())))
     }
 
     /// The differences of the topic; `integration_error` returns the error of a field.
@@ -249,7 +251,9 @@ impl TopicTally {
             let error = integration_error(&number.to_string());
             fields.push(tally.report(number.path(), number.unit(), error));
         }
-        fields.extend(self.derived.iter().map(Derived::report));
+        for derived in &self.derived {
+            fields.push(derived.report(integration_error(&derived.full_name())));
+        }
         ChannelDifference {
             fields,
             ..self.found.clone()

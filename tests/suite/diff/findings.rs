@@ -2,6 +2,7 @@
 
 use super::*;
 use toprise::analysis::diff::Dependence;
+use toprise::physics::math::{atan2, cos, sin};
 
 /// The mean θ of the cycles at a time, by straight lines between the middles.
 fn mean_theta(run: &Run, time: f64) -> Option<f64> {
@@ -521,4 +522,96 @@ fn equal_rows_stand_below_the_differences() {
     let place = |text: &str| page.find(text).unwrap_or_else(|| panic!("{text}: {page}"));
     assert!(place("first loop [s]") < place("equal within"));
     assert!(place("equal within") < place("ends (risen to 0.0200 rad)"));
+}
+
+/// φ̇ and ψ̇ of a top that starts near the vertical differ by 108 rad/s each, and ω·n by 0.3.
+#[test]
+fn val_compares_the_spin_along_the_axis_instead_of_its_parts() {
+    let until = [("stop.duration", "1")];
+    let [a, b] = ["tippe-top", "tippe-top-hangs"].map(|name| scenario(name, &until));
+    let report = compare(&a, &b, &quick()).unwrap();
+    let spin = finding(&report, "ω·n at").unwrap();
+    let Quantity::AxialSpin { at } = spin.quantity else {
+        panic!("{spin:?}");
+    };
+    let [x, y] = [&a, &b].map(Run::of);
+    let axial = |sample: &Sample| {
+        let rates = sample.tilt.rates;
+        rates.phi * cos(sample.angles.theta) + rates.psi
+    };
+    let pairs = x.samples.iter().zip(&y.samples);
+    let (time, expected) = pairs
+        .map(|(x, y)| (x.time_ns, [axial(x), axial(y)]))
+        .max_by(|(_, [a, b]), (_, [c, d])| (b - a).abs().total_cmp(&(d - c).abs()))
+        .unwrap();
+    assert_near("time", at, time as f64 / 1e9, 1e-12);
+    for (found, expected) in [spin.a, spin.b].into_iter().zip(expected) {
+        assert_near("ω·n", found.unwrap(), expected, 1e-11);
+    }
+    for parts in ["mean φ̇", "mean ψ̇"] {
+        let found = finding(&report, parts).and_then(|found| found.difference);
+        assert!(
+            found.is_none_or(|difference| difference.abs() < 10.0),
+            "{found:?}"
+        );
+    }
+}
+
+/// Distances that can be quoted are those of the samples.
+#[test]
+fn val_distances_are_those_of_the_axes() {
+    let until = [("stop.duration", "12")];
+    let [a, b] = ["paper", "viscous"].map(|name| scenario(name, &until));
+    let report = compare(&a, &b, &quick()).unwrap();
+    let [x, y] = [&a, &b].map(Run::of);
+    let (mut axes, mut thetas, mut largest) = (0.0, 0.0, 0.0_f64);
+    for (x, y) in x.samples.iter().zip(&y.samples) {
+        let [x, y] = [x.angles, y.angles];
+        // By the haversine formula, which is exact for small angles, too.
+        let square = |angle: f64| sin(0.5 * angle) * sin(0.5 * angle);
+        let half = square(y.theta - x.theta) + sin(x.theta) * sin(y.theta) * square(y.phi - x.phi);
+        let angle = 2.0 * atan2(half.sqrt(), (1.0 - half).sqrt());
+        axes += angle * angle;
+        largest = largest.max(angle);
+        thetas += (y.theta - x.theta) * (y.theta - x.theta);
+    }
+    let count = x.samples.len() as f64;
+    let found = |what| finding(&report, what).unwrap().difference.unwrap();
+    let axes = (axes / count).sqrt();
+    assert_near("axes", found("RMS angle between the axes"), axes, 1e-12);
+    let thetas = (thetas / count).sqrt();
+    assert_near("θ", found("RMS angle at equal phase"), thetas, 1e-13);
+    let Quantity::AxisDistance { largest: told, .. } =
+        finding(&report, "RMS angle between").unwrap().quantity
+    else {
+        panic!();
+    };
+    assert_near("largest", told, largest, 1e-12);
+}
+
+/// A fixed peg presses with a constant force, a free one with forces that are told as a range.
+#[test]
+fn normal_forces_are_told_where_they_differ() {
+    let until = [("stop.duration", "0.5")];
+    let [paper, viscous, free] = ["paper", "viscous", "drop"].map(|name| scenario(name, &until));
+    let sentence = |a, b| {
+        let forces = compare(a, b, &quick()).unwrap().normal_forces;
+        forces.unwrap().sentence().map(|found| found.to_string())
+    };
+    assert_eq!(sentence(&paper, &viscous), None);
+    let found = sentence(&paper, &free).unwrap();
+    assert!(
+        found.starts_with("Normal force: a constant 1.08 N in A, 0"),
+        "{found}"
+    );
+    let greatest = Run::of(&free)
+        .samples
+        .iter()
+        .map(|sample| sample.contact.normal_force)
+        .fold(0.0, f64::max);
+    let forces = compare(&paper, &free, &quick())
+        .unwrap()
+        .normal_forces
+        .unwrap();
+    assert_near("greatest", forces.b.unwrap().greatest, greatest, 1e-12);
 }

@@ -3,10 +3,16 @@
 use super::crossing::MeanCrossing;
 use super::finding::{Dependence, Finding};
 use super::quantity::Quantity;
-use crate::analysis::diff::averages::AverageErrors;
+use crate::analysis::diff::averages::{AverageErrors, Deviation};
 use crate::analysis::diff::evidence::Evidence;
 use crate::analysis::diff::integration_error::{IntegrationError, combined};
-use crate::telemetry::fields::{NumberField, nutation};
+use crate::analysis::diff::topic::derived::{AXIAL_SPIN, AXIS_ANGLE};
+use crate::analysis::diff::topic::field::FieldDifference;
+use crate::analysis::history::{Cycle, RunHistory};
+use crate::physics::math::sin;
+use crate::run::time::seconds;
+use crate::telemetry::fields::{NumberField, nutation, state};
+use std::f64::consts::TAU;
 
 /// The times at which the averaged motions cross a common level.
 pub(super) fn crossing(evidence: &Evidence<'_>) -> Option<Finding> {
@@ -37,29 +43,84 @@ pub(super) fn crossing(evidence: &Evidence<'_>) -> Option<Finding> {
 
 /// Differences of the averaged motions at equal times.
 pub(super) fn means(evidence: &Evidence<'_>) -> Vec<Finding> {
-    let mut found = Vec::new();
-    found.extend(mean(evidence, nutation::THETA_MEAN, |at| {
-        Quantity::MeanTheta { at }
-    }));
-    found.extend(mean(evidence, nutation::PHI_DOT_MEAN, |at| {
-        Quantity::MeanPrecession { at }
-    }));
-    found.extend(mean(evidence, nutation::PSI_DOT_MEAN, |at| {
-        Quantity::MeanSpin { at }
-    }));
-    found
+    let Some(averaged) = evidence.averaged else {
+        return Vec::new();
+    };
+    let theta = averaged.field(nutation::THETA_MEAN);
+    let theta = theta.and_then(|theta| {
+        let quantity = Quantity::MeanTheta { at: theta.at };
+        mean(evidence, nutation::THETA_MEAN, theta, quantity)
+    });
+    let precession = averaged.precession.as_ref().and_then(|rate| {
+        let quantity = Quantity::MeanPrecession { at: rate.at };
+        let [a, b] = evidence
+            .histories()
+            .map(|run| change_by_nutation(run, rate.at));
+        let dependences = Vec::from_iter(
+            a.zip(b)
+                .map(|(a, b)| Dependence::Nutation { change: a + b }),
+        );
+        Some(Finding {
+            dependences,
+            ..mean(evidence, nutation::PHI_DOT_MEAN, rate, quantity)?
+        })
+    });
+    theta.into_iter().chain(precession).collect()
 }
 
 fn mean(
     evidence: &Evidence<'_>,
     field: NumberField,
-    quantity: impl Fn(f64) -> Quantity,
+    deviation: &Deviation,
+    quantity: Quantity,
 ) -> Option<Finding> {
-    let deviation = evidence.averaged?.field(field)?;
     let error = error_of_averages(evidence, deviation.values, |errors| {
         errors.field(field, deviation.at)
     });
-    Finding::new(quantity(deviation.at), deviation.values.map(Some)).with_error(error)
+    Finding::new(quantity, deviation.values.map(Some)).with_error(error)
+}
+
+/// By how much the nutation changes the mean of φ̇ at a time (s), rad/s: by its frequency times (δθ / sin θ)², with its
+/// amplitude δθ.
+fn change_by_nutation(run: &RunHistory, time: f64) -> Option<f64> {
+    let frequency = TAU / run.curve(|cycle| cycle.period).at(time)?;
+    let amplitude = run.curve(Cycle::amplitude_of_theta).at(time)?;
+    let part = amplitude / sin(run.curve(|cycle| cycle.means[0]).at(time)?);
+    Some(frequency * part * part)
+}
+
+/// RMS angles between the axes: at equal times, and with the axes turned about the vertical to an equal azimuth.
+pub(super) fn distances(evidence: &Evidence<'_>) -> Vec<Finding> {
+    let Some(until) = evidence.paired.common_end().map(seconds) else {
+        return Vec::new();
+    };
+    let of_axes = evidence.state(AXIS_ANGLE).and_then(|angle| {
+        let FieldDifference {
+            largest, at, rms, ..
+        } = angle;
+        let quantity = Quantity::AxisDistance { until, largest, at };
+        let error = evidence.error_of_field(AXIS_ANGLE, [0.0; 2]);
+        Finding::from_difference(quantity, rms).with_error(error)
+    });
+    let theta = state::THETA.path();
+    let of_theta = evidence.state(theta).and_then(|field| {
+        let FieldDifference {
+            largest, at, rms, ..
+        } = field;
+        let largest = largest.abs();
+        let quantity = Quantity::InclinationDistance { until, largest, at };
+        let error = evidence.error_of_field(theta, [field.scale; 2]);
+        Finding::from_difference(quantity, rms).with_error(error)
+    });
+    of_axes.into_iter().chain(of_theta).collect()
+}
+
+/// The largest difference of ω·n at equal times.
+pub(super) fn axial_spin(evidence: &Evidence<'_>) -> Option<Finding> {
+    let spin = evidence.state(AXIAL_SPIN)?;
+    let quantity = Quantity::AxialSpin { at: spin.at };
+    let error = evidence.error_of_field(AXIAL_SPIN, spin.values?);
+    Finding::new(quantity, spin.values?.map(Some)).with_error(error)
 }
 
 /// The lead of B's nutation over A's.

@@ -220,7 +220,7 @@ impl Finding {
         let text = self.quantity.format_difference(difference);
         match self.integration_error {
             Some(error) if error > NEGLIGIBLE * difference.abs() => {
-                format!("{text} ± {}", self.quantity.format_magnitude(error))
+                format!("{text} ± {}", self.quantity.magnitude_in_table(error))
             }
             _ => text,
         }
@@ -231,11 +231,11 @@ impl Finding {
         match self.difference {
             None | Some(0.0) => "identical".into(),
             Some(difference) if difference.abs() <= error => {
-                sentence!("{} (integration)", self.quantity.format_magnitude(error))
+                sentence!("{} (integration)", self.quantity.magnitude_in_table(error))
             }
             Some(_) => sentence!(
                 "{} (nutation)",
-                self.quantity.format_magnitude(self.ripple() + error)
+                self.quantity.magnitude_in_table(self.ripple() + error)
             ),
         }
     }
@@ -256,7 +256,7 @@ impl Finding {
         /// Changes below this fraction of the difference are not told.
         const NEGLIGIBLE: f64 = 1e-3;
         let difference = self.difference?.abs();
-        let magnitude = self.quantity.format_magnitude(dependence.magnitude());
+        let magnitude = self.quantity.magnitude(dependence.magnitude());
         (dependence.magnitude() > NEGLIGIBLE * difference).then(|| match dependence {
             Dependence::Level { relative, change } => sentence!(
                 "at a level {} % lower, B − A is {} {}",

@@ -60,9 +60,27 @@ pub enum Quantity {
         /// Time, s.
         at: f64,
     },
-    /// Mean of ψ̇ over a nutation, rad/s.
-    MeanSpin {
+    /// Component of the angular velocity along the symmetry axis, ω·n, rad/s.
+    AxialSpin {
         /// Time, s.
+        at: f64,
+    },
+    /// RMS angle between the axes at equal times, rad.
+    AxisDistance {
+        /// The time up to which they are compared, s.
+        until: f64,
+        /// The largest angle, rad.
+        largest: f64,
+        /// Time of the largest, s.
+        at: f64,
+    },
+    /// RMS angle between the axes at equal times and an equal phase of the precession, which is that of θ, rad.
+    InclinationDistance {
+        /// The time up to which they are compared, s.
+        until: f64,
+        /// The largest angle, rad.
+        largest: f64,
+        /// Time of the largest, s.
         at: f64,
     },
     /// Lead of B's nutation over A's, cycles.
@@ -145,7 +163,13 @@ impl Quantity {
             Self::MeanPrecession { at } => {
                 sentence!("mean φ̇ at {}, most different", Piece::time(at))
             }
-            Self::MeanSpin { at } => sentence!("mean ψ̇ at {}, most different", Piece::time(at)),
+            Self::AxialSpin { at } => sentence!("ω·n at {}, most different", Piece::time(at)),
+            Self::AxisDistance { until, .. } => {
+                sentence!("RMS angle between the axes by {}", Piece::time(until))
+            }
+            Self::InclinationDistance { .. } => {
+                sentence!("RMS angle at equal phase of precession")
+            }
             Self::PhaseLead { at } => {
                 sentence!("nutation phase lead in cycles at {}", Piece::time(at))
             }
@@ -175,8 +199,13 @@ impl Quantity {
             | Self::FirstEvent { .. }
             | Self::FirstRoll => "s",
             Self::Loops { .. } | Self::Hops { .. } | Self::PhaseLead { .. } => "",
-            Self::FinalRollTheta | Self::MeanTheta { .. } => "rad",
-            Self::MeanPrecession { .. } | Self::MeanSpin { .. } | Self::Amplitude { .. } => "rad/s",
+            Self::FinalRollTheta
+            | Self::MeanTheta { .. }
+            | Self::AxisDistance { .. }
+            | Self::InclinationDistance { .. } => "rad",
+            Self::MeanPrecession { .. } | Self::AxialSpin { .. } | Self::Amplitude { .. } => {
+                "rad/s"
+            }
             Self::EnergyLost { .. } => "J",
             Self::TorqueDifference { .. } => "N m",
         }
@@ -225,11 +254,21 @@ impl Quantity {
     }
 
     /// An error or another magnitude of the quantity.
-    pub(super) fn format_magnitude(self, magnitude: f64) -> String {
+    pub(super) fn magnitude(self, magnitude: f64) -> Piece {
         if self.is_time() {
-            Piece::duration(magnitude).to_string()
+            Piece::duration(magnitude)
         } else {
-            significant(magnitude, 2)
+            Piece::number(magnitude, 2, self.unit())
+        }
+    }
+
+    /// A magnitude for a table whose head has the unit, unless it is a duration.
+    pub(super) fn magnitude_in_table(self, magnitude: f64) -> Piece {
+        let piece = self.magnitude(magnitude);
+        if self.is_time() {
+            piece
+        } else {
+            piece.without_unit()
         }
     }
 
@@ -243,6 +282,12 @@ impl Quantity {
             Self::TorqueDifference { rms_a, .. } => Some(sentence!(
                 "both laws at the states of A, whose torque has an RMS of {}",
                 Piece::number(rms_a, 3, "N m")
+            )),
+            Self::AxisDistance { largest, at, .. }
+            | Self::InclinationDistance { largest, at, .. } => Some(sentence!(
+                "at most {}, at {}",
+                Piece::number(largest, 3, "rad"),
+                Piece::time(at)
             )),
             _ => None,
         }

@@ -1,14 +1,26 @@
-//! Angles between two directions or orientations, which no single field contains.
+//! Differences that no single field contains: angles between directions or orientations, and ω·n.
 
 use super::field::{FieldDifference, FieldTally};
-use crate::analysis::diff::tolerance::{Tolerance, Tolerances};
-use crate::physics::math::{atan2, unwrap_near};
+use crate::analysis::diff::tolerance::{Tolerance, Tolerances, full_name};
+use crate::physics::math::{atan2, cos, sin, unwrap_near};
 use crate::telemetry::fields::{NumberField, POSE, STATE, pose, state};
 use crate::telemetry::{Message, Topic};
 use nalgebra::{Quaternion, Vector3};
 
-/// The angle from A's message to B's, rad.
-type Angle = fn(&Message<'_>, &Message<'_>) -> f64;
+/// The angle between the axes, in `/top/state`.
+pub(in crate::analysis::diff) const AXIS_ANGLE: &str = "angle between axes";
+/// The component of the angular velocity along the symmetry axis. Unlike its parts φ̇ cos θ and ψ̇, it is defined where the
+/// axis is vertical, and the nutation leaves it alone.
+pub(in crate::analysis::diff) const AXIAL_SPIN: &str = "ω·n";
+
+/// The way in which a difference is derived.
+#[derive(Clone, Copy, Debug)]
+enum Derivation {
+    /// The angle from A's message to B's, rad.
+    Angle(fn(&Message<'_>, &Message<'_>) -> f64),
+    /// The difference of a number of both, rad/s.
+    Rate(fn(&Message<'_>) -> f64),
+}
 
 /// A kind of derived difference.
 struct DerivedKind {
@@ -16,36 +28,64 @@ struct DerivedKind {
     name: &'static str,
     /// The fields that it is derived from.
     sources: fn() -> Vec<NumberField>,
-    angle: Angle,
+    derivation: Derivation,
 }
 
-/// The angles of topics.
-static ANGLES: [DerivedKind; 4] = [
+/// The derived differences of topics.
+static KINDS: [DerivedKind; 6] = [
     DerivedKind {
         topic: STATE,
         name: "φ modulo 2π",
         sources: || vec![state::PHI],
-        angle: |a, b| turn(state::PHI, a, b),
+        derivation: Derivation::Angle(|a, b| turn(state::PHI, a, b)),
     },
     DerivedKind {
         topic: STATE,
         name: "ψ as a direction",
         sources: || vec![state::PSI],
-        angle: |a, b| turn(state::PSI, a, b),
+        derivation: Derivation::Angle(|a, b| turn(state::PSI, a, b)),
+    },
+    DerivedKind {
+        topic: STATE,
+        name: AXIS_ANGLE,
+        sources: || vec![state::THETA, state::PHI],
+        derivation: Derivation::Angle(|a, b| between_directions(&axis(a), &axis(b))),
+    },
+    DerivedKind {
+        topic: STATE,
+        name: AXIAL_SPIN,
+        sources: || vec![state::THETA, state::PHI_DOT, state::PSI_DOT],
+        derivation: Derivation::Rate(axial_spin),
     },
     DerivedKind {
         topic: POSE,
         name: "angle between orientations",
         sources: || pose::ORIENTATION.components().to_vec(),
-        angle: |a, b| between_orientations(pose::ORIENTATION.of(a), pose::ORIENTATION.of(b)),
+        derivation: Derivation::Angle(|a, b| {
+            between_orientations(pose::ORIENTATION.of(a), pose::ORIENTATION.of(b))
+        }),
     },
     DerivedKind {
         topic: POSE,
         name: "angle between axes",
         sources: || pose::AXIS.components().to_vec(),
-        angle: |a, b| between_directions(&pose::AXIS.of(a), &pose::AXIS.of(b)),
+        derivation: Derivation::Angle(|a, b| {
+            between_directions(&pose::AXIS.of(a), &pose::AXIS.of(b))
+        }),
     },
 ];
+
+/// The direction of the symmetry axis.
+fn axis(message: &Message<'_>) -> Vector3<f64> {
+    let (theta, phi) = (state::THETA.of(message), state::PHI.of(message));
+    // The paper counts φ from the line of nodes; a common turn about the vertical changes no angle.
+    Vector3::new(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta))
+}
+
+fn axial_spin(message: &Message<'_>) -> f64 {
+    let theta = state::THETA.of(message);
+    state::PHI_DOT.of(message) * cos(theta) + state::PSI_DOT.of(message)
+}
 
 /// The angle between two directions in a plane, ignoring whole turns.
 fn turn(field: NumberField, a: &Message<'_>, b: &Message<'_>) -> f64 {
@@ -62,15 +102,16 @@ fn between_directions(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
     atan2(a.cross(b).norm(), a.dot(b))
 }
 
-/// A derived difference: the angle between two directions or orientations.
+/// A derived difference.
 ///
-/// It has no tolerance of its own: an angle is beyond the tolerance where a field that it is derived from is.
+/// It has no tolerance of its own: it is beyond the tolerance where a field that it is derived from is.
 #[derive(Clone, Debug)]
 pub(super) struct Derived {
+    topic: Topic,
     name: &'static str,
     /// The fields that it is derived from, with their tolerances.
     sources: Vec<(NumberField, Tolerance)>,
-    angle: Angle,
+    derivation: Derivation,
     tally: FieldTally,
 }
 
@@ -78,16 +119,17 @@ impl Derived {
     /// The derived numbers of a topic.
     pub(super) fn for_topic(topic: Topic, tolerances: &Tolerances) -> Vec<Self> {
         let mut derived = Vec::new();
-        for kind in ANGLES.iter().filter(|kind| kind.topic == topic) {
+        for kind in KINDS.iter().filter(|kind| kind.topic == topic) {
             let mut sources = Vec::new();
             for field in (kind.sources)() {
                 sources.push((field, tolerances.for_field(topic.name(), field.path())));
             }
             let first = sources.first().map(|(_, tolerance)| *tolerance);
             derived.push(Self {
+                topic,
                 name: kind.name,
                 sources,
-                angle: kind.angle,
+                derivation: kind.derivation,
                 tally: FieldTally::new(first.unwrap_or_default()),
             });
         }
@@ -103,21 +145,42 @@ impl Derived {
     pub(super) fn add(&mut self, a: &Message<'_>, b: &Message<'_>) {
         // Recorded quaternions are of unit length only within rounding, so that equal ones would have a tiny angle.
         let is_same = a.numbers == b.numbers;
-        let angle = if is_same { 0.0 } else { (self.angle)(a, b) };
         let is_beyond = !is_same
             && self
                 .sources
                 .iter()
                 .any(|(field, tolerance)| !tolerance.allows(field.of(a), field.of(b)));
-        self.tally.add_derived(a.time_ns, angle, is_beyond);
+        let numbers = match self.derivation {
+            Derivation::Angle(_) if is_same => [0.0; 2],
+            Derivation::Angle(angle) => [0.0, angle(a, b)],
+            Derivation::Rate(number) => [number(a), number(b)],
+        };
+        self.tally.add_derived(a.time_ns, numbers, is_beyond);
+    }
+
+    /// The name with that of the topic.
+    pub(super) fn full_name(&self) -> String {
+        full_name(self.topic.name(), self.name)
+    }
+
+    /// The largest difference.
+    pub(super) fn largest(&self) -> f64 {
+        self.tally.found.largest.abs()
     }
 
     /// The differences so far.
-    pub(super) fn report(&self) -> FieldDifference {
+    pub(super) fn report(&self, integration_error: Option<f64>) -> FieldDifference {
+        let (unit, is_angle) = match self.derivation {
+            Derivation::Angle(_) => ("rad", true),
+            Derivation::Rate(_) => ("rad/s", false),
+        };
+        let report = self.tally.report(self.name, unit, integration_error);
         FieldDifference {
             is_derived: true,
-            scale: 0.0,
-            ..self.tally.report(self.name, "rad", None)
+            // An angle between two directions is a difference without numbers of A and B.
+            scale: if is_angle { 0.0 } else { report.scale },
+            values: report.values.filter(|_| !is_angle),
+            ..report
         }
     }
 }

@@ -20,6 +20,8 @@ pub struct FieldDifference {
     pub largest: f64,
     /// Time of that difference, s.
     pub at: f64,
+    /// A's and B's value then; absent for an angle between two directions, and if all values are identical.
+    pub values: Option<[f64; 2]>,
     /// Root mean square of the differences.
     pub rms: f64,
     /// The largest magnitude of the field in either run.
@@ -75,12 +77,12 @@ impl FieldTally {
         }
     }
 
-    /// Adds a derived difference, of which the fields that it is derived from decide whether it is beyond the
+    /// Adds derived numbers of A and B, of which the fields that they are derived from decide whether they are beyond the
     /// tolerance.
-    pub(super) fn add_derived(&mut self, time_ns: u64, difference: f64, is_beyond: bool) {
+    pub(super) fn add_derived(&mut self, time_ns: u64, [a, b]: [f64; 2], is_beyond: bool) {
         self.found.count += 1;
-        if difference != 0.0 {
-            self.add_different(time_ns, 0.0, difference, is_beyond);
+        if a != b {
+            self.add_different(time_ns, a, b, is_beyond);
         }
     }
 
@@ -97,6 +99,7 @@ impl FieldTally {
         self.squares += difference * difference;
         if difference.abs() > found.largest.abs() {
             (found.largest, found.at) = (difference, seconds(time_ns));
+            found.values = Some([a, b]);
         }
     }
 

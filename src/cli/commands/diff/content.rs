@@ -12,7 +12,7 @@ use crate::words::number::significant;
 use crate::words::{Column, Section, Sentence, Table, Tone, counted, grouped};
 
 /// Maximum number of table rows without --all.
-const MAX_ROWS: usize = 12;
+const MAX_ROWS: usize = 14;
 /// Maximum number of topics listed in a line.
 const MAX_NAMED: usize = 6;
 

@@ -1,6 +1,7 @@
 //! The slip of both runs: in the report of a comparison, and as a picture.
 
 use crate::analysis::diff::Report;
+use crate::analysis::normal_force::NormalForces;
 use crate::analysis::slip::SlipComparison;
 use crate::archive::publish::Drafts;
 use crate::cli::commands::image::Plot;
@@ -13,11 +14,18 @@ use crate::words::Section;
 use anyhow::Error;
 use thiserror::Error;
 
-/// What the coefficients of friction do, if they differ.
+/// What the coefficients of friction do, and the normal forces, if they differ.
 pub(super) fn section(report: &Report) -> Section {
     let mut section = Section::default();
     let slip = report.slip.as_ref();
     if let Some(sentence) = slip.and_then(SlipComparison::sentence) {
+        section.line(sentence);
+    }
+    if let Some(sentence) = report
+        .normal_forces
+        .as_ref()
+        .and_then(NormalForces::sentence)
+    {
         section.line(sentence);
     }
     section
