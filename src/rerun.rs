@@ -20,6 +20,7 @@ mod palette;
 mod plots;
 mod role;
 mod scene;
+mod snapshot;
 mod streams;
 mod style;
 

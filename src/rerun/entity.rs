@@ -9,6 +9,8 @@ pub(super) const EACH_EVENT: &str = "events/each";
 
 /// The description of a run.
 pub(super) const ABOUT: &str = "about";
+/// The arrows of the scene and their scales.
+pub(super) const LEGEND: &str = "legend";
 /// The result of a comparison, in words.
 pub(super) const SUMMARY: &str = "/summary";
 
@@ -19,8 +21,12 @@ pub(super) const FIT_REPORT: &str = "/fit/report";
 pub(super) const STAGE: &str = "/scene";
 /// The top with the measured angles.
 pub(super) const MEASURED_TOP: &str = "/scene/measured";
-/// Target of the camera that follows a free peg.
-pub(super) const CAMERA_TARGET: &str = "scene/focus/camera_target";
+/// The place on the table below a free peg.
+pub(super) const FOCUS: &str = "scene/focus";
+/// The picture of the horizontal part of the angular momentum from above.
+pub(super) const HODOGRAPH: &str = "/hodograph";
+/// The path of its tip.
+pub(super) const HODOGRAPH_PATH: &str = "/hodograph/path";
 /// The latest part of the path of the symmetry axis on a sphere around the peg, and the part before it.
 pub(super) const TRAIL_ABOVE: [&str; 2] = ["scene/trail/above", "scene/trail/above/past"];
 /// The projection of that path onto the table, below a fixed peg.

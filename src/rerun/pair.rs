@@ -1,10 +1,12 @@
 //! Metadata of a comparison, needed before its messages.
 
 use crate::rerun::blueprint::charts::compares;
+use crate::rerun::identity::scale::per_centimetre;
 use crate::rerun::identity::{Geometry, Identity};
 use crate::rerun::output::message::store;
+use crate::rerun::plots::curves::Curves;
 use crate::rerun::role::Role;
-use crate::telemetry::fields::{NUTATION, POSE, Plot};
+use crate::telemetry::fields::{NUTATION, POSE};
 use crate::telemetry::proportions::Proportions;
 use crate::telemetry::side::Side;
 use rerun::StoreId;
@@ -52,15 +54,18 @@ impl PairIdentity {
     }
 
     /// Whether there will be differences of a plot: both runs have it, row by row.
-    pub(super) fn has_difference_of(&self, plot: Plot) -> bool {
+    pub(super) fn has_difference_of(&self, curves: Curves) -> bool {
+        let Curves::Field(plot) = curves else {
+            return false;
+        };
         let topic = plot.topic();
         (topic.info().is_sampled || topic == NUTATION) && self.a.has(topic) && self.b.has(topic)
     }
 
     /// Whether there will be logarithms of these differences: the layout shows them, and the plot has one number. Rows
     /// with several numbers can't omit zeros.
-    pub(super) fn has_magnitude_of(&self, plot: Plot) -> bool {
-        self.has_difference_of(plot) && compares(plot) && plot.numbers().count() == 1
+    pub(super) fn has_magnitude_of(&self, curves: Curves) -> bool {
+        self.has_difference_of(curves) && compares(curves) && curves.quantities().len() == 1
     }
 
     /// Whether the peg of one of them is free.
@@ -93,9 +98,16 @@ impl PairIdentity {
 
     /// Colour key of the runs, in Markdown.
     pub(super) fn key(&self) -> String {
+        let force = self.with_common_scale(Side::A).geometry.scales.force;
+        let arrows = if force > 0.0 {
+            let scale = per_centimetre(force, "N");
+            format!(" The arrows F are the friction forces; 1 cm is {scale}.")
+        } else {
+            String::new()
+        };
         format!(
             "**A** is `{}`: blue, the solid top. **B** is `{}`: orange, the translucent top. \
-             Differences are B − A.\n\n",
+             Differences are B − A.{arrows}\n\n",
             self.a.name, self.b.name
         )
     }

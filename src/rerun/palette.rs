@@ -12,3 +12,4 @@ pub(super) const BLUE: u32 = 0x4C8F_D6FF;
 pub(super) const VERMILION: u32 = 0xE863_1AFF;
 pub(super) const PURPLE: u32 = 0xCC79_A7FF;
 pub(super) const GREY: u32 = 0xB4BA_C4FF;
+pub(super) const WHITE: u32 = 0xF4F6_F8FF;

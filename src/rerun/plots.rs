@@ -1,27 +1,57 @@
-//! Plots: every number of every message, as curves.
+//! Plots: the numbers that charts show, as curves.
 
+pub(super) mod curves;
+pub(super) mod means;
 pub(super) mod outline;
 
 use rerun::Scalars;
 
+use self::curves::{Curves, Derived};
+use self::means::Means;
 use self::outline::Outline;
+use super::identity::Identity;
 use super::output::track::Track;
 use super::output::{ComponentColumns, Output};
 use super::role::Role;
-use super::style;
-use crate::telemetry::fields::{NumberField, Plot};
-use crate::telemetry::{Message, Topic};
+use super::snapshot::Snapshot;
+use crate::physics::math;
+use crate::telemetry::fields::{NUTATION, NumberField, Plot, STATE, nutation, precession, state};
+use crate::telemetry::{Message, Quantity, Topic};
 
 /// The range before the first value.
 const NO_VALUES: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
-/// The plots of each channel, in table order.
-pub(super) struct Plots(Vec<Vec<PlotTrack>>);
+/// Sine of the inclination below which φ and ψ, and so their rates, are undefined as good as at the vertical itself: they
+/// would be peaks that scale their charts.
+const UPRIGHT: f64 = 0.02;
 
-/// One plot of a channel.
+/// Numbers that are left out near the vertical.
+const UNDEFINED_UPRIGHT: [NumberField; 8] = [
+    state::PHI_DOT,
+    state::PSI_DOT,
+    state::PHI_DDOT,
+    state::PSI_DDOT,
+    nutation::PHI_DOT_MEAN,
+    nutation::PSI_DOT_MEAN,
+    precession::EXCESS,
+    // It follows from ψ̇.
+    precession::SLOW_ROOT,
+];
+
+/// The plots of each channel, in table order, and those that follow from several channels.
+pub(super) struct Plots {
+    fields: Vec<Vec<PlotTrack>>,
+    derived: Vec<PlotTrack>,
+    /// Whether the last state was near the vertical; never for differences.
+    is_upright: bool,
+    is_of_run: bool,
+}
+
+/// Curves of a chart.
 struct PlotTrack {
-    plot: Plot,
+    curves: Curves,
     numbers: Vec<NumberField>,
+    quantities: Vec<Quantity>,
     track: Track<f64>,
     /// The least and the greatest value of each number; reversed infinite bounds before the first.
     ranges: Vec<[f64; 2]>,
@@ -34,44 +64,66 @@ struct PlotTrack {
 impl Plots {
     /// Opens the `wanted` plots, and sends their names and colours.
     pub(super) fn new(wanted: impl Fn(Plot) -> bool, role: &Role, output: &mut Output) -> Self {
-        let mut plots = Vec::new();
+        let mut fields = Vec::new();
         for topic in Topic::all() {
             let mut tracks = Vec::new();
             for plot in Plot::all(topic) {
                 if wanted(plot) {
-                    tracks.push(PlotTrack::new(plot, role, output));
+                    tracks.push(PlotTrack::new(Curves::Field(plot), role, output));
                 }
             }
-            plots.push(tracks);
+            fields.push(tracks);
         }
-        Self(plots)
+        Self {
+            fields,
+            derived: Vec::new(),
+            is_upright: false,
+            is_of_run: matches!(role, Role::Alone | Role::Compared(..)),
+        }
     }
 
-    /// The numbers of a plot that have values, each with its least and its greatest value.
-    pub(super) fn ranges(&self, plot: Plot) -> impl Iterator<Item = (NumberField, [f64; 2])> {
-        self.0[plot.topic().index()]
-            .iter()
-            .filter(move |track| track.plot == plot)
+    /// Opens the curves that follow from several channels, as far as a recording has these.
+    pub(super) fn with_derived(
+        mut self,
+        identity: &Identity,
+        role: &Role,
+        output: &mut Output,
+    ) -> Self {
+        for curves in Derived::ALL.map(Curves::Derived) {
+            if curves.is_in(identity) {
+                self.derived.push(PlotTrack::new(curves, role, output));
+            }
+        }
+        self
+    }
+
+    fn find(&self, curves: Curves) -> Option<&PlotTrack> {
+        let tracks = match curves {
+            Curves::Field(plot) => &self.fields[plot.topic().index()],
+            Curves::Derived(_) => &self.derived,
+        };
+        tracks.iter().find(|track| track.curves == curves)
+    }
+
+    /// The quantities of curves that have values, each with its least and its greatest value.
+    pub(super) fn ranges(&self, curves: Curves) -> impl Iterator<Item = (Quantity, [f64; 2])> {
+        self.find(curves)
+            .into_iter()
             .flat_map(|track| {
-                track
-                    .numbers
-                    .iter()
-                    .copied()
-                    .zip(track.ranges.iter().copied())
+                let quantities = track.quantities.iter().copied();
+                quantities.zip(track.ranges.iter().copied())
             })
             .filter(|(_, range)| *range != NO_VALUES)
     }
 
-    /// The outline of a plot, if it is one of these.
-    pub(super) fn outline(&self, plot: Plot) -> Option<&Outline> {
-        let mut tracks = self.0[plot.topic().index()].iter();
-        let track = tracks.find(|track| track.plot == plot)?;
-        Some(&track.outline)
+    /// The outline of curves, if they are among these.
+    pub(super) fn outline(&self, curves: Curves) -> Option<&Outline> {
+        Some(&self.find(curves)?.outline)
     }
 
     /// Adds a row without values to plots that end before this time, so that time axes extend to it.
     pub(super) fn extend_to(&mut self, time_ns: u64, output: &mut Output) {
-        let plots = self.0.iter_mut().flatten();
+        let plots = self.fields.iter_mut().flatten();
         for plot in plots.filter(|plot| plot.end_ns < time_ns) {
             // NaN is not drawn.
             let missing = std::iter::repeat_n(f64::NAN, plot.numbers.len());
@@ -86,22 +138,69 @@ impl Plots {
         value: impl Fn(f64) -> Option<f64>,
         output: &mut Output,
     ) {
-        for plot in &mut self.0[message.channel] {
-            plot.write(message, &value, output);
+        if self.is_of_run {
+            match message.topic() {
+                STATE => self.is_upright = is_upright(state::THETA.of(message)),
+                NUTATION => {
+                    let extremes = [nutation::THETA_MIN, nutation::THETA_MAX];
+                    self.is_upright = extremes.iter().any(|angle| is_upright(angle.of(message)));
+                }
+                _ => {}
+            }
+        }
+        for plot in &mut self.fields[message.channel] {
+            plot.write_fields(message, &value, self.is_upright, output);
+        }
+    }
+
+    /// Adds the curves that follow from a sample.
+    pub(super) fn write_snapshot(&mut self, snapshot: &Snapshot, output: &mut Output) {
+        let horizontal = snapshot.horizontal_momentum().norm();
+        let parts = [horizontal, snapshot.momentum.z];
+        let along = [snapshot.torque_along_horizontal()];
+        let time_ns = snapshot.time_ns;
+        self.write_derived(Derived::MomentumParts, time_ns, &parts, output);
+        self.write_derived(Derived::TorqueAlong, time_ns, &along, output);
+        let spin = [snapshot.axial_rate];
+        self.write_derived(Derived::AxialRate, time_ns, &spin, output);
+    }
+
+    /// Adds the means over a nutation.
+    pub(super) fn write_means(&mut self, means: &Means, output: &mut Output) {
+        for (derived, row) in &means.terms {
+            self.write_derived(*derived, means.time_ns, row, output);
+        }
+    }
+
+    /// Adds a row of curves that follow from several channels.
+    fn write_derived(&mut self, derived: Derived, time_ns: u64, row: &[f64], output: &mut Output) {
+        let mut tracks = self.derived.iter_mut();
+        if let Some(track) = tracks.find(|track| track.curves == Curves::Derived(derived)) {
+            track.write(time_ns, row, output);
         }
     }
 }
 
+/// Whether the Euler rates are left out at this inclination, rad.
+fn is_upright(theta: f64) -> bool {
+    math::sin(theta).abs() < UPRIGHT
+}
+
 impl PlotTrack {
-    /// An empty plot; sends names and colours.
-    fn new(plot: Plot, role: &Role, output: &mut Output) -> Self {
-        let entity = role.entity(&plot.to_string());
-        let numbers: Vec<_> = plot.numbers().collect();
-        let width = numbers.len();
-        output.send_static(entity.as_str(), &*style::series(&numbers, role));
+    /// Empty curves; sends names and colours.
+    fn new(curves: Curves, role: &Role, output: &mut Output) -> Self {
+        let entity = role.entity(&curves.path());
+        let numbers = match curves {
+            Curves::Field(plot) => plot.numbers().collect(),
+            Curves::Derived(_) => Vec::new(),
+        };
+        let quantities = curves.quantities();
+        let width = quantities.len();
+        output.send_static(entity.as_str(), &*curves.series(role));
         Self {
-            plot,
+            curves,
             numbers,
+            quantities,
             track: Track::new(entity, move |rows| columns(rows, width), output),
             ranges: vec![NO_VALUES; width],
             outline: Outline::new(),
@@ -109,25 +208,36 @@ impl PlotTrack {
         }
     }
 
-    fn write(
+    fn write_fields(
         &mut self,
         message: &Message<'_>,
         value: impl Fn(f64) -> Option<f64>,
+        is_upright: bool,
         output: &mut Output,
     ) {
         let mut row = Vec::with_capacity(self.numbers.len());
         for number in &self.numbers {
+            if is_upright && UNDEFINED_UPRIGHT.contains(number) {
+                // Not drawn.
+                row.push(f64::NAN);
+                continue;
+            }
             let Some(number) = value(number.of(message)) else {
                 return;
             };
             row.push(number);
         }
-        for (range, number) in self.ranges.iter_mut().zip(&row) {
+        self.write(message.time_ns, &row, output);
+    }
+
+    fn write(&mut self, time_ns: u64, row: &[f64], output: &mut Output) {
+        for (range, number) in self.ranges.iter_mut().zip(row) {
+            // Both ignore NaN.
             *range = [range[0].min(*number), range[1].max(*number)];
-            self.outline.add(message.time_ns, *number);
+            self.outline.add(time_ns, *number);
         }
-        self.track.push(output, message.time_ns, row);
-        self.end_ns = message.time_ns;
+        self.track.push(output, time_ns, row.iter().copied());
+        self.end_ns = time_ns;
     }
 }
 

@@ -3,11 +3,15 @@
 //! In a recording of one run, colours distinguish quantities. Where two runs are compared, colours distinguish the runs:
 //! each has one in the scene, the plots and the log of events, and their difference has a third.
 
+use super::entity::{FOCUS, STAGE};
 use super::palette;
 use crate::telemetry::side::Side;
 
 /// Opacity (0 to 255) of a second top, so that the first one stays visible behind it.
 pub(super) const GHOST: u32 = 0x88;
+
+/// White, with the opacity of a top that arrows are seen through.
+const TRANSLUCENT: u32 = 0xFFFF_FFA8;
 
 /// Owner of an entity; determines its name and style.
 #[derive(Clone, Debug)]
@@ -36,6 +40,15 @@ impl Role {
             Self::Compared(side, _) => format!("/{}/{path}", side.letter()),
             Self::Difference => format!("/diff/{path}"),
             Self::Magnitude => format!("/diff_log10/{path}"),
+        }
+    }
+
+    /// The entity that the camera of a run's scene is at rest with: that of a free peg travels with it.
+    pub(super) fn scene_origin(&self, is_free: bool) -> String {
+        if is_free {
+            self.entity(FOCUS)
+        } else {
+            STAGE.to_owned()
         }
     }
 
@@ -91,19 +104,20 @@ impl Role {
         if self.is_of_b() { 0.7 } else { 1.0 }
     }
 
-    /// Index of the first row in the legend of a scene, which may show two runs with one arrow each.
-    pub(super) fn first_legend_row(&self) -> usize {
-        usize::from(self.is_of_b())
-    }
-
     /// Scale factor of the drawn top; B is slightly larger, so that it is visible around A.
     pub(super) fn size(&self) -> f64 {
         if self.is_of_b() { 1.015 } else { 1.0 }
     }
 
-    /// The colour that the top's colours are multiplied by, if any.
-    pub(super) fn albedo(&self) -> Option<u32> {
-        self.is_of_b().then_some(palette::ORANGE & !0xFF | GHOST)
+    /// The colour that the top's colours are multiplied by. Where a top is alone, the arrows in its body are visible.
+    pub(super) fn albedo(&self) -> u32 {
+        if self.is_of_b() {
+            palette::ORANGE & !0xFF | GHOST
+        } else if self.is_alone() {
+            TRANSLUCENT
+        } else {
+            u32::MAX
+        }
     }
 }
 

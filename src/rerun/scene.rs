@@ -5,27 +5,30 @@
 mod arrow;
 mod body;
 mod focus;
-mod legend;
+mod hodograph;
 mod measured;
 mod path;
 mod shape;
 
-use nalgebra::{UnitQuaternion, Vector3};
-use rerun::ViewCoordinates;
+use nalgebra::Vector3;
+use rerun::archetypes::Points3D;
 use rerun::datatypes::Rgba32;
+use rerun::{Color, Radius, ViewCoordinates};
 
-use self::arrow::Arrow;
+use self::arrow::{Arrow, DrawnMomentum};
 use self::body::{BodyPose, body_columns};
 use self::focus::Focus;
-use self::legend::LegendRow;
+use self::hodograph::Hodograph;
+pub(super) use self::hodograph::{RADIUS, is_shown as has_hodograph};
 use self::measured::MeasuredTop;
 use self::path::Path;
 use super::entity::{CONTACT_PATHS, STAGE, TRAIL_ABOVE, TRAIL_BELOW};
 use super::identity::{Geometry, Identity};
-use super::output::Output;
 use super::output::track::Track;
-use super::palette::{GREEN, GREY, PURPLE, SKY, VERMILION};
+use super::output::{ComponentColumns, Output};
+use super::palette::{GREEN, GREY, PURPLE, SKY, VERMILION, WHITE};
 use super::role::Role;
+use super::snapshot::Snapshot;
 use crate::run::simulation::Regime;
 use crate::run::time::seconds;
 use crate::telemetry::Message;
@@ -46,17 +49,16 @@ pub(super) struct Scene {
     /// flies.
     contact_path: Option<Path>,
     arrows: Vec<Arrow>,
-    /// The place for the end of the run in the legend, and the words before it.
-    end_row: LegendRow,
+    hodograph: Option<Hodograph>,
+    next_arrows_ns: u64,
+    geometry: Geometry,
+    /// The note that the run has ended.
+    end_note: Track<String>,
     role: Role,
-    /// Target of the camera, if the peg is free.
+    /// The origin of the view, if the peg is free.
     focus: Option<Focus>,
-    /// Orientation (world from body) of the last pose.
-    orientation: Option<UnitQuaternion<f64>>,
     /// Centre of the peg at the last pose, in the world frame, m.
     peg: Vector3<f64>,
-    /// The contact point at its last message, in the world frame, m.
-    contact: Vector3<f64>,
 }
 
 impl Scene {
@@ -69,11 +71,12 @@ impl Scene {
         }
         let focus = is_free.then(|| Focus::new(&geometry, role, output));
         let proportions = Proportions::new(&geometry.top);
-        let mut body = shape::top(&proportions.scaled(role.size()));
-        if let Some(albedo) = role.albedo() {
-            body = body.with_albedo_factor(Rgba32::from_u32(albedo));
-        }
+        let body = shape::top(&proportions.scaled(role.size()))
+            .with_albedo_factor(Rgba32::from_u32(role.albedo()));
         output.send_static(role.entity("scene/top/body"), &body);
+        if is_alone {
+            log_centers(&geometry, output);
+        }
         let [latest, past] = TRAIL_ABOVE;
         let trail =
             Path::new(role, &[(latest, PURPLE)], 1.3, output).fading(role, past, PURPLE, output);
@@ -82,11 +85,14 @@ impl Scene {
         let colors = [(slides, SKY), (rolls, GREEN), (flies, VERMILION)];
         let contact_path =
             (is_free && identity.has(CONTACT)).then(|| Path::new(role, &colors, 1.6, output));
-        let arrows = Arrow::all(identity, role, output);
-        log_path_names(identity, role, arrows.len(), output);
+        let end = role.entity("scene/focus/end");
+        output.send_static(end.as_str(), &note(&geometry));
         Self {
-            // The arrows, whose first row it takes, are then gone.
-            end_row: LegendRow::new(identity, role, 0, "end", role.color(GREY, 0)),
+            arrows: Arrow::all(identity, role, output),
+            hodograph: Hodograph::new(identity, role, output),
+            next_arrows_ns: 0,
+            geometry,
+            end_note: Track::new(end, note_columns, output),
             role: role.clone(),
             measured: identity
                 .measurement
@@ -98,11 +104,8 @@ impl Scene {
             trail_radius: 1.13 * proportions.tip,
             below,
             contact_path,
-            arrows,
             focus,
-            orientation: None,
             peg: geometry.top.peg_radius * Vector3::z(),
-            contact: Vector3::zeros(),
         }
     }
 
@@ -111,24 +114,36 @@ impl Scene {
         if message.topic() == POSE {
             self.write_pose(message, output);
         }
-        if message.topic() == CONTACT {
-            self.contact = contact::CONTACT_POINT.of(message);
-            if let Some(path) = &mut self.contact_path
-                && let Some(regime) = Regime::from_code(contact::REGIME.of(message))
-            {
-                let kind = match regime {
-                    Regime::Slipping => 0,
-                    Regime::Sticking => 1,
-                    Regime::Flying => 2,
-                };
-                path.write(message.time_ns, kind, self.contact, output);
-            }
+        if message.topic() == CONTACT
+            && let Some(path) = &mut self.contact_path
+            && let Some(regime) = Regime::from_code(contact::REGIME.of(message))
+        {
+            let kind = match regime {
+                Regime::Slipping => 0,
+                Regime::Sticking => 1,
+                Regime::Flying => 2,
+            };
+            let point = contact::CONTACT_POINT.of(message);
+            path.write(message.time_ns, kind, point, output);
         }
         if let Some(measured) = &mut self.measured {
             measured.write(message, self.peg, output);
         }
+    }
+
+    /// Adds the arrows of a sample.
+    pub(super) fn write_snapshot(&mut self, snapshot: &Snapshot, output: &mut Output) {
+        if snapshot.time_ns < self.next_arrows_ns {
+            return;
+        }
+        self.next_arrows_ns = snapshot.time_ns.saturating_add(ARROW_NS);
+        let height = Proportions::new(&self.geometry.top).size();
+        let momentum = DrawnMomentum::new(snapshot, &self.geometry.scales, height);
         for arrow in &mut self.arrows {
-            arrow.write(message, self.orientation, [self.peg, self.contact], output);
+            arrow.write(snapshot, &momentum, output);
+        }
+        if let Some(hodograph) = &mut self.hodograph {
+            hodograph.write(snapshot, output);
         }
     }
 
@@ -141,21 +156,15 @@ impl Scene {
         let text = self
             .role
             .short_name(&format!("ended at {:.4} s", seconds(time_ns)));
-        let place = self.end_row.place();
-        self.end_row
-            .open("time", &text, output)
-            .push(output, after_ns, [Some(place)]);
+        self.end_note.push(output, after_ns, [text]);
     }
 
     fn write_pose(&mut self, message: &Message<'_>, output: &mut Output) {
         let time_ns = message.time_ns;
-        // A unit quaternion when it was recorded: normalising would only add a rounding error.
-        let orientation = UnitQuaternion::new_unchecked(pose::ORIENTATION.of(message));
-        self.orientation = Some(orientation);
         self.peg = pose::PEG_POSITION.of(message);
         // Rerun draws in single precision.
         let translation = self.peg.cast::<f32>().into();
-        let quaternion = orientation.coords.cast::<f32>().into();
+        let quaternion = pose::ORIENTATION.of(message).coords.cast::<f32>().into();
         self.top.push(output, time_ns, [(translation, quaternion)]);
         let point = self.peg + self.trail_radius * pose::AXIS.of(message);
         self.trail.write(time_ns, 0, point, output);
@@ -168,22 +177,28 @@ impl Scene {
     }
 }
 
-/// Names the paths in the legend, below the rows of the arrows.
-fn log_path_names(identity: &Identity, role: &Role, arrows: usize, output: &mut Output) {
-    let has_contact_path = identity.geometry.is_free && identity.has(CONTACT);
-    let (row, text, color) = match (role.is_alone(), has_contact_path) {
-        (true, true) => (
-            arrows,
-            "paths: axis pink, contact blue (slides), green (rolls), red (flies)",
-            GREY,
-        ),
-        (true, false) => (arrows, "path of the symmetry axis", PURPLE),
-        // Below the arrows of both runs, in one view or in two.
-        (false, true) => (arrows + 1, "paths of the axis and the contact", GREY),
-        (false, false) => (arrows + 1, "path of the symmetry axis", PURPLE),
+/// Time between two rows of arrows, ns.
+const ARROW_NS: u64 = 4_000_000;
+
+/// Marks the centre of mass in the body, and the centre of the peg: that of the ball of a tippe top.
+fn log_centers(geometry: &Geometry, output: &mut Output) {
+    let proportions = Proportions::new(&geometry.top);
+    let name = if proportions.is_ball {
+        "centre of the ball"
+    } else {
+        ""
     };
-    let row = LegendRow::new(identity, role, row, "path", role.color(color, 0));
-    row.send(&role.short_name(text), output);
+    let points = Points3D::new([[0.0, 0.0, geometry.top.center_distance as f32], [0.0; 3]])
+        .with_colors([GREY, WHITE].map(Color::from_u32))
+        .with_radii([Radius::new_ui_points(3.0)])
+        .with_labels(["centre of mass", name])
+        .with_show_labels(proportions.is_ball);
+    output.send_static("/scene/top/centers", &points);
+}
+
+fn note_columns(rows: &[String]) -> ComponentColumns {
+    let notes = Points3D::update_fields().with_labels(rows.iter().map(String::as_str));
+    Ok(notes.columns_of_unit_batches()?.collect())
 }
 
 /// Sends the static parts: the table and, for a fixed peg, the vertical.
@@ -203,13 +218,23 @@ pub(super) fn log_stage(geometry: &Geometry, output: &mut Output) {
     }
 }
 
-/// The scales of the arrows and the colours of the paths of a free peg, in Markdown.
-pub(super) fn explanation(identity: &Identity, role: &Role) -> String {
-    let mut text = arrow::explanation(identity, role);
-    // Where two runs are compared, all paths of a run are in shades of its colour.
-    if identity.geometry.is_free && role.is_alone() {
-        text += "\n\n## Paths\n\nOf the symmetry axis: pink. Of the contact point: blue where it slides, green where it \
-                 rolls or sticks, vermilion where the peg is in the air.\n";
+/// A note above the top, whose text is not sent.
+fn note(geometry: &Geometry) -> Points3D {
+    let height = 1.75 * Proportions::new(&geometry.top).size();
+    Points3D::new([[0.0, 0.0, height as f32]])
+        .with_colors([Color::from_u32(GREY)])
+        // Rerun draws text in a scene only as the label of a point: this one can't be seen.
+        .with_radii([Radius::new_ui_points(0.0)])
+        .with_show_labels(true)
+}
+
+/// The arrows of the scene with their scales, and the paths of a run that is alone, in Markdown.
+pub(super) fn legend(identity: &Identity) -> String {
+    let mut text = arrow::legend(identity);
+    text += "\nPink: path of the symmetry axis.";
+    if identity.geometry.is_free {
+        text += " Path of the contact point: blue where it slides, green where it rolls or sticks, vermilion where the \
+                 peg is in the air.";
     }
     text
 }

@@ -96,6 +96,19 @@ pub(super) fn series(numbers: &[NumberField], role: &Role) -> Box<dyn AsComponen
     }
 }
 
+/// Name, colour and width of a line.
+pub(super) type LineStyle = (&'static str, u32, f32);
+
+/// Lines in these styles.
+pub(super) fn lines(styles: &[LineStyle]) -> SeriesLines {
+    SeriesLines::new()
+        .with_names(styles.iter().map(|(name, ..)| *name))
+        .with_colors(styles.iter().map(|(_, color, _)| Color::from_u32(*color)))
+        .with_widths(styles.iter().map(|(.., width)| *width))
+        .with_aggregation_policy(AggregationPolicy::MinMax)
+        .with_interpolation_mode(InterpolationMode::Linear)
+}
+
 /// The style of a number, given its position in the plot.
 fn style_of(number: NumberField, place: usize, role: &Role) -> PlotStyle {
     let known = NAMED_STYLES.iter().find(|(known, ..)| *known == number);

@@ -1,6 +1,6 @@
 //! The Rerun stream, as far as it can be tested without a viewer.
 
-use crate::support::{Folder, assert_contains, printed, scenario};
+use crate::support::{Folder, assert_contains, in_memory, printed, scenario};
 use rerun::external::re_log_encoding::DecoderApp;
 use rerun::external::re_log_types::LogMsg;
 use rerun::log::Chunk;
@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 use toprise::archive::recording::Overview;
 #[cfg(feature = "fit")]
 use toprise::run::simulation::sample_at;
+use toprise::telemetry::fields::{ACCELERATION, NUTATION, acceleration, nutation};
 
 #[test]
 fn run_writes_mcap_and_rrd() {
@@ -339,7 +340,6 @@ fn fits_show_data_over_the_curve() {
 }
 
 /// The last text of an entity.
-#[cfg(feature = "fit")]
 fn text(chunks: &[Chunk], entity: &str) -> String {
     let chunks = chunks.iter();
     let texts = chunks
@@ -386,10 +386,6 @@ fn view_shows_a_recorded_fit_as_fit_does() {
     assert_eq!(part.len(), 11);
 }
 
-fn length(vector: [f64; 3]) -> f64 {
-    vector.iter().map(|part| part * part).sum::<f64>().sqrt()
-}
-
 /// The vectors of a component of an entity, in all rows.
 fn positions(chunks: &[Chunk], entity: &str, component: &'static str) -> Vec<[f32; 3]> {
     let mut positions = Vec::new();
@@ -403,89 +399,139 @@ fn positions(chunks: &[Chunk], entity: &str, component: &'static str) -> Vec<[f3
 }
 
 #[test]
-fn legends_name_every_path() {
+fn legends_name_arrows_and_paths() {
     let folder = Folder::new();
-    for (preset, paths) in [
-        ("paper", &["axis"][..]),
-        ("tippe-top", &["axis", "contact"]),
+    for (preset, names) in [
+        (
+            "paper",
+            &["**L** angular momentum", "centre of the peg", "axis"][..],
+        ),
+        (
+            "tippe-top",
+            &["friction torque", "centre of mass", "contact"],
+        ),
     ] {
         let line = format!("run {preset} --set stop.duration=0.1 -o a.mcap --rrd a.rrd --force");
         folder.toprise(&line, 0);
-        let mut labels = Vec::new();
-        for chunk in chunks(&folder.read("a.rrd")) {
-            if chunk.entity_path().to_string() == "/scene/focus/legend/path" {
-                let texts = chunk.iter_slices::<String>("Points3D:labels".into());
-                labels.extend(texts.flatten().map(|text| text.to_string()));
-            }
-        }
-        let [label] = &labels[..] else {
-            panic!("{labels:?}")
-        };
-        for path in paths {
-            assert!(label.contains(path), "{preset}: {label}");
+        let legend = text(&chunks(&folder.read("a.rrd")), "/legend");
+        for name in names {
+            assert_contains(&legend, name);
         }
     }
 }
 
+/// The sum of two vectors of an arrow.
+fn sum(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [0, 1, 2].map(|axis| a[axis] + b[axis])
+}
+
+fn assert_near(a: [f32; 3], b: [f32; 3], size: f32) {
+    // Single precision.
+    let is_near = (0..3).all(|axis| (a[axis] - b[axis]).abs() <= 1e-6 * size);
+    assert!(is_near, "{a:?}, {b:?}");
+}
+
 #[test]
-fn rows_of_the_legend_do_not_overlap() {
+fn momentum_is_the_sum_of_its_drawn_parts() {
     let folder = Folder::new();
-    for preset in ["paper", "free-paper", "tippe-top"] {
+    for (preset, is_free) in [("paper", false), ("tippe-top", true)] {
         let line = format!("run {preset} --set stop.duration=0.1 -o a.mcap --rrd a.rrd --force");
         folder.toprise(&line, 0);
         let chunks = chunks(&folder.read("a.rrd"));
-        let mut heights: Vec<f32> = Vec::new();
-        for name in [
-            "slip_velocity",
-            "friction_force",
-            "gravity_torque",
-            "friction_torque",
-            "angular_momentum",
-        ] {
-            let entity = format!("/scene/focus/legend/{name}/whole");
-            let places = positions(&chunks, &entity, "Points3D:positions");
-            assert_eq!(
-                places.len(),
-                1,
-                "{preset}: {name} has one place for the whole run"
-            );
-            heights.push(places[0][2]);
-        }
-        heights.push(positions(&chunks, "/scene/focus/legend/path", "Points3D:positions")[0][2]);
-        let steps: Vec<f32> = heights.windows(2).map(|pair| pair[0] - pair[1]).collect();
-        for step in &steps {
-            assert!(
-                *step > 0.0 && (step / steps[0] - 1.0).abs() < 1e-4,
-                "{preset}: {steps:?}"
-            );
-        }
-        assert!(heights[0] < 0.0, "{preset}: below the table");
+        let arrow = |name: &str| {
+            let entity = format!("/scene/{name}");
+            ["Arrows3D:origins", "Arrows3D:vectors"]
+                .map(|component| positions(&chunks, &entity, component)[0])
+        };
+        let [start, whole] = arrow("angular_momentum");
+        let [_, horizontal] = arrow("horizontal_part_of_L");
+        let [corner, vertical] = arrow("vertical_part_of_L");
+        let [torque_start, _] = arrow("friction_torque");
+        assert_near(sum(horizontal, vertical), whole, 1.0);
+        assert_near(sum(start, horizontal), corner, 1.0);
+        assert_near(torque_start, corner, 1.0);
+        let peg = positions(&chunks, "/scene/top", "Transform3D:translation")[0];
+        let top = scenario(preset, &[]).model.top;
+        let distance = sum(start, peg.map(|part| -part));
+        let size = distance.iter().map(|part| part * part).sum::<f32>().sqrt();
+        let expected = if is_free {
+            top.center_distance.abs()
+        } else {
+            0.0
+        };
+        assert!(
+            (f64::from(size) - expected).abs() < 1e-6,
+            "{preset}: {size}"
+        );
     }
 }
 
 #[test]
-fn balls_do_not_hide_their_arrows() {
+fn balls_hide_no_arrow() {
     let folder = Folder::new();
     folder.toprise(
         "run tippe-top --set stop.duration=0.1 -o a.mcap --rrd a.rrd",
         0,
     );
-    let chunks = chunks(&folder.read("a.rrd"));
-    let radius = scenario("tippe-top", &[]).model.top.peg_radius;
-    let arrow = "/scene/angular_momentum";
-    let starts = positions(&chunks, arrow, "Arrows3D:origins");
-    let vectors = positions(&chunks, arrow, "Arrows3D:vectors");
-    let pegs = positions(&chunks, "/scene/top", "Transform3D:translation");
-    assert_eq!((starts.len(), vectors.len()), (pegs.len(), pegs.len()));
-    for ((start, vector), peg) in starts.iter().zip(vectors).zip(pegs) {
-        let from_peg = [0, 1, 2].map(|axis| f64::from(start[axis] - peg[axis]));
-        let along: f64 = (0..3)
-            .map(|axis| from_peg[axis] * f64::from(vector[axis]))
-            .sum();
+    let albedo = chunks(&folder.read("a.rrd"))
+        .iter()
+        .filter(|chunk| chunk.entity_path().to_string() == "/scene/top/body")
+        .flat_map(|chunk| {
+            let colors = chunk.iter_slices::<u32>("Mesh3D:albedo_factor".into());
+            colors.flatten().copied().collect::<Vec<_>>()
+        })
+        .last()
+        .unwrap();
+    assert!(albedo & 0xFF < 0xC0, "translucent");
+}
 
-        // Single precision.
-        assert!((length(from_peg) / radius - 1.0).abs() < 1e-4);
-        assert!((along / (radius * length(vector.map(f64::from))) - 1.0).abs() < 1e-4);
+/// The numbers of an entity by time, ns.
+fn rows(chunks: &[Chunk], entity: &str) -> BTreeMap<i64, Vec<f64>> {
+    let mut rows = BTreeMap::new();
+    for chunk in chunks {
+        if chunk.entity_path().to_string() == entity && !chunk.is_static() {
+            let times = chunk.timelines().values().next().unwrap().times_raw();
+            let values = chunk.iter_slices::<f64>("Scalars:scalars".into());
+            rows.extend(times.iter().copied().zip(values.map(<[f64]>::to_vec)));
+        }
+    }
+    rows
+}
+
+/// The simulation integrates the frictional term of d²φ/dt² with the motion, and knows its mean.
+#[test]
+fn val_means_of_terms() {
+    let folder = Folder::new();
+    folder.toprise("run paper --set stop.duration=1 -o a.mcap --rrd a.rrd", 0);
+    let mut expected = BTreeMap::new();
+    let mut terms = Vec::new();
+    for message in &in_memory(&scenario("paper", &[("stop.duration", "1")]))
+        .0
+        .messages
+    {
+        let message = message.as_message();
+        if message.topic() == NUTATION {
+            let mean = nutation::PHI_DDOT_FRICTIONAL_MEAN.of(&message);
+            expected.insert(message.time_ns as i64, mean);
+        } else if message.topic() == ACCELERATION {
+            terms.push(acceleration::PHI_DDOT_FRICTIONAL.of(&message));
+        }
+    }
+    let found = rows(
+        &chunks(&folder.read("a.rrd")),
+        "/derived/mean_terms/phi_ddot",
+    );
+    assert!(found.len() > 20 && found.len() + 1 >= expected.len());
+    // The trapezoidal rule and the line up to the end of a nutation are wrong by at most h²/8 max |f″|, twice.
+    let bends = terms.windows(3).map(|f| (f[0] - 2.0 * f[1] + f[2]).abs());
+    let tolerance = bends.fold(0.0, f64::max) / 4.0;
+    for (time, row) in found {
+        let mean = expected[&time];
+        assert!(
+            (row[0] - mean).abs() < tolerance,
+            "{time}: {row:?}, {mean} ± {tolerance}"
+        );
+        assert!((row[0] + row[1] - row[2]).abs() <= f64::EPSILON * row[0].abs());
     }
 }
 

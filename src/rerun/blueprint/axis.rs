@@ -4,7 +4,7 @@ use crate::physics::math;
 use crate::rerun::identity::magnitude::Magnitudes;
 use crate::rerun::identity::scale::power_of_ten;
 use crate::rerun::plots::Plots;
-use crate::telemetry::fields::Plot;
+use crate::rerun::plots::curves::Curves;
 
 /// Shortest value axis, relative to the typical magnitude of its quantity.
 pub(super) const MIN_SPAN: f64 = 1e-6;
@@ -12,10 +12,10 @@ pub(super) const MIN_SPAN: f64 = 1e-6;
 /// Maximum length of an axis relative to the range of its values, for three labelled ticks instead of two.
 const MAX_STRETCH: f64 = 1.6;
 
-/// The range of an axis for the values of these plots in some runs, at least `least` times as long as the quantity's typical
+/// The range of an axis for the values of these curves in some runs, at least `least` times as long as the quantity's typical
 /// magnitude. None if the viewer's choice, the range of the values, is as good. The chart has room for `max_ticks`.
 pub(super) fn axis_range(
-    plots: &[Plot],
+    curves: &[Curves],
     runs: &[&Plots],
     magnitudes: &Magnitudes,
     least: f64,
@@ -24,10 +24,13 @@ pub(super) fn axis_range(
     let mut values = [f64::INFINITY, f64::NEG_INFINITY];
     let mut typical = 0.0_f64;
     for run in runs {
-        for (number, range) in plots.iter().flat_map(|plot| run.ranges(*plot)) {
+        for (quantity, range) in curves.iter().flat_map(|curves| run.ranges(*curves)) {
             values = [values[0].min(range[0]), values[1].max(range[1])];
-            typical = typical.max(magnitudes.typical(number.leaf().quantity));
+            typical = typical.max(magnitudes.typical(quantity));
         }
+    }
+    if curves.iter().any(|curves| curves.includes_zero()) {
+        values = [values[0].min(0.0), values[1].max(0.0)];
     }
     let shown = range_of_values(values, least * typical);
     let range = value_range(shown, max_ticks)?;

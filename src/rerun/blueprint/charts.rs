@@ -3,93 +3,92 @@
 use rerun::blueprint::components::Corner2D::{self, LeftBottom, LeftTop, RightBottom, RightTop};
 
 use super::views::titled;
+use crate::rerun::plots::curves::{Curves, Derived};
 use crate::telemetry::fields::{
-    Plot, acceleration, center_of_mass, contact, energy, free_peg, momentum, nutation, precession,
-    state, torque,
+    Plot, center_of_mass, contact, energy, free_peg, momentum, nutation, precession, state, torque,
 };
 
 /// A chart of a run, or a row of charts for a quantity of two runs: both curves, and their difference.
 pub(super) struct Chart {
     pub(super) name: &'static str,
-    /// The plots that are shown of each run.
-    pub(super) plots: &'static [Plot],
+    /// The curves that are shown of each run.
+    pub(super) curves: &'static [Curves],
     /// The corner of the legend until the run has ended. Comparisons have few legends, because colours mean the same everywhere.
     pub(super) legend: Option<Corner2D>,
     /// The plots that are subtracted.
-    pub(super) differences: &'static [Plot],
+    pub(super) differences: &'static [Curves],
 }
 
 impl Chart {
     /// The title, with the unit.
     pub(super) fn title(&self) -> String {
-        titled(self.name, self.plots[0].unit())
+        titled(self.name, self.curves[0].unit())
     }
 }
 
 /// A chart of one run.
-const fn chart(name: &'static str, plots: &'static [Plot], corner: Corner2D) -> Chart {
+const fn chart(name: &'static str, curves: &'static [Curves], corner: Corner2D) -> Chart {
     Chart {
         legend: Some(corner),
-        ..contrast(name, plots, &[])
+        ..contrast(name, curves, &[])
     }
 }
 
 /// A quantity of two runs.
 const fn contrast(
     name: &'static str,
-    plots: &'static [Plot],
-    differences: &'static [Plot],
+    curves: &'static [Curves],
+    differences: &'static [Curves],
 ) -> Chart {
     Chart {
         name,
-        plots,
+        curves,
         legend: None,
         differences,
     }
 }
 
-const THETA_ALONE: &[Plot] = &[state::THETA.plot()];
-const THETA: &[Plot] = &[state::THETA.plot(), nutation::THETA_MEAN.plot()];
-const THETA_DOT: &[Plot] = &[state::THETA_DOT.plot(), nutation::THETA_DOT_MEAN.plot()];
-const PHI_DOT: &[Plot] = &[state::PHI_DOT.plot(), nutation::PHI_DOT_MEAN.plot()];
-const PHI_DOT_AND_ROOT: &[Plot] = &[PHI_DOT[0], PHI_DOT[1], precession::SLOW_ROOT.plot()];
-const PSI_DOT_ALONE: &[Plot] = &[state::PSI_DOT.plot()];
-const PSI_DOT: &[Plot] = &[state::PSI_DOT.plot(), nutation::PSI_DOT_MEAN.plot()];
-const THETA_DDOT: &[Plot] = &[
-    acceleration::THETA_DDOT_FRICTIONAL.plot(),
-    state::THETA_DDOT.plot(),
+/// The curves of a plot.
+const fn of(plot: Plot) -> Curves {
+    Curves::Field(plot)
+}
+
+const THETA_ALONE: &[Curves] = &[of(state::THETA.plot())];
+const THETA: &[Curves] = &[of(state::THETA.plot()), of(nutation::THETA_MEAN.plot())];
+const THETA_DOT: &[Curves] = &[
+    of(state::THETA_DOT.plot()),
+    of(nutation::THETA_DOT_MEAN.plot()),
 ];
-const PHI_DDOT: &[Plot] = &[
-    acceleration::PHI_DDOT_FRICTIONAL.plot(),
-    state::PHI_DDOT.plot(),
+const PHI_DOT: &[Curves] = &[of(state::PHI_DOT.plot()), of(nutation::PHI_DOT_MEAN.plot())];
+const PHI_DOT_AND_ROOT: &[Curves] = &[PHI_DOT[0], PHI_DOT[1], of(precession::SLOW_ROOT.plot())];
+const PSI_DOT_ALONE: &[Curves] = &[of(state::PSI_DOT.plot())];
+const SPIN: &[Curves] = &[
+    of(state::PSI_DOT.plot()),
+    Curves::Derived(Derived::AxialRate),
 ];
-const PSI_DDOT: &[Plot] = &[
-    acceleration::PSI_DDOT_FRICTIONAL.plot(),
-    state::PSI_DDOT.plot(),
-];
-const SLIP_SPEED: &[Plot] = &[contact::SLIP_SPEED.plot()];
-const SLIP: &[Plot] = &[contact::SLIP_SPEED.plot(), contact::SLIP_WORLD.plot()];
-const TORQUE: &[Plot] = &[torque::FRICTION_NODE.plot()];
-const GRAVITY: &[Plot] = &[torque::GRAVITY_NODE.plot()];
-const POWER: &[Plot] = &[energy::FRICTION_POWER.plot()];
-const WORK: &[Plot] = &[energy::FRICTION_WORK.plot()];
-const LOST: &[Plot] = &[free_peg::LOST_SLIDING.plot()];
+const SLIP_SPEED: &[Curves] = &[of(contact::SLIP_SPEED.plot())];
+const SLIP: &[Curves] = &[SLIP_SPEED[0], of(contact::SLIP_WORLD.plot())];
+const TORQUE: &[Curves] = &[of(torque::FRICTION_NODE.plot())];
+const GRAVITY: &[Curves] = &[of(torque::GRAVITY_NODE.plot())];
+const POWER: &[Curves] = &[of(energy::FRICTION_POWER.plot())];
+const WORK: &[Curves] = &[of(energy::FRICTION_WORK.plot())];
+const LOST: &[Curves] = &[of(free_peg::LOST_SLIDING.plot())];
 /// Kinetic and total energy.
-const ENERGY: &[Plot] = &[energy::TOTAL.plot()];
-/// All parts: where the centre of mass is below the peg's centre, the potential energy is negative, and the kinetic energy
-/// is larger than the total.
-const ENERGY_PARTS: &[Plot] = &[ENERGY[0], energy::POTENTIAL.plot()];
-const EXCESS: &[Plot] = &[precession::EXCESS.plot()];
-const MOMENTUM: &[Plot] = &[momentum::VERTICAL.plot()];
-const CENTER: &[Plot] = &[center_of_mass::POSITION.plot()];
-const CENTER_VELOCITY: &[Plot] = &[center_of_mass::VELOCITY.plot()];
-const PEG_VELOCITY: &[Plot] = &[free_peg::VELOCITY.plot()];
-const NORMAL_FORCE: &[Plot] = &[contact::NORMAL_FORCE.plot()];
-const GAP: &[Plot] = &[free_peg::GAP.plot()];
-const REGIME: &[Plot] = &[contact::REGIME.plot()];
-const JELLETT: &[Plot] = &[free_peg::JELLETT.plot()];
-const ROUTH: &[Plot] = &[free_peg::ROUTH.plot()];
-const PERIOD: &[Plot] = &[nutation::PERIOD.plot()];
+const ENERGY: &[Curves] = &[of(energy::TOTAL.plot())];
+/// All parts.
+const ENERGY_PARTS: &[Curves] = &[ENERGY[0], of(energy::POTENTIAL.plot())];
+const EXCESS: &[Curves] = &[of(precession::EXCESS.plot())];
+const MOMENTUM: &[Curves] = &[of(momentum::VERTICAL.plot())];
+const MOMENTUM_PARTS: &[Curves] = &[Curves::Derived(Derived::MomentumParts)];
+const TORQUE_ALONG: &[Curves] = &[Curves::Derived(Derived::TorqueAlong)];
+const CENTER: &[Curves] = &[of(center_of_mass::POSITION.plot())];
+const CENTER_VELOCITY: &[Curves] = &[of(center_of_mass::VELOCITY.plot())];
+const PEG_VELOCITY: &[Curves] = &[of(free_peg::VELOCITY.plot())];
+const NORMAL_FORCE: &[Curves] = &[of(contact::NORMAL_FORCE.plot())];
+const GAP: &[Curves] = &[of(free_peg::GAP.plot())];
+const REGIME: &[Curves] = &[of(contact::REGIME.plot())];
+const JELLETT: &[Curves] = &[of(free_peg::JELLETT.plot())];
+const PERIOD: &[Curves] = &[of(nutation::PERIOD.plot())];
 
 const MOMENTUM_NAME: &str = "Angular momentum";
 pub(super) const GAP_NAME: &str = "Height of the peg";
@@ -101,13 +100,15 @@ const TORQUE_NAME: &str = "Friction torque";
 const INCLINATION: Chart = chart("θ, inclination", THETA, RightTop);
 const THETA_RATE: Chart = chart("dθ/dt", THETA_DOT, LeftTop);
 const PHI_RATE: Chart = chart(PHI_DOT_NAME, PHI_DOT_AND_ROOT, LeftTop);
-const PSI_RATE: Chart = chart("dψ/dt, spin", PSI_DOT, RightTop);
+const PSI_RATE: Chart = chart("Spin, dψ/dt and ω·n", SPIN, RightTop);
 const FRICTION_TORQUE: Chart = chart(TORQUE_NAME, TORQUE, LeftBottom);
 const SLIP_VELOCITY: Chart = chart("Slip velocity, world axes", SLIP, RightTop);
 // The components oscillate, and would fill the chart behind its legend.
 const SLIDING: Chart = chart("Slip speed", SLIP_SPEED, RightTop);
-const ENERGIES: Chart = chart(ENERGY_NAME, ENERGY, LeftBottom);
+const ENERGIES: Chart = chart(ENERGY_NAME, ENERGY_PARTS, LeftBottom);
 const ANGULAR_MOMENTUM: Chart = chart(MOMENTUM_NAME, MOMENTUM, RightTop);
+const PARTS: Chart = chart("Parts of L", MOMENTUM_PARTS, RightTop);
+const SHORTENING: Chart = chart("τ along horizontal L", TORQUE_ALONG, RightTop);
 
 /// The rise of a top with a fixed peg.
 pub(super) const RISE: [Chart; 8] = [
@@ -115,8 +116,8 @@ pub(super) const RISE: [Chart; 8] = [
     THETA_RATE,
     PHI_RATE,
     PSI_RATE,
-    FRICTION_TORQUE,
-    ANGULAR_MOMENTUM,
+    PARTS,
+    SHORTENING,
     SLIDING,
     ENERGIES,
 ];
@@ -130,18 +131,18 @@ pub(super) const TRAVEL: [Chart; 8] = [
     chart("Centre of mass", CENTER, LeftTop),
     chart(REGIME_NAME, REGIME, RightTop),
     chart(GAP_NAME, GAP, RightTop),
-    FRICTION_TORQUE,
-    chart(ENERGY_NAME, ENERGY_PARTS, LeftBottom),
+    SHORTENING,
+    ENERGIES,
 ];
 
 /// Events of a free peg on the table and above it.
 pub(super) const TABLE: [Chart; 6] = [
+    PARTS,
     chart("Normal force", NORMAL_FORCE, RightTop),
     chart("Energy lost since the start", LOST, LeftTop),
     chart("Velocity of the peg", PEG_VELOCITY, RightTop),
     chart("Velocity, centre of mass", CENTER_VELOCITY, RightTop),
     chart("Jellett's integral", JELLETT, RightTop),
-    chart("Routh's integral", ROUTH, RightTop),
 ];
 
 /// The Euler rates of a top with a free peg.
@@ -149,13 +150,27 @@ pub(super) const RATES: [Chart; 3] = [THETA_RATE, PHI_RATE, PSI_RATE];
 
 /// The terms of the accelerations. Their legends are long: only wide charts leave room for the curves.
 pub(super) const TERMS: [Chart; 3] = [
-    chart("Terms of d²θ/dt²", THETA_DDOT, RightBottom),
-    chart("Terms of d²φ/dt²", PHI_DDOT, LeftTop),
-    chart("Terms of d²ψ/dt²", PSI_DDOT, LeftTop),
+    chart(
+        "d²θ/dt², nutation means",
+        &[Curves::Derived(Derived::ThetaTerms)],
+        RightBottom,
+    ),
+    chart(
+        "d²φ/dt², nutation means",
+        &[Curves::Derived(Derived::PhiTerms)],
+        LeftTop,
+    ),
+    chart(
+        "d²ψ/dt², nutation means",
+        &[Curves::Derived(Derived::PsiTerms)],
+        LeftTop,
+    ),
 ];
 
 /// Further quantities.
-pub(super) const MORE: [Chart; 6] = [
+pub(super) const MORE: [Chart; 8] = [
+    FRICTION_TORQUE,
+    ANGULAR_MOMENTUM,
     chart("dφ/dt − slow rate", EXCESS, LeftTop),
     chart("Nutation period", PERIOD, LeftTop),
     chart("Gravity torque", GRAVITY, RightTop),
@@ -170,7 +185,7 @@ const THETA_CONTRAST: Chart = Chart {
 };
 const THETA_DOT_CONTRAST: Chart = contrast("dθ/dt", THETA_DOT, THETA_DOT);
 const PHI_DOT_CONTRAST: Chart = contrast("dφ/dt", PHI_DOT, PHI_DOT);
-const PSI_DOT_CONTRAST: Chart = contrast("dψ/dt", PSI_DOT_ALONE, PSI_DOT);
+const PSI_DOT_CONTRAST: Chart = contrast("dψ/dt", PSI_DOT_ALONE, PSI_DOT_ALONE);
 
 /// Quantities that show the difference of the motions.
 pub(super) const MOTION_CONTRASTS: [Chart; 4] = [
@@ -220,15 +235,15 @@ pub(super) const MORE_CONTRASTS: [Chart; 5] = [
     contrast("Nutation period", PERIOD, PERIOD),
 ];
 
-/// Whether the layout of two runs shows differences of a plot.
-pub(crate) fn compares(plot: Plot) -> bool {
+/// Whether the layout of two runs shows differences of these curves.
+pub(crate) fn compares(curves: Curves) -> bool {
     // The rates of a free peg are among the contrasts of motion, and the effects of friction have no differences.
     let mut shown = MOTION_CONTRASTS
         .iter()
         .chain(&TRAVEL_CONTRASTS)
         .chain(&TABLE_CONTRASTS)
         .chain(&MORE_CONTRASTS);
-    shown.any(|contrast| contrast.differences.contains(&plot))
+    shown.any(|contrast| contrast.differences.contains(&curves))
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 use rerun::blueprint::components::Corner2D;
 
 use crate::rerun::plots::Plots;
+use crate::rerun::plots::curves::Curves;
 use crate::rerun::plots::outline::Outline;
-use crate::telemetry::fields::Plot;
 
 /// Width of a legend, relative to a chart in a window of 1366 × 768 points. Larger charts leave more room.
 const WIDTH: f64 = 0.38;
@@ -25,7 +25,7 @@ const CORNERS: [(Corner2D, bool, bool); 4] = [
 /// The value axis has this range, or that of the values; the time axis has this duration in s.
 pub(super) fn corner_for(
     preferred: Corner2D,
-    plots: &[Plot],
+    shown: &[Curves],
     runs: &[&Plots],
     range: Option<[f64; 2]>,
     duration: f64,
@@ -34,7 +34,7 @@ pub(super) fn corner_for(
     let mut lines = 0;
     let mut values = [f64::INFINITY, f64::NEG_INFINITY];
     for run in runs {
-        for plot in plots {
+        for plot in shown {
             curves.extend(run.outline(*plot));
             for (_, [low, high]) in run.ranges(*plot) {
                 lines += 1;

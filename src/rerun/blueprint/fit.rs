@@ -1,6 +1,6 @@
 //! The page of a fit: for each signal, values over the fitted curve, and residuals below.
 
-use rerun::blueprint::components::{ContainerKind, Corner2D, LinkAxis};
+use rerun::blueprint::components::{ContainerKind, Corner2D};
 use rerun::components::Name;
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
@@ -10,6 +10,7 @@ use super::views::{set_value_range, time_series, titled};
 use crate::rerun::measurement::plots::Series;
 use crate::rerun::measurement::{MeasuredSignal, Measurement};
 use crate::rerun::plots::Plots;
+use crate::rerun::plots::curves::Curves;
 
 /// Heights of a chart of values and of one of residuals.
 const HEIGHTS: [f32; 2] = [62.0, 38.0];
@@ -55,7 +56,8 @@ fn values(
     // Without the run the axis would cut off the curve between the values.
     if let Some(plots) = plots {
         let mut range = signal.range(signal.residual_limit());
-        for (field, of_run) in plots.ranges(signal.field.plot()) {
+        let fields = signal.field.plot().numbers();
+        for (field, (_, of_run)) in fields.zip(plots.ranges(Curves::Field(signal.field.plot()))) {
             if field == signal.field {
                 range = [range[0].min(of_run[0]), range[1].max(of_run[1])];
             }
@@ -94,6 +96,5 @@ fn chart(
     legend: Option<Corner2D>,
 ) -> Child {
     let contents: Vec<String> = series.iter().map(|series| series.entity(path)).collect();
-    let link = LinkAxis::LinkToGlobal;
-    time_series(layout, title, &contents, legend, link)
+    time_series(layout, title, &contents, legend)
 }

@@ -1,7 +1,7 @@
 //! The layout for two runs that are compared: both tops on one table, and for each quantity both
 //! curves, their difference, and how the difference grows.
 
-use rerun::blueprint::components::{Corner2D, LinkAxis};
+use rerun::blueprint::components::Corner2D;
 use rerun::components::Name;
 
 use super::axis::{MAX_TICKS_IN_LOW_CHART, MIN_SPAN, axis_range};
@@ -12,16 +12,17 @@ use super::charts::{
 };
 use super::corner::corner_for;
 use super::views::{
-    SceneView, events, playback_speed, scene, set_value_range, target, time_panel, time_series,
-    titled, window,
+    SceneView, events, playback_speed, scene, set_time_range, set_value_range, time_panel,
+    time_series, titled, window,
 };
 use crate::rerun::entity::{self, ABOUT, STAGE, SUMMARY};
 use crate::rerun::identity::{Geometry, Playback};
 use crate::rerun::pair::PairIdentity;
 use crate::rerun::plots::Plots;
+use crate::rerun::plots::curves::Curves;
 use crate::rerun::role::Role;
 use crate::telemetry::Topic;
-use crate::telemetry::fields::{EVENTS, NUTATION, POSE, Plot};
+use crate::telemetry::fields::{EVENTS, POSE};
 use crate::telemetry::side::Side;
 
 /// Shortest value axis of a difference, relative to the typical magnitude of the quantity: shorter ones would show the
@@ -74,6 +75,9 @@ fn complete(identity: &PairIdentity, extent: Option<&Extent<'_>>) -> BlueprintLa
     let speed = extent.map_or(1.0, |extent| playback_speed(extent.duration));
     let panel = time_panel(Playback::FromStart, speed);
     window(&mut layout, left, right, [38.0, 62.0], &panel);
+    if let Some(extent) = extent {
+        set_time_range(&mut layout, extent.duration);
+    }
     layout
 }
 
@@ -99,7 +103,7 @@ fn left_side(layout: &mut BlueprintLayout, identity: &PairIdentity) -> Child {
     layout.contain(column(&shares), &rows)
 }
 
-/// Both tops in one view, if their pegs are fixed; otherwise in two, each with a camera that follows its top.
+/// Both tops in one view, if their pegs are fixed; otherwise in two, each of which travels with its top.
 fn scenes(layout: &mut BlueprintLayout, identity: &PairIdentity) -> Option<Child> {
     let geometry = identity.common_geometry()?;
     let runs = roles(identity, POSE);
@@ -110,11 +114,11 @@ fn scenes(layout: &mut BlueprintLayout, identity: &PairIdentity) -> Option<Child
             &names.join(" · "),
             &runs,
             &geometry,
-            None,
+            STAGE.to_owned(),
             1.0,
         ));
     }
-    // No camera can follow two tops that travel apart.
+    // No view can travel with two tops that travel apart.
     let mut views = Vec::new();
     for run in runs {
         let (role, own) = &run;
@@ -122,8 +126,8 @@ fn scenes(layout: &mut BlueprintLayout, identity: &PairIdentity) -> Option<Child
             continue;
         };
         let name = format!("{}: {}", side.name(), identity.name_of(*side));
-        let target = target(role, own);
-        views.push(scene_view(layout, &name, &[run], &geometry, target, NARROW));
+        let origin = role.scene_origin(own.is_free);
+        views.push(scene_view(layout, &name, &[run], &geometry, origin, NARROW));
     }
     layout.contain_any(row(&[]), &views)
 }
@@ -143,7 +147,7 @@ fn scene_view(
     name: &str,
     runs: &[(Role, &Geometry)],
     geometry: &Geometry,
-    target: Option<String>,
+    origin: String,
     distance: f64,
 ) -> Child {
     let mut contents = vec![format!("{STAGE}/**")];
@@ -153,7 +157,7 @@ fn scene_view(
         contents: &contents,
         runs,
         geometry,
-        target,
+        origin,
         distance,
     };
     scene(layout, &stage)
@@ -234,26 +238,26 @@ impl Charts<'_> {
         let identity = self.identity;
         let contents = Side::BOTH.map(|side| {
             entities(
-                contrast.plots,
-                |plot| identity.run(side).has(plot.topic()),
+                contrast.curves,
+                |curves| curves.is_in(identity.run(side)),
                 &identity.role(side),
             )
         });
         let range = self.extent.and_then(|extent| {
             let magnitudes = &identity.a.magnitudes;
             axis_range(
-                contrast.plots,
+                contrast.curves,
                 &extent.runs,
                 magnitudes,
                 MIN_SPAN,
                 MAX_TICKS_IN_LOW_CHART,
             )
         });
-        let mut legend = contrast.legend.or_else(|| legend_of_parts(contrast.plots));
+        let mut legend = contrast.legend.or_else(|| legend_of_parts(contrast.curves));
         if let (Some(preferred), Some(extent)) = (legend, self.extent) {
             let corner = corner_for(
                 preferred,
-                contrast.plots,
+                contrast.curves,
                 &extent.runs,
                 range,
                 extent.duration,
@@ -272,7 +276,7 @@ impl Charts<'_> {
         let plots = contrast.differences;
         let contents = entities(
             plots,
-            |plot| self.identity.has_difference_of(plot),
+            |curves| self.identity.has_difference_of(curves),
             &Role::Difference,
         );
         let name = if self.is_without_difference(plots) {
@@ -280,7 +284,7 @@ impl Charts<'_> {
         } else {
             titled(
                 &format!("{}: B − A", contrast.name),
-                contrast.plots[0].unit(),
+                contrast.curves[0].unit(),
             )
         };
         let view = self.curves(&name, &contents, legend_of_parts(plots))?;
@@ -291,7 +295,7 @@ impl Charts<'_> {
     }
 
     /// Whether the runs are equal in these plots as long as both run.
-    fn is_without_difference(&self, plots: &[Plot]) -> bool {
+    fn is_without_difference(&self, plots: &[Curves]) -> bool {
         let Some(extent) = self.extent else {
             return false;
         };
@@ -309,7 +313,7 @@ impl Charts<'_> {
         }
         let contents = entities(
             contrast.differences,
-            |plot| self.identity.has_magnitude_of(plot),
+            |curves| self.identity.has_magnitude_of(curves),
             &Role::Magnitude,
         );
         let name = format!("{}: log₁₀ |B − A|", contrast.name);
@@ -321,7 +325,7 @@ impl Charts<'_> {
     }
 
     /// Sets the value range of a chart of these values, at least `least` times as long as the quantity's typical magnitude.
-    fn fit_axis(&mut self, view: &Child, plots: &[Plot], values: &Plots, least: f64) {
+    fn fit_axis(&mut self, view: &Child, plots: &[Curves], values: &Plots, least: f64) {
         let magnitudes = &self.identity.a.magnitudes;
         let range = axis_range(plots, &[values], magnitudes, least, MAX_TICKS_IN_LOW_CHART);
         if let Some(range) = range {
@@ -336,36 +340,35 @@ impl Charts<'_> {
         contents: &[String],
         legend: Option<Corner2D>,
     ) -> Option<Child> {
-        let link = LinkAxis::LinkToGlobal;
-        (!contents.is_empty()).then(|| time_series(self.layout, name, contents, legend, link))
+        (!contents.is_empty()).then(|| time_series(self.layout, name, contents, legend))
     }
 }
 
 /// The height of a row of charts relative to others: a legend that names three numbers of both runs needs more room.
 fn height(contrast: &Chart) -> f32 {
     let numbers: usize = contrast
-        .plots
+        .curves
         .iter()
-        .map(|plot| plot.numbers().count())
+        .map(|curves| curves.quantities().len())
         .sum();
     if numbers > 2 { 1.35 } else { 1.0 }
 }
 
 /// The corner of a legend that names several numbers of a run, if a chart shows more than one. The colours of runs mean the
 /// same in all charts, and nutation means lie on the curves that they belong to.
-fn legend_of_parts(plots: &[Plot]) -> Option<Corner2D> {
-    let numbers = plots
+fn legend_of_parts(curves: &[Curves]) -> Option<Corner2D> {
+    let numbers = curves
         .iter()
-        .filter(|plot| plot.topic() != NUTATION)
-        .flat_map(|plot| plot.numbers());
+        .filter(|curves| !curves.are_means())
+        .flat_map(|curves| curves.quantities());
     (numbers.count() > 1).then_some(Corner2D::RightTop)
 }
 
-/// The entities of the existing plots.
-fn entities(plots: &[Plot], exists: impl Fn(Plot) -> bool, role: &Role) -> Vec<String> {
-    plots
+/// The entities of the existing curves.
+fn entities(curves: &[Curves], exists: impl Fn(Curves) -> bool, role: &Role) -> Vec<String> {
+    curves
         .iter()
-        .filter(|plot| exists(**plot))
-        .map(|plot| role.entity(&plot.to_string()))
+        .filter(|curves| exists(**curves))
+        .map(|curves| role.entity(&curves.path()))
         .collect()
 }

@@ -1,24 +1,25 @@
 //! The layout for one run: the scene at the left with the events below, the main charts at the right.
 
-use rerun::blueprint::components::{ContainerKind, Corner2D, LinkAxis};
+use rerun::blueprint::components::{ContainerKind, Corner2D};
 use rerun::components::Name;
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
 use super::axis::{MAX_TICKS, MIN_SPAN, axis_range};
-use super::builder::{BlueprintLayout, Child, Messages, column, tabs};
+use super::builder::{BlueprintLayout, Child, Messages, column, row, tabs};
 use super::charts::{Chart, MORE, RATES, RISE, TABLE, TERMS, TRAVEL};
 use super::corner::corner_for;
 use super::fit;
 use super::views::{
-    SceneView, events, playback_speed, scene, set_value_range, target, time_panel, time_series,
-    window,
+    SceneView, events, hodograph, playback_speed, scene, set_time_range, set_value_range,
+    time_panel, time_series, window,
 };
-use crate::rerun::entity::{self, ABOUT, EACH_EVENT, FIT_REPORT};
+use crate::rerun::entity::{self, ABOUT, EACH_EVENT, FIT_REPORT, LEGEND, STAGE};
 use crate::rerun::identity::magnitude::Magnitudes;
-use crate::rerun::identity::{Geometry, Identity, Playback};
+use crate::rerun::identity::{Identity, Playback};
 use crate::rerun::plots::Plots;
 use crate::rerun::role::Role;
-use crate::telemetry::fields::{EVENTS, POSE, Plot};
+use crate::rerun::scene::has_hodograph;
+use crate::telemetry::fields::{EVENTS, POSE};
 use crate::telemetry::proportions::Proportions;
 
 /// The messages of the layout.
@@ -73,6 +74,9 @@ fn complete(
         [25.0, 75.0]
     };
     window(layout, left, right, shares, panel);
+    if let Some(ended) = ended {
+        set_time_range(layout, ended.duration);
+    }
 }
 
 /// The scene, if there is one, and below it the events and the description, which comes first if it has the reason for
@@ -80,6 +84,9 @@ fn complete(
 fn left_side(layout: &mut BlueprintLayout, identity: &Identity, has_story: bool) -> Child {
     let about = layout.view("TextDocument", "About this run", ABOUT, &["$origin"]);
     let mut pages = vec![about];
+    if identity.has(POSE) {
+        pages.push(layout.view("TextDocument", "Legend", LEGEND, &["$origin"]));
+    }
     if identity.has(EVENTS) {
         let place = usize::from(has_story);
         for (name, entity) in [("Each event", EACH_EVENT), ("Events", entity::EVENTS)] {
@@ -97,20 +104,26 @@ fn left_side(layout: &mut BlueprintLayout, identity: &Identity, has_story: bool)
     if !identity.has(POSE) {
         return words;
     }
-    let whole = ["$origin/**".to_owned()];
+    let whole = [format!("{STAGE}/**")];
     let stage = SceneView {
         name: &identity.title,
         contents: &whole,
         runs: &[(Role::Alone, &identity.geometry)],
         geometry: &identity.geometry,
-        target: target(&Role::Alone, &identity.geometry),
+        origin: Role::Alone.scene_origin(identity.geometry.is_free),
         distance: 1.0,
     };
     let scene = scene(layout, &stage);
+    let words = if has_hodograph(identity) {
+        let above = hodograph(layout);
+        layout.contain(row(&[44.0, 56.0]), &[above, words])
+    } else {
+        words
+    };
     // A report is longer than a list of events.
     let heights = match identity.measurement {
         Some(_) => [52.0, 48.0],
-        None => [76.0, 24.0],
+        None => [64.0, 36.0],
     };
     layout.contain(column(&heights), &[scene, words])
 }
@@ -157,7 +170,7 @@ fn page(name: &'static str, charts: &'static [Chart], identity: &Identity) -> Ru
         columns: 2,
         charts: charts
             .iter()
-            .filter(|chart| chart.plots.iter().any(|plot| identity.has(plot.topic())))
+            .filter(|chart| chart.curves.iter().any(|curves| curves.is_in(identity)))
             .collect(),
     }
 }
@@ -189,25 +202,17 @@ const ROUNDING: f64 = 1e-9;
 
 /// Whether all numbers of a chart are constant.
 fn is_constant(chart: &Chart, plots: &Plots, magnitudes: &Magnitudes) -> bool {
-    let mut numbers = chart.plots.iter().flat_map(|plot| plots.ranges(*plot));
-    numbers.all(|(number, [low, high])| {
-        let typical = magnitudes.typical(number.leaf().quantity);
-        high - low <= ROUNDING * typical.max(low.abs()).max(high.abs())
+    chart.curves.iter().all(|curves| {
+        plots.ranges(*curves).all(|(quantity, [low, high])| {
+            let greatest = low.abs().max(high.abs());
+            let variation = if curves.includes_zero() {
+                greatest
+            } else {
+                high - low
+            };
+            variation <= ROUNDING * magnitudes.typical(quantity).max(greatest)
+        })
     })
-}
-
-/// The range of a chart that shows a quantity with this unit of a tippe top: it passes through upright, where its Euler
-/// rates are infinite. The bounds are the largest magnitudes outside the peaks caused by this singularity.
-fn bounds_of_tippe_top(unit: &str, geometry: &Geometry) -> Option<[f64; 2]> {
-    if !Proportions::new(&geometry.top).is_ball {
-        return None;
-    }
-    let greatest = match unit {
-        "rad/s" => 2.0 * geometry.spin,
-        "rad/s²" => geometry.spin * geometry.spin,
-        _ => return None,
-    };
-    Some([-greatest, greatest])
 }
 
 /// Pages of charts, with axes and legends that fit the values of a run that has ended.
@@ -224,11 +229,10 @@ fn right_side(
     for page in pages(identity, plots) {
         let mut views = Vec::new();
         for chart in page.charts {
-            let contents: Vec<_> = chart.plots.iter().map(Plot::to_string).collect();
-            let link = LinkAxis::Independent;
+            let contents: Vec<_> = chart.curves.iter().map(|curves| curves.path()).collect();
             let range = value_range(chart, identity, plots);
             let corner = legend(chart, identity, ended, range);
-            let view = time_series(layout, &chart.title(), &contents, corner, link);
+            let view = time_series(layout, &chart.title(), &contents, corner);
             if let Some(range) = range {
                 set_value_range(layout, &view, range);
             }
@@ -244,16 +248,13 @@ fn right_side(
 
 /// The range of a chart's axis; `None` if the viewer's choice is as good.
 fn value_range(chart: &Chart, identity: &Identity, plots: Option<&Plots>) -> Option<[f64; 2]> {
-    // The peaks of a tippe top would flatten the rest of the curve.
-    bounds_of_tippe_top(chart.plots[0].unit(), &identity.geometry).or_else(|| {
-        axis_range(
-            chart.plots,
-            &[plots?],
-            &identity.magnitudes,
-            MIN_SPAN,
-            MAX_TICKS,
-        )
-    })
+    axis_range(
+        chart.curves,
+        &[plots?],
+        &identity.magnitudes,
+        MIN_SPAN,
+        MAX_TICKS,
+    )
 }
 
 /// The corner of a chart's legend, where the curves of a run that has ended are not. The title names a single curve.
@@ -263,8 +264,8 @@ fn legend(
     ended: Option<&EndedRun<'_>>,
     range: Option<[f64; 2]>,
 ) -> Option<Corner2D> {
-    let plots = chart.plots.iter().filter(|plot| identity.has(plot.topic()));
-    let lines = plots.flat_map(|plot| plot.numbers()).count();
+    let shown = chart.curves.iter().filter(|curves| curves.is_in(identity));
+    let lines = shown.flat_map(|curves| curves.quantities()).count();
     if lines < 2 {
         return None;
     }
@@ -273,7 +274,7 @@ fn legend(
             plots, duration, ..
         }) => Some(corner_for(
             chart.legend?,
-            chart.plots,
+            chart.curves,
             &[plots],
             range,
             *duration,
@@ -286,7 +287,10 @@ fn legend(
 mod tests {
     use super::super::charts::{GAP_NAME, REGIME_NAME};
     use super::*;
+    use crate::rerun::identity::Geometry;
     use crate::rerun::output::{Destinations, Output};
+    use crate::rerun::plots::curves::Curves;
+    use crate::rerun::snapshot::SnapshotReader;
     use crate::run::scenario::{Preset, Scenario};
     use crate::run::simulation::Simulation;
     use crate::telemetry::fields::energy;
@@ -300,11 +304,17 @@ mod tests {
         let topics: Vec<_> = Topic::all_with(scenario.model.support).collect();
         let identity = Identity::new("test", &scenario, topics, Playback::FromStart);
         let mut output = Output::open(identity.store(), Destinations::default());
-        let mut plots = Plots::new(|plot| identity.has(plot.topic()), &Role::Alone, &mut output);
+        let mut plots = Plots::new(|plot| identity.has(plot.topic()), &Role::Alone, &mut output)
+            .with_derived(&identity, &Role::Alone, &mut output);
+        let Geometry { top, is_free, .. } = identity.geometry;
+        let mut snapshots = SnapshotReader::new(top, is_free, &identity.topics);
         let mut telemetry = Telemetry::with_topics(&Topics::All);
         for record in Simulation::new(&scenario).unwrap() {
             let written = telemetry.messages(&record.unwrap(), |message| {
                 plots.write(message, Some, &mut output);
+                if let Some(snapshot) = snapshots.take(message) {
+                    plots.write_snapshot(snapshot, &mut output);
+                }
                 Ok::<_, TelemetryError>(())
             });
             written.unwrap();
@@ -338,7 +348,11 @@ mod tests {
             let (identity, plots) = plots(preset);
             for page in pages(&identity, Some(&plots)) {
                 for chart in &page.charts {
-                    let lines: usize = chart.plots.iter().map(|plot| plot.numbers().count()).sum();
+                    let lines: usize = chart
+                        .curves
+                        .iter()
+                        .map(|curves| curves.quantities().len())
+                        .sum();
                     assert!(lines <= 4 || page.columns == 1, "{}", chart.name);
                 }
             }
@@ -356,12 +370,15 @@ mod tests {
     #[test]
     fn axes_do_not_magnify_rounding_errors() {
         let (identity, plots) = plots("frictionless");
-        let (_, [low, high]) = plots.ranges(energy::TOTAL.plot()).last().unwrap();
+        let (_, [low, high]) = plots
+            .ranges(Curves::Field(energy::TOTAL.plot()))
+            .last()
+            .unwrap();
         assert!(high - low < 1e-12, "energy is conserved");
-        let torque = &RISE[4];
+        let torque = &MORE[0];
         assert!(is_constant(torque, &plots, &identity.magnitudes));
         let [low, high] = axis_range(
-            torque.plots,
+            torque.curves,
             &[&plots],
             &identity.magnitudes,
             MIN_SPAN,
@@ -369,9 +386,9 @@ mod tests {
         )
         .unwrap();
         assert!(high - low > 0.0);
-        let (_, values) = plots.ranges(RISE[1].plots[0]).next().unwrap();
+        let (_, values) = plots.ranges(RISE[1].curves[0]).next().unwrap();
         let [low, high] = axis_range(
-            RISE[1].plots,
+            RISE[1].curves,
             &[&plots],
             &identity.magnitudes,
             MIN_SPAN,

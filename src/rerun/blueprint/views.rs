@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use rerun::blueprint::components::{
     BackgroundKind, Corner2D, Eye3DKind, LinkAxis, LoopMode, PanelState, PlayState, TextLogColumn,
-    TimelineColumn, VisibleTimeRange,
+    TimelineColumn, VisibleTimeRange, VisualBounds2D,
 };
 use rerun::blueprint::datatypes as blueprint_data;
 use rerun::components::Color;
@@ -11,15 +11,18 @@ use rerun::datatypes::{self, TimeInt, TimeRange, TimeRangeBoundary};
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
 use super::builder::{BlueprintLayout, Child, row};
-use crate::rerun::entity::{CAMERA_TARGET, EVENTS, STAGE, Shown, paths};
+use crate::rerun::entity::{EVENTS, HODOGRAPH, HODOGRAPH_PATH, Shown, paths};
 use crate::rerun::identity::scale::round;
 use crate::rerun::identity::{Geometry, Playback};
 use crate::rerun::output::message::TIMELINE;
 use crate::rerun::role::Role;
+use crate::rerun::scene::RADIUS;
 use crate::telemetry::proportions::Proportions;
 
 /// Approximate time in which a viewer plays a complete run, s.
 const PLAYING_TIME: f64 = 25.0;
+
+const BACKGROUND: u32 = 0x1215_1BFF;
 
 /// Content of a view of the scene.
 pub(super) struct SceneView<'a> {
@@ -31,24 +34,19 @@ pub(super) struct SceneView<'a> {
     pub(super) runs: &'a [(Role, &'a Geometry)],
     /// The top whose height is the unit of the camera position.
     pub(super) geometry: &'a Geometry,
-    /// The entity that the camera follows.
-    pub(super) target: Option<String>,
+    /// The entity that the camera is at rest with.
+    pub(super) origin: String,
     /// Distance of the camera, relative to the usual distance.
     pub(super) distance: f64,
 }
 
-/// The entity that the camera follows: the place below a free peg.
-pub(super) fn target(role: &Role, geometry: &Geometry) -> Option<String> {
-    geometry.is_free.then(|| role.entity(CAMERA_TARGET))
-}
-
 /// A view of the scene.
 pub(super) fn scene(layout: &mut BlueprintLayout, stage: &SceneView<'_>) -> Child {
-    let view = layout.view("3D", stage.name, STAGE, stage.contents);
+    let view = layout.view("3D", stage.name, &stage.origin, stage.contents);
     let proportions = Proportions::new(&stage.geometry.top);
     // In heights of the top: the middle of the scene, and the place of the camera as seen from there.
-    let middle = Vector3::new(0.0, 0.0, 0.55);
-    let place = middle + stage.distance * Vector3::new(2.4, 3.05, 0.85);
+    let middle = Vector3::new(0.0, 0.0, 0.5);
+    let place = middle + stage.distance * Vector3::new(1.5, 1.9, 0.75);
     let [target, position]: [[f32; 3]; 2] =
         [middle, place].map(|point| (proportions.size() * point).cast().into());
     let camera = parts::EyeControls3D::new()
@@ -57,12 +55,8 @@ pub(super) fn scene(layout: &mut BlueprintLayout, stage: &SceneView<'_>) -> Chil
         .with_look_target(target)
         .with_spin_speed(0.0)
         .with_eye_up([0.0, 0.0, 1.0]);
-    let camera = match &stage.target {
-        Some(target) => camera.with_tracking_entity(target.as_str()),
-        None => camera,
-    };
     let background =
-        parts::Background::new(BackgroundKind::SolidColor).with_color(Color::from_u32(0x1215_1BFF));
+        parts::Background::new(BackgroundKind::SolidColor).with_color(Color::from_u32(BACKGROUND));
     let grid = parts::LineGrid3D::new().with_visible(false);
     let surroundings = parts::SpatialInformation::update_fields()
         .with_show_axes(false)
@@ -72,10 +66,7 @@ pub(super) fn scene(layout: &mut BlueprintLayout, stage: &SceneView<'_>) -> Chil
     layout.property(&view, "LineGrid3D", &grid);
     layout.property(&view, "SpatialInformation", &surroundings);
     for (role, geometry) in stage.runs {
-        // A path is made of short pieces at their times. A view shows only the piece at the cursor unless it is told to
-        // go back.
         for (path, shown) in paths(geometry.is_free) {
-            let property = format!("ViewContents/overrides{}/visualizers", role.entity(path));
             let start = match shown {
                 Shown::Past => TimeRangeBoundary::Infinite,
                 Shown::Latest(times) => {
@@ -83,8 +74,7 @@ pub(super) fn scene(layout: &mut BlueprintLayout, stage: &SceneView<'_>) -> Chil
                     TimeRangeBoundary::CursorRelative(TimeInt(-span))
                 }
             };
-            let now = TimeRangeBoundary::CursorRelative(TimeInt(0));
-            layout.property(&view, &property, &time_range(start, now));
+            show_past(layout, &view, &role.entity(path), start);
         }
     }
     view
@@ -125,14 +115,13 @@ pub(super) fn titled(name: &str, unit: &str) -> String {
     }
 }
 
-/// A chart of these entities over the whole time, with a legend in a corner or without one. Linked charts move their time
-/// axes together.
+/// A chart of these entities over the whole time, with a legend in a corner or without one. The time axes of all charts
+/// move together.
 pub(super) fn time_series(
     layout: &mut BlueprintLayout,
     name: &str,
     contents: &[impl AsRef<str>],
     legend: Option<Corner2D>,
-    link: LinkAxis,
 ) -> Child {
     let view = layout.view("TimeSeries", name, "/", contents);
     let mut shown = parts::PlotLegend::new().with_visible(legend.is_some());
@@ -140,13 +129,55 @@ pub(super) fn time_series(
         shown = shown.with_corner(corner);
     }
     layout.property(&view, "PlotLegend", &shown);
-    layout.property(&view, "TimeAxis", &parts::TimeAxis::new().with_link(link));
+    layout.property(
+        &view,
+        "TimeAxis",
+        &parts::TimeAxis::new().with_link(LinkAxis::LinkToGlobal),
+    );
     layout.property(
         &view,
         "VisibleTimeRanges",
         &time_range(TimeRangeBoundary::Infinite, TimeRangeBoundary::Infinite),
     );
     view
+}
+
+/// The part of a layout in which viewers keep the time range of linked charts: its identifier is a constant of Rerun.
+const LINKED_TIME_AXIS: &str = "view/5c0dca6a-e63f-9cf7-f657-2602590474cc/TimeAxis";
+
+/// Shows the whole of a run of this duration, in s, in all charts. Otherwise viewers show about a minute.
+pub(super) fn set_time_range(layout: &mut BlueprintLayout, duration: f64) {
+    let absolute = |seconds: f64| TimeRangeBoundary::Absolute(TimeInt((1e9 * seconds) as i64));
+    let range = TimeRange {
+        start: absolute(0.0),
+        end: absolute(duration),
+    };
+    let axis = parts::TimeAxis::new().with_view_range(range);
+    layout.log(LINKED_TIME_AXIS, &axis);
+}
+
+/// A view from above of the horizontal part of the angular momentum.
+pub(super) fn hodograph(layout: &mut BlueprintLayout) -> Child {
+    let contents = ["$origin/**"];
+    let view = layout.view("2D", "L from above", HODOGRAPH, &contents);
+    let size = 1.15 * RADIUS;
+    let bounds = parts::VisualBounds2D::new(VisualBounds2D(datatypes::Range2D {
+        x_range: datatypes::Range1D([-size, size]),
+        y_range: datatypes::Range1D([-size, size]),
+    }));
+    layout.property(&view, "VisualBounds2D", &bounds);
+    let background =
+        parts::Background::new(BackgroundKind::SolidColor).with_color(Color::from_u32(BACKGROUND));
+    layout.property(&view, "Background", &background);
+    show_past(layout, &view, HODOGRAPH_PATH, TimeRangeBoundary::Infinite);
+    view
+}
+
+/// Shows all pieces of a path from a time up to the time cursor: they are at their times.
+fn show_past(layout: &mut BlueprintLayout, view: &Child, path: &str, start: TimeRangeBoundary) {
+    let property = format!("ViewContents/overrides{path}/visualizers");
+    let now = TimeRangeBoundary::CursorRelative(TimeInt(0));
+    layout.property(view, &property, &time_range(start, now));
 }
 
 /// Sets the initial value range of a chart.
@@ -168,15 +199,11 @@ pub(super) fn window(
         None => left,
     };
     layout.fill(&root);
-    // The list of recordings is open: the layout can't depend on whether another recording is open too.
-    layout.log(
-        "blueprint_panel",
-        &parts::PanelBlueprint::new().with_state(PanelState::Expanded),
-    );
-    layout.log(
-        "selection_panel",
-        &parts::PanelBlueprint::new().with_state(PanelState::Hidden),
-    );
+    // The list of recordings would come with the tree of the layout, and take a sixth of a small window.
+    for panel in ["blueprint_panel", "selection_panel"] {
+        let hidden = parts::PanelBlueprint::new().with_state(PanelState::Hidden);
+        layout.log(panel, &hidden);
+    }
     layout.log("time_panel", time_panel);
 }
 

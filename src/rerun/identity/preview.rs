@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
+use crate::rerun::snapshot::{Snapshot, SnapshotReader};
 use crate::run::scenario::Scenario;
-use crate::run::simulation::{Record, Simulation};
-use crate::telemetry::fields::{VectorField, contact, torque};
+use crate::telemetry::{RunError, RunMessages, Topic, Topics};
 
 /// Time between two samples, ns: several per nutation of a toy top.
 const PERIOD_NS: u64 = 5_000_000;
@@ -22,69 +22,71 @@ const RARE: f64 = 0.01;
 /// be cut off whenever it is not.
 const MAX_RATIO: f64 = 10.0;
 
-/// Vectors that arrows show.
-const VECTORS: [VectorField; 4] = [
-    contact::SLIP_WORLD,
-    contact::FRICTION_FORCE,
-    torque::GRAVITY_BODY,
-    torque::FRICTION_BODY,
-];
-
 /// Magnitudes of vectors in a run, or in the first part of a long one. All are 0 if the simulation fails.
 pub(super) struct Preview {
     /// Greatest slip speed, m/s. Slip that ends soon is still the slip that is to be seen.
     pub(super) slip: f64,
     /// Usual friction force, N.
     pub(super) force: f64,
-    /// Usual torque of gravity, N m.
+    /// Usual torque of gravity, or of the normal force about the centre of mass, N m.
     pub(super) gravity_torque: f64,
     /// Usual torque of friction, N m.
     pub(super) friction_torque: f64,
+    /// Greatest horizontal part of the angular momentum, N m s.
+    pub(super) horizontal_momentum: f64,
 }
 
 impl Preview {
     /// Simulates a scenario.
     pub(super) fn new(scenario: &Scenario) -> Self {
-        let [slip, force, gravity_torque, friction_torque] = simulate(scenario);
+        let snapshots = simulate(scenario);
+        let sorted = |vector: fn(&Snapshot) -> Vector3<f64>| {
+            let mut magnitudes: Vec<f64> = snapshots.iter().map(|s| vector(s).norm()).collect();
+            magnitudes.sort_by(f64::total_cmp);
+            magnitudes
+        };
         Self {
-            slip: slip.last().copied().unwrap_or_default(),
-            force: usual(&force),
-            gravity_torque: usual(&gravity_torque),
-            friction_torque: usual(&friction_torque),
+            slip: greatest(&sorted(|s| s.slip)),
+            force: usual(&sorted(|s| s.friction)),
+            gravity_torque: usual(&sorted(|s| s.weight_torque)),
+            friction_torque: usual(&sorted(|s| s.friction_torque)),
+            horizontal_momentum: greatest(&sorted(Snapshot::horizontal_momentum)),
         }
     }
 }
 
-/// The magnitudes of each of the [`VECTORS`] in ascending order.
-fn simulate(scenario: &Scenario) -> [Vec<f64>; 4] {
+/// The vectors of a run with few samples.
+fn simulate(scenario: &Scenario) -> Vec<Snapshot> {
     let mut sparse = scenario.clone();
     sparse.sample_period_ns = sparse.sample_period_ns.max(PERIOD_NS);
-    let mut magnitudes: [Vec<f64>; 4] = Default::default();
-    let Ok(simulation) = Simulation::new(&sparse) else {
-        return magnitudes;
+    let model = &scenario.model;
+    let topics: Vec<_> = Topic::all_with(model.support).collect();
+    let mut reader = SnapshotReader::new(model.top, model.support.is_free(), &topics);
+    let mut snapshots = Vec::new();
+    let Ok(run) = RunMessages::new(&sparse, &Topics::All) else {
+        return snapshots;
     };
     let mut steps = 0;
-    let simulation = simulation.continue_while(move || {
+    let mut run = run.continue_while(move || {
         steps += 1;
         steps <= MAX_STEPS
     });
     // An error ends the run itself at the same place, and is reported there.
-    let samples = simulation
-        .map_while(Result::ok)
-        .filter_map(|record| match record {
-            Record::Sample(sample) => Some(sample),
-            Record::Event(_) | Record::Nutation(_) | Record::Impact(_) => None,
+    while snapshots.len() < MAX_SAMPLES {
+        let record = run.next(|message| {
+            snapshots.extend(reader.take(message).copied());
+            Ok::<_, RunError>(())
         });
-    for sample in samples.take(MAX_SAMPLES) {
-        for (magnitudes, vector) in magnitudes.iter_mut().zip(VECTORS) {
-            let vector = Vector3::from(vector.components().map(|part| part.of_sample(&sample)));
-            magnitudes.push(vector.norm());
+        if !matches!(record, Some(Ok(_))) {
+            break;
         }
     }
-    for magnitudes in &mut magnitudes {
-        magnitudes.sort_by(f64::total_cmp);
-    }
-    magnitudes
+    snapshots
+}
+
+/// The last of all magnitudes in ascending order; 0 without samples.
+fn greatest(magnitudes: &[f64]) -> f64 {
+    magnitudes.last().copied().unwrap_or_default()
 }
 
 /// The magnitude that only rare samples exceed, given all in ascending order; 0 without samples.

@@ -16,6 +16,8 @@ const MAX_LENGTH: f64 = 1.25;
 /// neighbours in the series 1, 2, 5, so that each magnitude has a scale.
 const MAX_USUAL: f64 = 1.15;
 const MIN_USUAL: f64 = 0.25;
+/// Length of the arrow of the weight, about, in heights of the top.
+const WEIGHT_LENGTH: f64 = 0.42;
 /// Ratio between the longest and the nominal length of an arrow whose scale is rounded to the nearest of 1, 2 and 5.
 const ROUNDING: f64 = 1.582;
 /// Ratios of the usual magnitude to that at the start which a scale follows. Friction that fades further is to be seen as
@@ -42,6 +44,12 @@ pub struct Scales {
     pub friction_torque: f64,
     /// Angular momentum, N m s.
     pub momentum: f64,
+    /// Weight, N.
+    pub weight: f64,
+    /// Greatest horizontal part of the angular momentum, N m s: not a scale, but the size of a picture of it.
+    pub horizontal_momentum: f64,
+    /// Usual torques of friction and of the weight, N m: not scales.
+    pub usual_torques: [f64; 2],
     /// Friction force per metre at which the usual force is drawn in the greatest length, N/m: not rounded; 0 if not drawn.
     pub min_force: f64,
 }
@@ -56,7 +64,13 @@ impl Scales {
         let preview = Preview::new(scenario);
         let slip = followed(preview.slip, scenario.slip_speed_at_start());
         let force = followed(preview.force, scenario.force_scale());
-        let friction_torque = followed(preview.friction_torque, scenario.torque_scale());
+        // About the centre of mass the lever is that of the whole top, and not the radius of the peg.
+        let torque_at_start = if scenario.model.support.is_free() {
+            0.0
+        } else {
+            scenario.torque_scale()
+        };
+        let friction_torque = followed(preview.friction_torque, torque_at_start);
         let longest = MAX_USUAL * height;
         let speed = (2.0 * top.gravity * height).sqrt();
         let nominal = MAX_LENGTH / ROUNDING * height;
@@ -71,6 +85,9 @@ impl Scales {
             ),
             friction_torque: scale(weight * top.peg_radius / longest, friction_torque, height),
             momentum: round(momentum(top, &tilt) / nominal),
+            weight: round(weight / (WEIGHT_LENGTH * height)),
+            horizontal_momentum: preview.horizontal_momentum,
+            usual_torques: [preview.friction_torque, preview.gravity_torque],
             min_force: if force_scale > 0.0 {
                 force / longest
             } else {
@@ -164,8 +181,8 @@ pub(in crate::rerun) fn power_of_ten(exponent: f64) -> f64 {
     format!("1e{exponent}").parse().unwrap_or(0.0)
 }
 
-/// A scale as text, e.g. `1 cm = 20 µN m`.
-pub(in crate::rerun) fn legend(per_metre: f64, unit: &str) -> String {
+/// A scale as text, the quantity of a centimetre, e.g. `20 µN m`.
+pub(in crate::rerun) fn per_centimetre(per_metre: f64, unit: &str) -> String {
     const PREFIXES: [(f64, &str); 5] = [
         (1.0, ""),
         (1e-3, "m"),
@@ -182,9 +199,9 @@ pub(in crate::rerun) fn legend(per_metre: f64, unit: &str) -> String {
         .find(|(factor, _)| per_centimetre >= 0.999 * factor)
     {
         Some((factor, prefix)) if per_centimetre < 1e4 => {
-            format!("1 cm = {:.0} {prefix}{unit}", per_centimetre / factor)
+            format!("{:.0} {prefix}{unit}", per_centimetre / factor)
         }
-        _ => format!("1 cm = {} {unit}", with_power(per_centimetre, 1)),
+        _ => format!("{} {unit}", with_power(per_centimetre, 1)),
     }
 }
 
@@ -265,9 +282,20 @@ mod tests {
                 gravity_torque,
                 friction_torque,
                 momentum,
+                weight,
+                // These are not scales.
                 min_force: _,
+                horizontal_momentum: _,
+                usual_torques: _,
             } = scales;
-            for scale in [slip, force, gravity_torque, friction_torque, momentum] {
+            for scale in [
+                slip,
+                force,
+                gravity_torque,
+                friction_torque,
+                momentum,
+                weight,
+            ] {
                 let digits = format!("{scale:e}");
                 let is_round = ["1e", "2e", "5e"]
                     .iter()
@@ -281,14 +309,14 @@ mod tests {
     #[test]
     fn legends_have_a_prefix() {
         for (per_metre, unit, expected) in [
-            (0.5, "N", "1 cm = 5 mN"),
-            (100.0, "m/s", "1 cm = 1 m/s"),
-            (0.002, "N m", "1 cm = 20 µN m"),
-            (0.2, "kg m²/s", "1 cm = 2 mN m s"),
-            (5e9, "N", "1 cm = 5 × 10⁷ N"),
-            (1e-15, "N", "1 cm = 1 × 10⁻¹⁷ N"),
+            (0.5, "N", "5 mN"),
+            (100.0, "m/s", "1 m/s"),
+            (0.002, "N m", "20 µN m"),
+            (0.2, "kg m²/s", "2 mN m s"),
+            (5e9, "N", "5 × 10⁷ N"),
+            (1e-15, "N", "1 × 10⁻¹⁷ N"),
         ] {
-            assert_eq!(legend(per_metre, unit), expected);
+            assert_eq!(per_centimetre(per_metre, unit), expected);
         }
     }
 }

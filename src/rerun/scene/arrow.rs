@@ -1,75 +1,171 @@
 //! The arrows of the scene.
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 use rerun::archetypes::Arrows3D;
 use rerun::{Color, Radius};
 
-use super::legend::LegendRow;
 use crate::rerun::identity::Identity;
 use crate::rerun::identity::scale::{self, Scales};
 use crate::rerun::output::track::Track;
 use crate::rerun::output::{ComponentColumns, Output};
 use crate::rerun::palette;
 use crate::rerun::role::Role;
-use crate::telemetry::Message;
-use crate::telemetry::fields::{CONTACT, VectorField, contact, momentum, torque};
+use crate::rerun::snapshot::Snapshot;
+use crate::telemetry::fields::{CONTACT, MOMENTUM, POSE, TORQUE};
 use crate::telemetry::proportions::Proportions;
+use crate::telemetry::{Quantity, Topic};
 
 /// A kind of arrow.
 struct ArrowKind {
     name: &'static str,
+    /// The label of the arrow in the scene.
+    label: &'static str,
+    /// The symbol that stands for the name in the label; empty if the label is a name.
+    symbol: &'static str,
     /// The colour in a recording of one run.
     color: u32,
-    /// The quantity that it shows.
-    vector: VectorField,
+    /// Thickness relative to the most important arrows.
+    thickness: f64,
+    quantity: Quantity,
+    /// The value that is drawn.
+    value: fn(&Snapshot) -> Vector3<f64>,
+    /// The place where the arrow begins, m, given the drawn angular momentum.
+    start: fn(&Snapshot, Vector3<f64>) -> Vector3<f64>,
     /// Quantity per metre.
     scale: fn(&Scales) -> f64,
+    /// The topics without which there is no arrow.
+    topics: &'static [Topic],
 }
 
 /// All kinds of arrows.
-static KINDS: [ArrowKind; 5] = [
+///
+/// The torques begin at the tip of the horizontal part of the angular momentum: friction's shortens it, that of gravity
+/// turns it about the vertical.
+static KINDS: [ArrowKind; 9] = [
     ArrowKind {
         name: "slip velocity",
+        label: "v",
+        symbol: "v",
         color: palette::SKY,
-        vector: contact::SLIP_WORLD,
+        thickness: 0.7,
+        quantity: Quantity::Velocity,
+        value: |s| s.slip,
+        start: |s, _| s.contact,
         scale: |scales| scales.slip,
+        topics: &[CONTACT],
     },
     ArrowKind {
         name: "friction force",
+        label: "F",
+        symbol: "F",
         color: palette::ORANGE,
-        vector: contact::FRICTION_FORCE,
+        thickness: 1.0,
+        quantity: Quantity::Force,
+        value: |s| s.friction,
+        start: |s, _| s.contact,
         scale: |scales| scales.force,
+        topics: &[CONTACT],
     },
     ArrowKind {
-        name: "gravity torque",
-        color: palette::GREEN,
-        vector: torque::GRAVITY_BODY,
-        scale: |scales| scales.gravity_torque,
+        name: "lever",
+        label: "r",
+        symbol: "r",
+        color: palette::WHITE,
+        thickness: 0.5,
+        quantity: Quantity::Length,
+        value: |s| s.contact - s.origin,
+        start: |s, _| s.origin,
+        scale: |_| 1.0,
+        topics: &[POSE, CONTACT],
     },
     ArrowKind {
         name: "friction torque",
+        // At the place of the next label: each leaves its line to the other.
+        label: "\nfriction torque τ",
+        symbol: "τ",
         color: palette::VERMILION,
-        vector: torque::FRICTION_BODY,
+        thickness: 1.0,
+        quantity: Quantity::Torque,
+        value: |s| s.friction_torque,
+        start: tip_of_horizontal,
         scale: |scales| scales.friction_torque,
+        topics: &[POSE, TORQUE, CONTACT],
     },
     ArrowKind {
         name: "angular momentum",
+        label: "L",
+        symbol: "L",
         color: palette::YELLOW,
-        vector: momentum::WORLD,
+        thickness: 1.0,
+        quantity: Quantity::Momentum,
+        value: |s| s.momentum,
+        start: |s, _| s.origin,
         scale: |scales| scales.momentum,
+        topics: &[POSE, MOMENTUM],
+    },
+    ArrowKind {
+        name: "horizontal part of L",
+        label: "horizontal part\n",
+        symbol: "",
+        color: palette::YELLOW,
+        thickness: 0.8,
+        quantity: Quantity::Momentum,
+        value: Snapshot::horizontal_momentum,
+        start: |s, _| s.origin,
+        scale: |scales| scales.momentum,
+        topics: &[POSE, MOMENTUM],
+    },
+    ArrowKind {
+        name: "vertical part of L",
+        label: "vertical part",
+        symbol: "",
+        color: palette::YELLOW,
+        thickness: 0.35,
+        quantity: Quantity::Momentum,
+        value: |s| s.momentum.z * Vector3::z(),
+        start: tip_of_horizontal,
+        scale: |scales| scales.momentum,
+        topics: &[POSE, MOMENTUM],
+    },
+    ArrowKind {
+        name: "gravity torque",
+        label: "gravity's torque",
+        symbol: "",
+        color: palette::GREEN,
+        thickness: 0.7,
+        quantity: Quantity::Torque,
+        value: |s| s.weight_torque,
+        start: tip_of_horizontal,
+        scale: |scales| scales.gravity_torque,
+        topics: &[POSE, TORQUE, CONTACT],
+    },
+    ArrowKind {
+        name: "weight",
+        label: "Mg",
+        symbol: "Mg",
+        color: palette::GREY,
+        thickness: 0.5,
+        quantity: Quantity::Force,
+        value: |s| -s.weight * Vector3::z(),
+        start: |s, _| s.center,
+        scale: |scales| scales.weight,
+        topics: &[POSE],
     },
 ];
 
+/// The tip of the horizontal part of the angular momentum, m.
+fn tip_of_horizontal(snapshot: &Snapshot, drawn: Vector3<f64>) -> Vector3<f64> {
+    snapshot.origin + Vector3::new(drawn.x, drawn.y, 0.0)
+}
+
 /// The only arrow drawn in a comparison: all arrows of both runs would hide the tops.
-const COMPARED: VectorField = contact::FRICTION_FORCE;
+const COMPARED: &str = "friction force";
 
 /// A kind of arrow that is drawn in a recording.
 struct DrawnKind {
     kind: &'static ArrowKind,
     /// Quantity per metre.
     scale: f64,
-    /// The scale as text.
-    legend: String,
 }
 
 /// The arrows that are drawn. Without friction, its arrows have no length and are omitted.
@@ -77,143 +173,134 @@ fn drawn(identity: &Identity, role: &Role) -> Vec<DrawnKind> {
     let mut drawn = Vec::new();
     for kind in &KINDS {
         let scale = (kind.scale)(&identity.geometry.scales);
-        let is_shown = role.is_alone() || kind.vector == COMPARED;
-        if identity.has(kind.vector.topic()) && scale > 0.0 && is_shown {
-            drawn.push(DrawnKind {
-                kind,
-                scale,
-                legend: scale::legend(scale, kind.vector.x().unit()),
-            });
+        let is_shown = role.is_alone() || kind.name == COMPARED;
+        let has_data = kind.topics.iter().all(|topic| identity.has(*topic));
+        if has_data && scale > 0.0 && is_shown {
+            drawn.push(DrawnKind { kind, scale });
         }
     }
     drawn
 }
 
-/// Quantity per centimetre of each arrow, in Markdown.
-pub(super) fn explanation(identity: &Identity, role: &Role) -> String {
-    let mut text = "\n\n## Arrows\n\n| arrow | scale |\n| --- | --- |\n".to_owned();
-    for DrawnKind { kind, legend, .. } in drawn(identity, role) {
-        text += &format!("| {} | {legend} |\n", kind.name);
+/// The arrows with their scales, in Markdown.
+pub(super) fn legend(identity: &Identity) -> String {
+    let mut text = "| arrow | 1 cm is |\n| --- | --- |\n".to_owned();
+    for DrawnKind { kind, scale } in drawn(identity, &Role::Alone) {
+        let scale = match kind.quantity {
+            Quantity::Length => "1 cm".to_owned(),
+            quantity => scale::per_centimetre(scale, quantity.unit()),
+        };
+        let symbol = match kind.symbol {
+            "" => String::new(),
+            symbol => format!("**{symbol}** "),
+        };
+        text += &format!("| {symbol}{} | {scale} |\n", kind.name);
     }
-    if Proportions::new(&identity.geometry.top).is_ball {
-        text += "\nThe ball would hide the starts of torques and of the angular momentum: they start at its surface.\n";
-    }
-    text
+    let point = if identity.geometry.is_free {
+        "centre of mass"
+    } else {
+        "centre of the peg"
+    };
+    text + &format!("\nL, r and the torques are about the {point}.\n")
 }
 
-/// An arrow at the origin of a quantity, with a row in the legend.
+/// An arrow with its label.
 pub(super) struct Arrow {
-    vector: VectorField,
-    /// Quantity per metre.
-    scale: f64,
+    drawn: DrawnKind,
     /// Height of the top, m.
     height: f64,
-    /// Distance of the arrow's start from its origin, m.
-    gap: f64,
     arrows: Track<[[f32; 3]; 2]>,
-    row: LegendRow,
-    /// The texts of the row where the arrow is drawn in its length, and where it is cut off, because it would leave the view.
-    texts: [Track<Option<[f32; 3]>>; 2],
-    /// Whether the arrow was cut off at its last message.
+    label: String,
+    labels: Track<String>,
+    /// Whether the arrow was cut off at its last row.
     was_cut: Option<bool>,
 }
 
 impl Arrow {
-    /// The arrows with data to draw; sends colours, thickness and names.
+    /// The arrows with data to draw; sends colours and thickness.
     pub(super) fn all(identity: &Identity, role: &Role, output: &mut Output) -> Vec<Self> {
-        let proportions = Proportions::new(&identity.geometry.top);
-        let size = proportions.size();
+        let height = Proportions::new(&identity.geometry.top).size();
         let mut arrows = Vec::new();
-        for (
-            index,
-            DrawnKind {
-                kind,
-                scale,
-                legend,
-            },
-        ) in drawn(identity, role).into_iter().enumerate()
-        {
-            let name = kind.name.replace(' ', "_");
-            let entity = role.entity(&format!("scene/{name}"));
-            let color = role.color(kind.color, 0);
-            let radius = 0.017 * size * role.thickness();
-            let arrow = Arrows3D::update_fields()
-                .with_colors([Color::from_u32(color)])
-                .with_radii([Radius::new_scene_units(radius as f32)]);
-            output.send_static(entity.as_str(), &arrow);
-            let row = LegendRow::new(identity, role, index, &name, color);
-            let name = role.short_name(kind.name);
-            let texts = [
-                ("whole", format!("{name} ({legend})")),
-                ("cut", format!("{name} (longer than drawn; {legend})")),
-            ];
+        for drawn in drawn(identity, role) {
+            let kind = drawn.kind;
+            let entity = role.entity(&format!("scene/{}", kind.name.replace(' ', "_")));
+            let radius = 0.017 * height * kind.thickness * role.thickness();
+            let style = Arrows3D::update_fields()
+                .with_colors([Color::from_u32(role.color(kind.color, 0))])
+                .with_radii([Radius::new_scene_units(radius as f32)])
+                .with_show_labels(true);
+            output.send_static(entity.as_str(), &style);
             arrows.push(Self {
-                vector: kind.vector,
-                scale,
-                height: size,
-                gap: gap(kind.vector, &proportions),
-                arrows: Track::new(entity, arrow_columns, output),
-                texts: texts.map(|(part, text)| row.open(part, &text, output)),
-                row,
+                drawn,
+                height,
+                arrows: Track::new(entity.as_str(), arrow_columns, output),
+                label: role.short_name(kind.label),
+                labels: Track::new(entity, label_columns, output),
                 was_cut: None,
             });
         }
         arrows
     }
 
-    /// Removes the arrow and its name from this time on, ns.
+    /// Removes the arrow from this time on, ns.
     pub(super) fn remove(&mut self, time_ns: u64, output: &mut Output) {
         self.arrows.push(output, time_ns, [[[0.0; 3]; 2]]);
-        for text in &self.texts {
-            text.push(output, time_ns, [None]);
-        }
+        self.labels.push(output, time_ns, [String::new()]);
     }
 
-    /// Adds a row for a message of the arrow's channel. Orientation (world from body) is that of the last pose; the places
-    /// are the centre of the peg and the point of contact, as they are drawn.
+    /// Adds a row for a sample, in which the angular momentum is drawn like this.
     pub(super) fn write(
         &mut self,
-        message: &Message<'_>,
-        orientation: Option<UnitQuaternion<f64>>,
-        [peg, contact]: [Vector3<f64>; 2],
+        snapshot: &Snapshot,
+        momentum: &DrawnMomentum,
         output: &mut Output,
     ) {
-        let (time_ns, vector) = (message.time_ns, self.vector);
-        if message.topic() != vector.topic() {
+        let kind = self.drawn.kind;
+        let vector = (kind.value)(snapshot) / self.drawn.scale;
+        let (vector, is_cut) = match kind.quantity {
+            // The parts remain parts of the whole.
+            Quantity::Momentum => (momentum.shrink * vector, momentum.shrink < 1.0),
+            _ => clip_to_view(vector, self.height),
+        };
+        let start = (kind.start)(snapshot, momentum.vector);
+        if !(start + vector).iter().all(|part| part.is_finite()) {
             return;
         }
-        let origin = if is_at_contact(vector) { contact } else { peg };
-        let own = vector.of(message);
-        let vector = match orientation {
-            _ if !vector.is_in_body_axes() => own,
-            Some(orientation) => orientation * own,
-            // Without a pose the directions of the body axes are unknown.
-            None => return,
-        };
-        let (arrow, is_cut) = clip_to_view(vector / self.scale, self.height);
-        let start = match arrow.try_normalize(0.0) {
-            Some(direction) => origin + self.gap * direction,
-            None => origin,
-        };
-        let row = [start, arrow].map(|part| part.cast::<f32>().into());
-        self.arrows.push(output, time_ns, [row]);
+        let row = [start, vector].map(|part| part.cast::<f32>().into());
+        self.arrows.push(output, snapshot.time_ns, [row]);
         if self.was_cut != Some(is_cut) {
             self.was_cut = Some(is_cut);
-            let place = Some(self.row.place());
-            let places = if is_cut { [None, place] } else { [place, None] };
-            for (text, place) in self.texts.iter().zip(places) {
-                text.push(output, time_ns, [place]);
-            }
+            let label = if is_cut {
+                format!("{} (longer than drawn)", self.label)
+            } else {
+                self.label.clone()
+            };
+            self.labels.push(output, snapshot.time_ns, [label]);
         }
     }
 }
 
-/// Distance of an arrow's start from its origin, m: a ball would hide a short arrow that starts at its centre.
-fn gap(vector: VectorField, proportions: &Proportions) -> f64 {
-    if proportions.is_ball && !is_at_contact(vector) {
-        proportions.peg
-    } else {
-        0.0
+/// The angular momentum as it is drawn.
+pub(super) struct DrawnMomentum {
+    /// The arrow, m.
+    vector: Vector3<f64>,
+    /// Length of the arrow relative to its scale: 1, or less if it is cut off.
+    shrink: f64,
+}
+
+impl DrawnMomentum {
+    /// The angular momentum of a sample of a top with this height, m.
+    pub(super) fn new(snapshot: &Snapshot, scales: &Scales, height: f64) -> Self {
+        let whole = snapshot.momentum / scales.momentum;
+        let (vector, is_cut) = clip_to_view(whole, height);
+        Self {
+            vector,
+            shrink: if is_cut {
+                vector.norm() / whole.norm()
+            } else {
+                1.0
+            },
+        }
     }
 }
 
@@ -231,12 +318,6 @@ fn clip_to_view(arrow: Vector3<f64>, height: f64) -> (Vector3<f64>, bool) {
     }
 }
 
-/// Whether an arrow begins at the point of contact, or the lowest point of a peg in the air; others begin at the centre of
-/// the peg.
-fn is_at_contact(vector: VectorField) -> bool {
-    vector.topic() == CONTACT
-}
-
 fn arrow_columns(rows: &[[[f32; 3]; 2]]) -> ComponentColumns {
     let arrows = Arrows3D::update_fields()
         .with_origins(rows.iter().map(|[origin, _]| *origin))
@@ -244,10 +325,16 @@ fn arrow_columns(rows: &[[[f32; 3]; 2]]) -> ComponentColumns {
     Ok(arrows.columns_of_unit_batches()?.collect())
 }
 
+fn label_columns(rows: &[String]) -> ComponentColumns {
+    let labels = Arrows3D::update_fields().with_labels(rows.iter().map(String::as_str));
+    Ok(labels.columns_of_unit_batches()?.collect())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::rerun::identity::Playback;
+    use crate::rerun::snapshot::SnapshotReader;
     use crate::run::scenario::{PRESETS, Preset, Scenario};
     use crate::run::simulation::Simulation;
     use crate::telemetry::{Telemetry, Topic, Topics};
@@ -255,7 +342,7 @@ mod tests {
     /// An arrow of a run.
     struct Drawn {
         name: &'static str,
-        vector: VectorField,
+        value: fn(&Snapshot) -> Vector3<f64>,
         /// Quantity per metre.
         scale: f64,
         /// The magnitudes of the samples.
@@ -276,19 +363,24 @@ mod tests {
             let identity = Identity::new("test", scenario, topics, Playback::FromStart);
             let mut arrows: Vec<_> = drawn(&identity, &Role::Alone)
                 .into_iter()
-                .map(|DrawnKind { kind, scale, .. }| Drawn {
+                .map(|DrawnKind { kind, scale }| Drawn {
                     name: kind.name,
-                    vector: kind.vector,
+                    value: kind.value,
                     scale,
                     magnitudes: Vec::new(),
                 })
                 .collect();
+            let mut reader = SnapshotReader::new(
+                scenario.model.top,
+                scenario.model.support.is_free(),
+                &identity.topics,
+            );
             let mut telemetry = Telemetry::with_topics(&Topics::All);
             for record in Simulation::new(scenario).unwrap() {
                 let all = telemetry.messages(&record.unwrap(), |message| {
-                    for arrow in &mut arrows {
-                        if arrow.vector.topic() == message.topic() {
-                            arrow.magnitudes.push(arrow.vector.of(message).norm());
+                    if let Some(snapshot) = reader.take(message) {
+                        for arrow in &mut arrows {
+                            arrow.magnitudes.push((arrow.value)(snapshot).norm());
                         }
                     }
                     Ok::<_, crate::telemetry::TelemetryError>(())
@@ -337,6 +429,10 @@ mod tests {
     fn arrows_of_presets_are_readable_and_fit_the_view() {
         for run in presets() {
             for arrow in &run.arrows {
+                // The lever has its true length, and parts are cut off with the whole.
+                if ["lever", "horizontal part of L", "vertical part of L"].contains(&arrow.name) {
+                    continue;
+                }
                 let (longest, cut) = run.lengths(arrow, arrow.scale);
                 let text = format!("{}: {}, {longest} at most, {cut} cut", run.name, arrow.name);
                 assert!(longest >= READABLE, "{text}");
@@ -355,7 +451,7 @@ mod tests {
                 let common = own.common_force(&other);
                 let mut longest: f64 = 0.0;
                 for run in [a, b] {
-                    for arrow in run.arrows.iter().filter(|arrow| arrow.vector == COMPARED) {
+                    for arrow in run.arrows.iter().filter(|arrow| arrow.name == COMPARED) {
                         let (length, cut) = run.lengths(arrow, common);
                         assert!(cut <= 0.02, "{} and {}: {cut} cut", a.name, b.name);
                         longest = longest.max(length);
@@ -378,7 +474,7 @@ mod tests {
         let [own, other] = [&runs[0], &runs[1]].map(|run| run.identity.geometry.scales);
         let common = own.common_force(&other);
         for run in runs {
-            let force = run.arrows.iter().find(|arrow| arrow.vector == COMPARED);
+            let force = run.arrows.iter().find(|arrow| arrow.name == COMPARED);
             let (longest, _) = run.lengths(force.unwrap(), common);
             assert!(longest >= READABLE, "{}: {longest}", run.name);
         }

@@ -1,24 +1,20 @@
-//! The vertical through a peg, and the target of the camera.
+//! The vertical through a peg, and the place that the view of a free peg travels with.
 
 use nalgebra::Vector3;
 use rerun::archetypes::Transform3D;
-use rerun::{Color, LineStrips3D, Points3D, Radius};
+use rerun::{Color, LineStrips3D, Radius};
 
-use crate::rerun::entity::CAMERA_TARGET;
+use crate::rerun::entity::FOCUS;
 use crate::rerun::identity::Geometry;
 use crate::rerun::output::track::Track;
 use crate::rerun::output::{ComponentColumns, Output};
 use crate::rerun::role::Role;
 use crate::telemetry::proportions::Proportions;
 
-/// Camera target height and distance, in sizes of the top.
-const CAMERA_HEIGHT: f64 = 0.55;
-const CAMERA_DISTANCE: f64 = 4.0;
-
 /// Time between two positions, in ns.
 const STEP_NS: u64 = 10_000_000;
 
-/// Sends the vertical line through the centre of the table, or through the peg that the camera follows, up to half a
+/// Sends the vertical line through the centre of the table, or through a free peg, up to half a
 /// height above the top.
 pub(super) fn send_vertical(geometry: &Geometry, entity: String, output: &mut Output) {
     let height = geometry.top.peg_radius + 1.5 * Proportions::new(&geometry.top).size();
@@ -28,27 +24,18 @@ pub(super) fn send_vertical(geometry: &Geometry, entity: String, output: &mut Ou
     output.send_static(entity, &line);
 }
 
-/// Two invisible points tracked by the camera. The viewer looks at their midpoint from 1.5 times their extent.
-fn camera_target(geometry: &Geometry) -> Points3D {
-    let size = Proportions::new(&geometry.top).size();
-    let reach = CAMERA_DISTANCE * size / 1.5;
-    let points = [-1.0, 1.0].map(|side| [0.0, 0.0, (CAMERA_HEIGHT * size + side * reach) as f32]);
-    Points3D::new(points).with_radii([Radius::new_ui_points(0.0)])
-}
-
-/// The place on the table below a free peg, which the camera follows.
+/// The place on the table below a free peg: the origin of its view, whose camera stays where it is.
 pub(super) struct Focus {
     track: Track<[f32; 3]>,
     next_ns: u64,
 }
 
 impl Focus {
-    /// Sends the target of the camera, and the vertical through the peg.
+    /// Sends the vertical through the peg.
     pub(super) fn new(geometry: &Geometry, role: &Role, output: &mut Output) -> Self {
-        send_vertical(geometry, role.entity("scene/focus/vertical"), output);
-        output.send_static(role.entity(CAMERA_TARGET), &camera_target(geometry));
+        send_vertical(geometry, role.entity(&format!("{FOCUS}/vertical")), output);
         Self {
-            track: Track::new(role.entity("scene/focus"), columns, output),
+            track: Track::new(role.entity(FOCUS), columns, output),
             next_ns: 0,
         }
     }

@@ -31,7 +31,7 @@ type Palette = [u32; SECTORS];
 
 const WOOD: u32 = 0xC9A2_6BFF;
 const CREAM: u32 = 0xF2E8_D5FF;
-const INK: u32 = 0x2F3B_52FF;
+const INK: u32 = 0x4A5F_8AFF;
 const MARK: u32 = 0xC855_3DFF;
 const STEEL: u32 = 0xB9C0_C8FF;
 

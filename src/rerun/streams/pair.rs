@@ -13,6 +13,7 @@ use crate::rerun::entity::SUMMARY;
 use crate::rerun::output::{Destination, Destinations, Output};
 use crate::rerun::pair::PairIdentity;
 use crate::rerun::plots::Plots;
+use crate::rerun::plots::curves::Curves;
 use crate::rerun::role::Role;
 use crate::rerun::scene::log_stage;
 use crate::rerun::style::legible;
@@ -79,12 +80,12 @@ impl Comparison {
             runs,
             ends_ns: [0; 2],
             difference: Plots::new(
-                |plot| identity.has_difference_of(plot),
+                |plot| identity.has_difference_of(Curves::Field(plot)),
                 &Role::Difference,
                 output,
             ),
             magnitude: Plots::new(
-                |plot| identity.has_magnitude_of(plot),
+                |plot| identity.has_magnitude_of(Curves::Field(plot)),
                 &Role::Magnitude,
                 output,
             ),

@@ -8,13 +8,15 @@ use super::properties;
 use super::stream::{Stream, StreamContent};
 use crate::archive::sink::{Sink, SinkError};
 use crate::rerun::blueprint;
-use crate::rerun::entity::ABOUT;
+use crate::rerun::entity::{ABOUT, LEGEND};
 use crate::rerun::identity::{Identity, Playback};
 use crate::rerun::measurement::plots::Measured;
 use crate::rerun::output::{Destination, Destinations, Output};
 use crate::rerun::plots::Plots;
+use crate::rerun::plots::means::MeanReader;
 use crate::rerun::role::Role;
-use crate::rerun::scene::{Scene, explanation};
+use crate::rerun::scene::{Scene, legend};
+use crate::rerun::snapshot::SnapshotReader;
 use crate::rerun::style::legible;
 use crate::run::outcome::Outcome;
 use crate::telemetry::Message;
@@ -29,6 +31,8 @@ pub struct Entities {
     measured: Option<Measured>,
     events: Option<Events>,
     scene: Option<Scene>,
+    snapshots: SnapshotReader,
+    means: MeanReader,
     identity: Identity,
     /// Whether the description begins with the reason for the motion.
     has_story: bool,
@@ -59,19 +63,16 @@ impl Stream<Entities> {
 impl Stream<Entities> {
     /// Sets the reason for the motion, a paragraph of Markdown. It is shown first when the run has ended.
     pub fn set_story(&mut self, paragraph: &str) {
-        let about = about(&self.content.identity, &Role::Alone, &legible(paragraph));
+        let about = about(&self.content.identity, &legible(paragraph));
         // Replaces the text that was sent at the start: static data have one value.
         self.output.send_static(Role::Alone.entity(ABOUT), &about);
         self.content.has_story = true;
     }
 }
 
-/// The description of a run after a paragraph, followed by the scales of the scene's arrows.
-fn about(identity: &Identity, role: &Role, paragraph: &str) -> TextDocument {
-    let mut text = format!("{paragraph}\n\n{}", identity.description);
-    if identity.has(POSE) {
-        text += &explanation(identity, role);
-    }
+/// The description of a run after a paragraph.
+fn about(identity: &Identity, paragraph: &str) -> TextDocument {
+    let text = format!("{paragraph}\n\n{}", identity.description);
     TextDocument::from_markdown(text.trim_start())
 }
 
@@ -92,12 +93,19 @@ impl Entities {
     /// Sends static data: description, names and colours, bodies of the scene.
     pub(super) fn new(identity: &Identity, role: &Role, output: &mut Output) -> Self {
         let has_scene = identity.has(POSE);
-        output.send_static(role.entity(ABOUT), &about(identity, role, ""));
+        output.send_static(role.entity(ABOUT), &about(identity, ""));
+        if has_scene && role.is_alone() {
+            let legend = TextDocument::from_markdown(legend(identity));
+            output.send_static(role.entity(LEGEND), &legend);
+        }
         let top = identity.geometry.top;
         let measurement = identity.measurement.as_ref();
         Self {
             measured: measurement.map(|measurement| Measured::new(measurement, output)),
-            plots: Plots::new(|plot| identity.has(plot.topic()), role, output),
+            plots: Plots::new(|plot| identity.has(plot.topic()), role, output)
+                .with_derived(identity, role, output),
+            snapshots: SnapshotReader::new(top, identity.geometry.is_free, &identity.topics),
+            means: MeanReader::default(),
             events: identity.has(EVENTS).then(|| Events::new(top, role, output)),
             scene: has_scene.then(|| Scene::new(identity, role, output)),
             identity: identity.clone(),
@@ -121,6 +129,15 @@ impl Entities {
         }
         if let Some(scene) = &mut self.scene {
             scene.write(message, output);
+        }
+        if let Some(snapshot) = self.snapshots.take(message) {
+            if let Some(scene) = &mut self.scene {
+                scene.write_snapshot(snapshot, output);
+            }
+            self.plots.write_snapshot(snapshot, output);
+        }
+        if let Some(means) = self.means.take(message) {
+            self.plots.write_means(&means, output);
         }
     }
 
