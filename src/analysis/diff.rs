@@ -158,7 +158,7 @@ fn compare_runs(
         }
         _ => Vec::new(),
     };
-    let mut report = Report::from_runs(runs, &paired, setup, others, integrations);
+    let mut report = Report::from_runs(runs, &paired, setup, others, integrations, options);
     if let Some((side, _)) = resampled {
         report.note_resampling(side);
     }

@@ -10,6 +10,7 @@ mod crossing;
 mod events;
 pub(super) mod finding;
 pub(super) mod quantity;
+mod sources;
 
 use self::averaged::{amplitude, axial_spin, crossing, distances, means, phase_lead};
 use self::crossing::ripple;
@@ -19,6 +20,7 @@ use self::quantity::{EndCondition, Quantity};
 use super::evidence::Evidence;
 use super::integration_error::{IntegrationError, combined};
 use super::pairing::PairedRun;
+use super::tolerance::Options;
 use crate::analysis::history::RunHistory;
 use crate::run::scenario::Scenario;
 use crate::run::simulation::StopReason;
@@ -26,7 +28,7 @@ use crate::telemetry::fields::{EVENTS, energy};
 use crate::telemetry::side::Side;
 
 /// All findings, the most important first.
-pub(super) fn findings(evidence: &Evidence<'_>) -> Vec<Finding> {
+pub(super) fn findings(evidence: &Evidence<'_>, options: &Options) -> Vec<Finding> {
     let runs = &evidence.paired.runs;
     // Ends and counts of a part are not those of the run.
     let are_whole = runs.iter().all(is_whole);
@@ -59,8 +61,12 @@ pub(super) fn findings(evidence: &Evidence<'_>) -> Vec<Finding> {
     }
     found.extend(energy_lost(evidence));
     found.extend(torque(evidence));
-    found.retain(Finding::is_known);
-    merge_equal_times(found)
+    found.retain(|finding| finding.is_known() && finding.quantity.is_selected(options));
+    let mut merged = merge_equal_times(found);
+    for finding in &mut merged {
+        finding.tolerate(options);
+    }
+    merged
 }
 
 /// Whether nothing of a run is known to be missing.

@@ -15,6 +15,7 @@ use super::integration_error::{IntegrationErrors, Integrations};
 use super::others::{self, TopicBytes};
 use super::pairing::{Paired, PairedRun};
 use super::setup::{KeyDifference, SetupDifferences};
+use super::tolerance::Options;
 use super::topic::{ChannelDifference, TopicTally};
 use crate::analysis::history::RunSummary;
 use crate::analysis::normal_force::NormalForces;
@@ -37,6 +38,8 @@ pub struct Report {
     pub verdict: Verdict,
     /// Whether both runs were read completely; otherwise the verdict covers the readable part.
     pub is_complete: bool,
+    /// Whether tolerances, topics or ignored fields limit what counts as a difference.
+    pub is_limited: bool,
     /// Extent to which the motions agree although the runs are different.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub agreement: Option<Agreement>,
@@ -123,6 +126,7 @@ impl Report {
         mut setup: SetupDifferences,
         others: Vec<TopicBytes>,
         integrations: Option<Integrations>,
+        options: &Options,
     ) -> Self {
         let errors = integrations
             .as_ref()
@@ -155,7 +159,7 @@ impl Report {
             integrations: integrations.as_ref(),
             scenarios: runs.map(Subject::scenario),
         };
-        let findings = findings(&evidence);
+        let findings = findings(&evidence, options);
         setup.fields_only_in = Side::BOTH.map(|side| {
             let fields = paired.compared().flat_map(|topic| topic.only_in(side));
             fields.cloned().collect()
@@ -198,6 +202,7 @@ impl Report {
             verdict,
             contrasts,
             is_complete: is_cut == [false; 2],
+            is_limited: options.are_limited(),
             agreement,
             setup,
             findings,

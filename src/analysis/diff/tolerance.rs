@@ -191,6 +191,14 @@ pub struct Options {
     pub topics: Vec<String>,
 }
 
+impl Options {
+    /// Whether tolerances, topics or ignored fields limit what counts as a difference.
+    pub(super) fn are_limited(&self) -> bool {
+        let tolerances = &self.tolerances;
+        tolerances.are_set() || !tolerances.ignored.is_empty() || !self.topics.is_empty()
+    }
+}
+
 impl Default for Options {
     /// All topics, bit for bit, with integration errors.
     fn default() -> Self {

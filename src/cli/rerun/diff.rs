@@ -118,6 +118,7 @@ impl PairViewer for OpenPairViewer {
 fn summary(report: &Report) -> Vec<Section> {
     let mut sections = vec![
         content::findings(report, false),
+        content::beyond(report, false),
         content::equals(report, false),
         content::setup(report, false, false),
         content::others(report, false),

@@ -615,3 +615,46 @@ fn normal_forces_are_told_where_they_differ() {
         .unwrap();
     assert_near("greatest", forces.b.unwrap().greatest, greatest, 1e-12);
 }
+
+/// Tolerances apply to findings, too, and the fields that exceed them are named.
+#[test]
+fn tolerances_and_topics_limit_findings() {
+    let [a, b] = ["0.03", "0.030001"].map(|k| short(&[("friction.k", k)]));
+    let differing = |options: &Options| {
+        let report = compare(&a, &b, options).unwrap();
+        let found = report.differing().map(|found| found.quantity.unit());
+        (found.collect::<Vec<_>>(), report)
+    };
+    let (all, report) = differing(&quick());
+    assert!(all.contains(&"rad/s") && all.contains(&"J"), "{all:?}");
+    assert!(!report.is_limited);
+    let (none, report) = differing(&tolerating("*=1"));
+    assert_eq!((none, report.verdict), (Vec::new(), Verdict::Equal));
+    let (energy, report) = differing(&only("/top/energy"));
+    assert_eq!(energy, ["J"]);
+    let beyond = report.fields_beyond();
+    assert!(beyond.iter().all(|(topic, _)| topic.topic == "/top/energy"));
+    let headline = report.headline().to_string();
+    let expected = format!(
+        "Different: {} fields beyond the tolerances, most /top/",
+        beyond.len()
+    );
+    assert!(headline.starts_with(&expected), "{headline}");
+    let (without, _) = differing(&ignoring("/top/energy.total"));
+    assert!(!without.contains(&"J"), "{without:?}");
+    // B − A of a field has the values of both.
+    let total = field(&report, "/top/energy", "total");
+    let [x, y] = total.values.unwrap();
+    assert_eq!(total.largest, y - x);
+}
+
+#[test]
+fn page_names_the_fields_beyond_the_tolerances() {
+    let mut command = Command::cargo_bin("toprise").unwrap();
+    let line = "diff paper paper --set stop.duration=0.2 --set-b friction.k=0.031 --no-floor";
+    let command = command.args(line.split(' ')).args(["--tol", "/top/*=1"]);
+    let page = command.args(["--color", "never", "--rel", "1e-3"]).assert();
+    let page = String::from_utf8(page.code(1).get_output().stdout.clone()).unwrap();
+    assert_contains(&page, "beyond the tolerances");
+    assert_contains(&page, "/events.");
+}

@@ -50,6 +50,8 @@ pub struct Finding {
     pub integration_error: Option<f64>,
     /// What else the difference depends on.
     pub dependences: Vec<Dependence>,
+    /// Whether the numbers are equal within the tolerances that were set.
+    pub is_tolerated: bool,
 }
 
 /// A pair of corresponding numbers, in reports.
@@ -73,7 +75,9 @@ struct FindingReport {
     integration_error: Option<f64>,
     /// What else the difference depends on: the chosen level, the phase of the nutation.
     dependences: Vec<Dependence>,
-    /// Whether the numbers differ by more than the integration error and the ripple of the nutation.
+    /// Whether the numbers are equal within the tolerances that were set.
+    is_tolerated: bool,
+    /// Whether the numbers differ by more than the tolerances, the integration error and the ripple of the nutation.
     differs: bool,
 }
 
@@ -89,6 +93,7 @@ impl From<Finding> for FindingReport {
             uncertainty: finding.uncertainty(),
             integration_error: finding.integration_error,
             differs: finding.differs(),
+            is_tolerated: finding.is_tolerated,
             dependences: finding.dependences,
         }
     }
@@ -115,6 +120,7 @@ impl Finding {
             difference: a.zip(b).map(|(a, b)| b - a),
             integration_error: None,
             dependences: Vec::new(),
+            is_tolerated: false,
         }
     }
 
@@ -145,10 +151,11 @@ impl Finding {
         self.a.is_some() || self.b.is_some() || self.difference.is_some()
     }
 
-    /// Whether the numbers differ by more than the integration error and the ripple of the nutation, or exist in one run
-    /// only.
+    /// Whether the numbers differ by more than the tolerances, the integration error and the ripple of the nutation, or
+    /// exist in one run only.
     pub fn differs(&self) -> bool {
         match self.difference {
+            _ if self.is_tolerated => false,
             // Without a known error, any difference counts.
             Some(difference) => {
                 difference.abs() > self.integration_error.unwrap_or(0.0) + self.ripple()
@@ -233,6 +240,7 @@ impl Finding {
             Some(difference) if difference.abs() <= error => {
                 sentence!("{} (integration)", self.quantity.magnitude_in_table(error))
             }
+            Some(_) if self.is_tolerated => "the tolerance".into(),
             Some(_) => sentence!(
                 "{} (nutation)",
                 self.quantity.magnitude_in_table(self.ripple() + error)

@@ -240,6 +240,14 @@ impl Quantity {
         }
     }
 
+    /// The scale of a difference without numbers of A and B.
+    pub(super) fn scale(self) -> Option<f64> {
+        match self {
+            Self::TorqueDifference { rms_a, .. } => Some(rms_a),
+            _ => None,
+        }
+    }
+
     /// A difference, with its sign and the digits of the quantity.
     pub(super) fn format_difference(self, difference: f64) -> String {
         if difference == 0.0 {

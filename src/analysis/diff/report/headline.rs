@@ -5,6 +5,9 @@ use crate::analysis::diff::agreement::{Agreement, Precision};
 use crate::analysis::diff::findings::contrast;
 use crate::analysis::diff::findings::finding::Finding;
 use crate::analysis::diff::findings::quantity::Quantity;
+use crate::analysis::diff::tolerance::full_name;
+use crate::analysis::diff::topic::ChannelDifference;
+use crate::analysis::diff::topic::field::FieldDifference;
 use crate::words::{Piece, Sentence, sentence};
 
 impl Report {
@@ -18,6 +21,7 @@ impl Report {
         }
         contrast::headline(&self.contrasts, &self.findings)
             .or_else(|| self.headline_of_means())
+            .or_else(|| self.headline_of_fields())
             .or_else(|| self.headline_of_labels())
             .unwrap_or_else(|| self.verdict.title().into())
     }
@@ -56,6 +60,30 @@ impl Report {
             difference,
             Piece::time(at)
         ))
+    }
+
+    /// Runs without a finding that differs, although fields are beyond the tolerances.
+    fn headline_of_fields(&self) -> Option<Sentence> {
+        let beyond = self.fields_beyond();
+        let (channel, field) = beyond.first().filter(|_| self.is_limited)?;
+        Some(sentence!(
+            "Different: {} beyond the tolerances, most {}",
+            Piece::count(beyond.len() as u64, "field"),
+            Piece::field(full_name(&channel.topic, &field.field))
+        ))
+    }
+
+    /// The fields that differ by more than the tolerances, with their topics; the one that differs most, relative to its
+    /// largest magnitude, first.
+    pub fn fields_beyond(&self) -> Vec<(&ChannelDifference, &FieldDifference)> {
+        let mut beyond = Vec::new();
+        for channel in &self.channels {
+            let fields = channel.fields.iter();
+            let own = fields.filter(|field| field.beyond > 0 && !field.is_derived);
+            beyond.extend(own.map(|field| (channel, field)));
+        }
+        beyond.sort_by(|(_, one), (_, other)| other.relative().total_cmp(&one.relative()));
+        beyond
     }
 
     /// Motions whose means don't differ: the first quantity that does, or what bounds the differences.

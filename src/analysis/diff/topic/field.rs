@@ -39,6 +39,14 @@ pub struct FieldDifference {
     pub is_within_integration_error: bool,
 }
 
+impl FieldDifference {
+    /// The largest difference relative to the largest magnitude of the field; 0 if the field is 0.
+    pub fn relative(&self) -> f64 {
+        let relative = self.largest.abs() / self.scale;
+        if relative.is_finite() { relative } else { 0.0 }
+    }
+}
+
 /// Safety factor of the estimated integration error.
 const SAFETY: f64 = 3.0;
 /// Allowance for rounding, ulp.

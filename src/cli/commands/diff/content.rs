@@ -4,10 +4,11 @@ use super::slip;
 use crate::analysis::diff::{
     Averaged, ChannelDifference, ComparedRun, Deviation, Discrepancy, FieldDifference, Finding,
     FirstDifference, IntegrationErrors, IntegratorError, KeyDifference, Report, Residual,
-    TopicBytes, Verdict,
+    TopicBytes, Verdict, full_name,
 };
 use crate::cli::extension::SPAWN_HINT;
 use crate::telemetry::Topic;
+use crate::telemetry::side::Side;
 use crate::words::number::significant;
 use crate::words::{Column, Section, Sentence, Table, Tone, counted, grouped};
 
@@ -19,6 +20,7 @@ const MAX_NAMED: usize = 6;
 /// The page: one screen, or everything. `is_cut` shortens long values to their difference.
 pub(in crate::cli) fn page(report: &Report, all: bool, is_cut: bool) -> Vec<Section> {
     let mut sections = vec![setup(report, all, is_cut), slip::section(report)];
+    sections.push(beyond(report, all));
     sections.push(findings(report, all));
     sections.push(equals(report, all));
     sections.push(others(report, all));
@@ -148,6 +150,42 @@ fn excerpt(key: &KeyDifference, value: Option<&str>) -> String {
     format!("{before}{part}{after}")
 }
 
+/// The fields beyond the tolerances, if some were set or topics were chosen.
+pub(in crate::cli) fn beyond(report: &Report, all: bool) -> Section {
+    let mut section = Section::default();
+    let beyond = report.fields_beyond();
+    if !report.is_limited || beyond.is_empty() {
+        return section;
+    }
+    let columns: [Column<&(&ChannelDifference, &FieldDifference)>; 6] = [
+        ("beyond the tolerances", |(channel, field)| {
+            with_unit(&full_name(&channel.topic, &field.field), &field.unit)
+        }),
+        ("A", |(_, field)| value(field, Side::A)),
+        ("B", |(_, field)| value(field, Side::B)),
+        ("largest B − A", |(_, field)| {
+            significant(field.largest, 3)
+        }),
+        ("at", |(_, field)| format!("{} s", field.at)),
+        ("pairs", |(_, field)| {
+            format!("{} of {}", grouped(field.beyond), grouped(field.count))
+        }),
+    ];
+    let shown = beyond.iter().take(max_rows(all));
+    section.table(Table::new(shown, 1, &columns));
+    let hidden = beyond.len().saturating_sub(max_rows(all));
+    if hidden > 0 {
+        section.line(format!("{hidden} more with --all"));
+    }
+    section
+}
+
+/// The value of a run where a field differs most.
+fn value(field: &FieldDifference, side: Side) -> String {
+    let values = field.values.map(|values| values[side.index()]);
+    values.map_or_else(String::new, |value| significant(value, 6))
+}
+
 /// The numbers that differ, with their remarks.
 pub(in crate::cli) fn findings(report: &Report, all: bool) -> Section {
     let mut section = Section::default();
@@ -268,8 +306,8 @@ fn fields(channel: &ChannelDifference) -> Section {
         ("at", |field| format!("{} s", field.at)),
         ("RMS", |field| significant(field.rms, 2)),
         ("relative", |field| {
-            let relative = field.largest.abs() / field.scale;
-            let shown = relative.is_finite().then(|| significant(relative, 2));
+            let relative = field.relative();
+            let shown = (relative > 0.0).then(|| significant(relative, 2));
             shown.unwrap_or_default()
         }),
     ];
