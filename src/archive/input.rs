@@ -1,6 +1,7 @@
 //! Inputs: what a word of a command line names is opened once, and travels as an [`Input`].
 
 pub use crate::archive::container::source::open_file;
+use crate::archive::container::source::{Source, is_stream};
 use crate::archive::format::Form;
 use crate::archive::recording::{Recording, RecordingError};
 use crate::run::scenario::{Preset, ScenarioError, Values};
@@ -70,7 +71,7 @@ impl InputError {
 pub enum Input {
     /// A preset.
     Preset(&'static Preset),
-    /// A scenario file, or standard input.
+    /// A scenario file, or a stream.
     Scenario {
         /// The file; `-` for standard input.
         path: PathBuf,
@@ -84,12 +85,15 @@ pub enum Input {
 }
 
 impl Input {
-    /// Opens what a word names: a preset before a file of this name; `-` is standard input, and a file of this name is
-    /// `./-`.
+    /// Opens what a word names: a preset before a file of this name; `-` is standard input, a scenario or a recording,
+    /// and a file of this name is `./-`.
     ///
     /// # Errors
     /// [`InputError`] if there is none, or a key of it is wrong; whether a scenario is complete is not checked.
     pub fn open(word: &Path) -> Result<Self, InputError> {
+        if is_stream(word) {
+            return Self::open_stream(word);
+        }
         let unknown = match Preset::find(&word.to_string_lossy()) {
             Ok(preset) => return Ok(Self::Preset(preset)),
             Err(unknown) => unknown,
@@ -97,13 +101,36 @@ impl Input {
         let text = match FileFormat::detect(word) {
             FileFormat::Parquet => return Ok(Self::Table(word.to_owned())),
             FileFormat::Recording => return Self::open_recording(word),
-            FileFormat::Text if word.as_os_str() == "-" => scenario_from(io::stdin().lock()),
             // A link that leads nowhere is a file, too: the system says what is wrong with it.
             FileFormat::Text if word.symlink_metadata().is_ok() || looks_like_a_file(word) => {
                 read_file(word)
             }
             FileFormat::Text => return Err(InputError::UnknownPreset(unknown)),
         };
+        Self::from_text(word, text)
+    }
+
+    /// A stream is read once, so its first bytes show what it is.
+    fn open_stream(word: &Path) -> Result<Self, InputError> {
+        let source = match Source::open(word) {
+            Ok(source) => source,
+            Err(RecordingError::Empty) => {
+                let reason = "it is empty (it can be read only once)";
+                return Self::from_text(word, Err(io::Error::other(reason)));
+            }
+            Err(reason) => return Err(InputError::recording(word, reason)),
+        };
+        if source.has_magic_at(0).unwrap_or(false) {
+            return match Recording::from_source(source, word) {
+                Ok(recording) => Ok(Self::Recording(Box::new(recording))),
+                Err(reason) => Err(InputError::recording(word, reason)),
+            };
+        }
+        Self::from_text(word, text_from(&source))
+    }
+
+    /// The scenario that a text is.
+    fn from_text(word: &Path, text: io::Result<String>) -> Result<Self, InputError> {
         let path = word.to_owned();
         match text {
             Ok(text) => Ok(Self::Scenario {
@@ -211,20 +238,12 @@ fn read_start(path: &Path) -> io::Result<Vec<u8>> {
     Ok(start)
 }
 
-/// The text of a scenario from a stream.
-fn scenario_from(stream: impl io::Read) -> io::Result<String> {
+/// The text of a stream, which is a scenario.
+fn text_from(source: &Source) -> io::Result<String> {
     /// Maximum length of a scenario from a stream, bytes.
     const MAX_LENGTH: u64 = 1 << 20;
     let mut bytes = Vec::new();
-    // Bytes, not text: the errors below recognise what else was piped in.
-    stream.take(MAX_LENGTH).read_to_end(&mut bytes)?;
-    if bytes.starts_with(mcap::MAGIC) {
-        let reason = "a recording can't be read from a pipe: save it to a file";
-        return Err(io::Error::other(reason));
-    }
-    if bytes.is_empty() {
-        return Err(io::Error::other("it is empty (it can be read only once)"));
-    }
+    source.read(0, MAX_LENGTH, &mut bytes)?;
     text_of(bytes)
 }
 
@@ -340,7 +359,7 @@ mod tests {
     }
 
     fn message(bytes: &[u8]) -> String {
-        scenario_from(bytes).unwrap_err().to_string()
+        text_of(bytes.to_vec()).unwrap_err().to_string()
     }
 
     #[test]
@@ -379,13 +398,6 @@ mod tests {
         for bytes in [&b"\x89PNG\r\n\0\0"[..], &[0; 1000]] {
             assert_eq!(message(bytes), "it is not text");
         }
-        assert_eq!(scenario_from(text.as_bytes()).unwrap(), text);
-    }
-
-    #[test]
-    fn streams_hold_scenarios_only() {
-        let recording = [mcap::MAGIC, b"rest"].concat();
-        assert!(message(&recording).contains("save it to a file"));
-        assert!(message(b"").starts_with("it is empty"));
+        assert_eq!(text_of(text.as_bytes().to_vec()).unwrap(), text);
     }
 }

@@ -99,6 +99,37 @@ fn write_line(stream: &mut impl Write, text: &str) -> io::Result<()> {
     }
 }
 
+/// Standard output for bytes. A closed pipe is no error, as for reports: its reader wants no more.
+#[derive(Debug)]
+pub(super) struct BinaryOutput(io::Stdout);
+
+impl BinaryOutput {
+    /// Standard output, unless it is a terminal, which would show nonsense.
+    pub(super) fn new() -> io::Result<Self> {
+        if io::stdout().is_terminal() {
+            let reason = "standard output is a terminal: redirect it to a file or a program";
+            return Err(io::Error::other(reason));
+        }
+        Ok(Self(io::stdout()))
+    }
+}
+
+impl Write for BinaryOutput {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self.0.write(bytes) {
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(bytes.len()),
+            result => result,
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self.0.flush() {
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+            result => result,
+        }
+    }
+}
+
 /// Prints an error.
 pub(super) fn error(what: &str) {
     print_line(&format!("{ERROR}error:{ERROR:#} "), what);

@@ -612,7 +612,7 @@ fn presets_reads_standard_input() {
     let mut program = folder.program("presets -");
     let printed = printed(program.write_stdin(toml.clone()), "presets -", 0);
     assert_eq!(printed.stdout, toml);
-    folder.refuses("info -", "standard input can be a scenario only");
+    folder.refuses("info -", "the file is empty");
     folder.refuses("presets nope", "nope");
 }
 
@@ -791,7 +791,7 @@ fn unusable_files_are_not_presets() {
     }
 }
 
-/// `-` is a scenario on standard input; recordings, tables and outputs need a file.
+/// `-` is a scenario or a recording on standard input.
 #[test]
 fn reads_scenarios_from_standard_input() {
     let folder = Folder::new();
@@ -805,16 +805,56 @@ fn reads_scenarios_from_standard_input() {
     assert_contains(&piped("explain -", 0).stdout, "The top started with");
     piped("diff - a.mcap", 0);
     assert_contains(&piped("diff - -", 2).stderr, "it can be read only once");
-    let mut program = folder.program("run - -o b.mcap");
-    let recording = program.write_stdin(folder.read("a.mcap"));
-    let stderr = printed(recording, "run - < a.mcap", 2).stderr;
-    assert_contains(&stderr, "a recording can't be read from a pipe");
     for line in ["verify -", "info -"] {
-        assert_contains(&piped(line, 2).stderr, "error");
+        assert_contains(&piped(line, 2).stderr, "not an MCAP file");
     }
-    let stderr = piped("run --set stop.duration=0.05 -o -", 2).stderr;
-    assert_contains(&stderr, "is not a file name");
     assert_eq!(folder.files(), ["a.mcap"]);
+}
+
+#[test]
+fn recordings_go_through_pipes() {
+    let folder = Folder::new();
+    let run = "run paper --set stop.duration=0.05 -o";
+    folder.toprise(&format!("{run} a.mcap"), 0);
+    let streamed = folder.program(&format!("{run} -")).output().unwrap();
+    assert!(streamed.stdout == folder.read("a.mcap"));
+    assert!(streamed.stderr.is_empty());
+    let piped = |line: &str, code: i32| {
+        let mut program = folder.program(line);
+        printed(program.write_stdin(folder.read("a.mcap")), line, code)
+    };
+    assert_contains(&piped("verify -", 0).stdout, "byte-identical");
+    assert_contains(&piped("explain -", 0).stdout, "The top started with");
+    assert_contains(&piped("info -", 0).stdout, "complete");
+    assert_contains(&piped("diff a.mcap -", 0).stdout, "Identical");
+    assert_contains(&piped("diff - -", 2).stderr, "it can be read only once");
+    piped("run - -o b.mcap --encoding protobuf", 0);
+    folder.toprise("verify b.mcap", 0);
+    let missing = folder.at("missing");
+    let mut program = folder.program("verify -");
+    program
+        .env("TMPDIR", &missing)
+        .env("TEMP", &missing)
+        .env("TMP", &missing);
+    let refused = printed(program.write_stdin(folder.read("a.mcap")), "verify -", 2);
+    assert_contains(&refused.stderr, "can't be kept in a temporary file");
+}
+
+/// A shell's `<(…)` is a descriptor that is open already.
+#[cfg(target_os = "linux")]
+#[test]
+fn reads_process_substitutions() {
+    let folder = Folder::new();
+    folder.toprise("run paper --set stop.duration=0.05 -o a.mcap", 0);
+    let program = env!("CARGO_BIN_EXE_toprise");
+    let script = format!("{program} diff a.mcap <(cat a.mcap) && {program} verify <(cat a.mcap)");
+    let mut bash = std::process::Command::new("bash");
+    let output = bash
+        .current_dir(folder.path())
+        .args(["-c", &script])
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{output:?}");
 }
 
 #[cfg(unix)]

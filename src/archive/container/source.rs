@@ -5,7 +5,7 @@
 use crate::archive::error::RecordingError;
 use mcap::MAGIC;
 use std::fs::File;
-use std::io;
+use std::io::{self, Read};
 use std::path::Path;
 
 /// Opens a file for reading. Pipes and devices are rejected, because opening a pipe could block.
@@ -13,16 +13,42 @@ use std::path::Path;
 /// # Errors
 /// The system error, or an error if the path is not a regular file.
 pub fn open_file(path: &Path) -> io::Result<File> {
-    if path.as_os_str() == "-" {
-        let reason = "standard input can be a scenario only: save this to a file";
-        return Err(io::Error::other(reason));
-    }
     let metadata = path.metadata()?;
     if !metadata.is_file() && !metadata.is_dir() {
-        let reason = "it is a pipe or a device, not a file (a scenario can be read from standard input, as -)";
+        let reason =
+            "it is a pipe or a device, not a file (runs can be read from standard input, as -)";
         return Err(io::Error::other(reason));
     }
     File::open(path)
+}
+
+/// Whether a path names a stream that is open already: standard input as `-`, or a descriptor of a shell's `<(…)`. Named
+/// pipes don't: opening them could block.
+pub(crate) fn is_stream(path: &Path) -> bool {
+    let mut open = ["/dev/stdin", "/dev/fd", "/proc/self/fd"].iter();
+    let is_special = || {
+        path.metadata()
+            .is_ok_and(|at| !at.is_file() && !at.is_dir())
+    };
+    path.as_os_str() == "-" || open.any(|folder| path.starts_with(folder)) && is_special()
+}
+
+/// Keeps a stream in a temporary file without a name.
+fn spool(path: &Path) -> io::Result<File> {
+    let mut stream: Box<dyn Read> = if path.as_os_str() == "-" {
+        Box::new(io::stdin().lock())
+    } else {
+        Box::new(File::open(path)?)
+    };
+    let copied = tempfile::tempfile().and_then(|mut file| {
+        io::copy(&mut stream, &mut file)?;
+        Ok(file)
+    });
+    copied.map_err(|error| {
+        let folder = std::env::temp_dir();
+        let problem = "the stream can't be kept in a temporary file in";
+        io::Error::other(format!("{problem} {}: {error}", folder.display()))
+    })
 }
 
 /// An open file.
@@ -34,7 +60,11 @@ pub(crate) struct Source {
 
 impl Source {
     pub(crate) fn open(path: &Path) -> Result<Self, RecordingError> {
-        let file = open_file(path)?;
+        let file = if is_stream(path) {
+            spool(path)?
+        } else {
+            open_file(path)?
+        };
         let metadata = file.metadata()?;
         let length = metadata.len();
         if metadata.is_dir() {

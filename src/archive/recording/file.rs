@@ -37,7 +37,11 @@ impl Recording {
     /// # Errors
     /// [`RecordingError`] if it can't be opened or is not an MCAP file. Damage is not an error.
     pub fn open(path: &Path) -> Result<Self, RecordingError> {
-        let source = Source::open(path)?;
+        Self::from_source(Source::open(path)?, path)
+    }
+
+    /// Scans an open file; `path` is its name.
+    pub(crate) fn from_source(source: Source, path: &Path) -> Result<Self, RecordingError> {
         let layout = Layout::read(&source)?;
         let recording = Self {
             source,

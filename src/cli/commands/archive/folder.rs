@@ -99,8 +99,9 @@ pub(super) struct Unpacked {
 pub(in crate::cli::commands) fn is_archive(path: &Path) -> bool {
     const MAGIC: &[u8; 4] = b"PK\x03\x04";
     let mut start = [0; MAGIC.len()];
-    let read = File::open(path).and_then(|mut file| file.read_exact(&mut start));
-    path.is_dir() || read.is_ok() && start == *MAGIC
+    // Streams can be read only once.
+    let mut read = || File::open(path)?.read_exact(&mut start);
+    path.is_dir() || path.is_file() && read().is_ok() && start == *MAGIC
 }
 
 impl Unpacked {

@@ -30,7 +30,7 @@ pub(crate) struct RunArguments {
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_override)]
     overrides: Vec<Override>,
 
-    /// MCAP file to write [default: next free name in recordings/, with an .rrd file]
+    /// MCAP file to write, or - for standard output [default: next free name in recordings/, with an .rrd file]
     #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
     output: Option<PathBuf>,
 

@@ -53,6 +53,13 @@ impl FilePlan {
         }
     }
 
+    /// Whether the MCAP file goes to standard output.
+    pub(super) fn is_streamed(&self) -> bool {
+        self.mcap
+            .as_ref()
+            .is_some_and(|mcap| mcap.as_os_str() == "-")
+    }
+
     /// Creates the draft of a file. Refuses to overwrite the input.
     pub(in crate::cli) fn create(&self, drafts: &Drafts, path: &Path) -> Result<Draft, SinkError> {
         // Also with --force: the scenario would be lost if the run fails.
