@@ -7,6 +7,9 @@ pub(super) const EVENTS: &str = "events";
 /// The log of all events except nutation extremes.
 pub(super) const EACH_EVENT: &str = "events/each";
 
+/// What a free peg does.
+pub(super) const REGIME: &str = "/regime";
+
 /// The description of a run.
 pub(super) const ABOUT: &str = "about";
 /// The arrows of the scene and their scales.
@@ -16,6 +19,10 @@ pub(super) const SUMMARY: &str = "/summary";
 
 /// The report on the fit of a run.
 pub(super) const FIT_REPORT: &str = "/fit/report";
+
+/// The argument for the rise at the time cursor, and the arrow that only its view shows.
+pub(super) const WHY: &str = "/why";
+pub(super) const WHY_GHOST: &str = "/why/momentum_later";
 
 /// The scene; in a comparison, the part shared by both runs.
 pub(super) const STAGE: &str = "/scene";

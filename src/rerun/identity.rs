@@ -58,8 +58,10 @@ pub struct Identity {
     pub names: StoreNames,
     /// Identifier: a viewer merges recordings that have the same.
     pub recording_id: String,
-    /// The name that a viewer shows.
+    /// The name of the run.
     pub name: String,
+    /// The name that a viewer shows.
+    pub shown_name: String,
     /// The scenario with its changes, the support and the law of friction: the title of the scene.
     pub title: String,
     /// Description of the run, in Markdown.
@@ -91,6 +93,7 @@ impl Identity {
             names: StoreNames::default(),
             recording_id: format!("{name}-{:.16}", scenario.digest()),
             name: name.to_owned(),
+            shown_name: shown_name(name, scenario),
             title: format!("{} · {peg} peg · friction: {law}", scenario.title()),
             description: format!(
                 "# {}\n\n{}\n\n```toml\n{}```\n",
@@ -131,6 +134,15 @@ impl Identity {
     /// Whether messages of this topic will be written.
     pub(super) fn has(&self, topic: Topic) -> bool {
         self.topics.contains(&topic)
+    }
+}
+
+/// The name of a recording in a viewer: for a file that is named after the keys that were changed, these keys.
+fn shown_name(name: &str, scenario: &Scenario) -> String {
+    if name.starts_with(&format!("{}_", scenario.name())) {
+        scenario.title()
+    } else {
+        name.to_owned()
     }
 }
 

@@ -50,7 +50,7 @@ impl PairIdentity {
 
     /// Role of a run's entities.
     pub(super) fn role(&self, side: Side) -> Role {
-        Role::Compared(side, self.name_of(side).to_owned())
+        Role::Compared(side)
     }
 
     /// Whether there will be differences of a plot: both runs have it, row by row.

@@ -13,3 +13,16 @@ pub(super) const VERMILION: u32 = 0xE863_1AFF;
 pub(super) const PURPLE: u32 = 0xCC79_A7FF;
 pub(super) const GREY: u32 = 0xB4BA_C4FF;
 pub(super) const WHITE: u32 = 0xF4F6_F8FF;
+
+/// The name of a colour of an arrow.
+pub(super) fn name(color: u32) -> &'static str {
+    match color {
+        ORANGE => "orange",
+        SKY => "blue",
+        GREEN => "green",
+        YELLOW => "yellow",
+        VERMILION => "red",
+        WHITE => "white",
+        _ => "grey",
+    }
+}

@@ -15,7 +15,9 @@ use super::output::{ComponentColumns, Output};
 use super::role::Role;
 use super::snapshot::Snapshot;
 use crate::physics::math;
-use crate::telemetry::fields::{NUTATION, NumberField, Plot, STATE, nutation, precession, state};
+use crate::telemetry::fields::{
+    NUTATION, NumberField, Plot, STATE, events, nutation, precession, state,
+};
 use crate::telemetry::{Message, Quantity, Topic};
 
 /// The range before the first value.
@@ -151,6 +153,12 @@ impl Plots {
         for plot in &mut self.fields[message.channel] {
             plot.write_fields(message, &value, self.is_upright, output);
         }
+    }
+
+    /// Marks the event of a message.
+    pub(super) fn mark_event(&mut self, message: &Message<'_>, output: &mut Output) {
+        let theta = [events::THETA.of(message)];
+        self.write_derived(Derived::EventMarks, message.time_ns, &theta, output);
     }
 
     /// Adds the curves that follow from a sample.

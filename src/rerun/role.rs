@@ -18,8 +18,8 @@ const TRANSLUCENT: u32 = 0xFFFF_FFA8;
 pub(super) enum Role {
     /// The only run of a recording.
     Alone,
-    /// One of two runs, with its name.
-    Compared(Side, String),
+    /// One of two runs.
+    Compared(Side),
     /// The difference of two runs.
     Difference,
     /// The decimal logarithm of the magnitude of that difference.
@@ -37,7 +37,7 @@ impl Role {
         let path = path.trim_start_matches('/');
         match self {
             Self::Alone => format!("/{path}"),
-            Self::Compared(side, _) => format!("/{}/{path}", side.letter()),
+            Self::Compared(side) => format!("/{}/{path}", side.letter()),
             Self::Difference => format!("/diff/{path}"),
             Self::Magnitude => format!("/diff_log10/{path}"),
         }
@@ -57,7 +57,7 @@ impl Role {
     pub(super) fn name(&self, own: &str) -> String {
         match self {
             Self::Alone => own.to_owned(),
-            Self::Compared(side, _) => format!("{} {own}", side.name()),
+            Self::Compared(side) => format!("{} {own}", side.name()),
             Self::Difference => format!("Δ {own}"),
             Self::Magnitude => format!("log₁₀ |Δ {own}|"),
         }
@@ -66,7 +66,7 @@ impl Role {
     /// The name of a quantity in the scene, where the title names A.
     pub(super) fn short_name(&self, own: &str) -> String {
         match self {
-            Self::Compared(side, _) => format!("{}: {own}", side.name()),
+            Self::Compared(side) => format!("{}: {own}", side.name()),
             Self::Alone | Self::Difference | Self::Magnitude => self.name(own),
         }
     }
@@ -76,8 +76,8 @@ impl Role {
     pub(super) fn color(&self, own: u32, place: usize) -> u32 {
         let color = match self {
             Self::Alone => return own,
-            Self::Compared(Side::A, _) => palette::SKY,
-            Self::Compared(Side::B, _) => palette::ORANGE,
+            Self::Compared(Side::A) => palette::SKY,
+            Self::Compared(Side::B) => palette::ORANGE,
             Self::Difference | Self::Magnitude => palette::PURPLE,
         };
         // The colour of the run, with the opacity of the quantity in the lowest byte.
@@ -89,14 +89,14 @@ impl Role {
     pub(super) fn width(&self, own: f32) -> f32 {
         match self {
             // Translucent bands and dots keep their width.
-            Self::Compared(Side::A, _) if own > 1.0 => 3.5,
-            Self::Alone | Self::Compared(Side::A, _) => own,
-            Self::Compared(Side::B, _) | Self::Difference | Self::Magnitude => own.min(1.2),
+            Self::Compared(Side::A) if own > 1.0 => 3.5,
+            Self::Alone | Self::Compared(Side::A) => own,
+            Self::Compared(Side::B) | Self::Difference | Self::Magnitude => own.min(1.2),
         }
     }
 
     fn is_of_b(&self) -> bool {
-        matches!(self, Self::Compared(Side::B, _))
+        matches!(self, Self::Compared(Side::B))
     }
 
     /// The factor by which arrows are thicker than in a recording of one run.

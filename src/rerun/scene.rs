@@ -182,17 +182,9 @@ const ARROW_NS: u64 = 4_000_000;
 
 /// Marks the centre of mass in the body, and the centre of the peg: that of the ball of a tippe top.
 fn log_centers(geometry: &Geometry, output: &mut Output) {
-    let proportions = Proportions::new(&geometry.top);
-    let name = if proportions.is_ball {
-        "centre of the ball"
-    } else {
-        ""
-    };
     let points = Points3D::new([[0.0, 0.0, geometry.top.center_distance as f32], [0.0; 3]])
         .with_colors([GREY, WHITE].map(Color::from_u32))
-        .with_radii([Radius::new_ui_points(3.0)])
-        .with_labels(["centre of mass", name])
-        .with_show_labels(proportions.is_ball);
+        .with_radii([Radius::new_ui_points(3.0)]);
     output.send_static("/scene/top/centers", &points);
 }
 
@@ -231,7 +223,8 @@ fn note(geometry: &Geometry) -> Points3D {
 /// The arrows of the scene with their scales, and the paths of a run that is alone, in Markdown.
 pub(super) fn legend(identity: &Identity) -> String {
     let mut text = arrow::legend(identity);
-    text += "\nPink: path of the symmetry axis.";
+    text +=
+        "\nPoints: centre of mass grey, centre of the peg white. Pink: path of the symmetry axis.";
     if identity.geometry.is_free {
         text += " Path of the contact point: blue where it slides, green where it rolls or sticks, vermilion where the \
                  peg is in the air.";

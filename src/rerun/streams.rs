@@ -6,3 +6,4 @@ pub(super) mod pair;
 mod properties;
 pub(super) mod run;
 pub(super) mod stream;
+pub(super) mod why;

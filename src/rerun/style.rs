@@ -109,6 +109,15 @@ pub(super) fn lines(styles: &[LineStyle]) -> SeriesLines {
         .with_interpolation_mode(InterpolationMode::Linear)
 }
 
+/// Marks of these colours and sizes.
+pub(super) fn marks(styles: &[LineStyle]) -> SeriesPoints {
+    SeriesPoints::new()
+        .with_names(styles.iter().map(|(name, ..)| *name))
+        .with_colors(styles.iter().map(|(_, color, _)| Color::from_u32(*color)))
+        .with_markers(styles.iter().map(|_| MarkerShape::Diamond))
+        .with_marker_sizes(styles.iter().map(|(.., size)| *size))
+}
+
 /// The style of a number, given its position in the plot.
 fn style_of(number: NumberField, place: usize, role: &Role) -> PlotStyle {
     let known = NAMED_STYLES.iter().find(|(known, ..)| *known == number);

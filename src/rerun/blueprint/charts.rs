@@ -4,6 +4,7 @@ use rerun::blueprint::components::Corner2D::{self, LeftBottom, LeftTop, RightBot
 
 use super::views::titled;
 use crate::rerun::plots::curves::{Curves, Derived};
+use crate::rerun::role::Role;
 use crate::telemetry::fields::{
     Plot, center_of_mass, contact, energy, free_peg, momentum, nutation, precession, state, torque,
 };
@@ -55,6 +56,7 @@ const fn of(plot: Plot) -> Curves {
 
 const THETA_ALONE: &[Curves] = &[of(state::THETA.plot())];
 const THETA: &[Curves] = &[of(state::THETA.plot()), of(nutation::THETA_MEAN.plot())];
+const INCLINATION_CURVES: &[Curves] = &[THETA[0], THETA[1], Curves::Derived(Derived::EventMarks)];
 const THETA_DOT: &[Curves] = &[
     of(state::THETA_DOT.plot()),
     of(nutation::THETA_DOT_MEAN.plot()),
@@ -92,12 +94,12 @@ const PERIOD: &[Curves] = &[of(nutation::PERIOD.plot())];
 
 const MOMENTUM_NAME: &str = "Angular momentum";
 pub(super) const GAP_NAME: &str = "Height of the peg";
-pub(super) const REGIME_NAME: &str = "0 rolls, 1 slides, 2 flies";
+const REGIME_NAME: &str = "0 rolls, 1 slides, 2 flies";
 const PHI_DOT_NAME: &str = "dφ/dt, precession";
 const ENERGY_NAME: &str = "Energy, 0 at the peg's centre";
 const TORQUE_NAME: &str = "Friction torque";
 
-const INCLINATION: Chart = chart("θ, inclination", THETA, RightTop);
+const INCLINATION: Chart = chart("θ, inclination", INCLINATION_CURVES, RightTop);
 const THETA_RATE: Chart = chart("dθ/dt", THETA_DOT, LeftTop);
 const PHI_RATE: Chart = chart(PHI_DOT_NAME, PHI_DOT_AND_ROOT, LeftTop);
 const PSI_RATE: Chart = chart("Spin, dψ/dt and ω·n", SPIN, RightTop);
@@ -129,15 +131,14 @@ pub(super) const TRAVEL: [Chart; 8] = [
     ANGULAR_MOMENTUM,
     SLIDING,
     chart("Centre of mass", CENTER, LeftTop),
-    chart(REGIME_NAME, REGIME, RightTop),
+    PARTS,
     chart(GAP_NAME, GAP, RightTop),
     SHORTENING,
     ENERGIES,
 ];
 
 /// Events of a free peg on the table and above it.
-pub(super) const TABLE: [Chart; 6] = [
-    PARTS,
+pub(super) const TABLE: [Chart; 5] = [
     chart("Normal force", NORMAL_FORCE, RightTop),
     chart("Energy lost since the start", LOST, LeftTop),
     chart("Velocity of the peg", PEG_VELOCITY, RightTop),
@@ -234,6 +235,26 @@ pub(super) const MORE_CONTRASTS: [Chart; 5] = [
     contrast("dφ/dt − slow rate", EXCESS, EXCESS),
     contrast("Nutation period", PERIOD, PERIOD),
 ];
+
+/// Whether the layout of a run shows a plot.
+pub(crate) fn shows(plot: Plot, role: &Role, is_free: bool) -> bool {
+    let pages: &[&[Chart]] = match (role.is_alone(), is_free) {
+        (true, false) => &[&RISE, &MORE],
+        (true, true) => &[&TRAVEL, &TABLE, &RATES, &MORE],
+        // Runs with and without a free peg are compared in the same charts.
+        (false, _) => &[
+            &MOTION_CONTRASTS,
+            &TRAVEL_CONTRASTS,
+            &FRICTION_CONTRASTS,
+            &TABLE_CONTRASTS,
+            &MORE_CONTRASTS,
+        ],
+    };
+    let charts = pages.iter().copied().flatten();
+    charts
+        .flat_map(|chart| chart.curves.iter().chain(chart.differences))
+        .any(|curves| *curves == Curves::Field(plot))
+}
 
 /// Whether the layout of two runs shows differences of these curves.
 pub(crate) fn compares(curves: Curves) -> bool {

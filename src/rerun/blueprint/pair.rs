@@ -122,7 +122,7 @@ fn scenes(layout: &mut BlueprintLayout, identity: &PairIdentity) -> Option<Child
     let mut views = Vec::new();
     for run in runs {
         let (role, own) = &run;
-        let Role::Compared(side, _) = role else {
+        let Role::Compared(side) = role else {
             continue;
         };
         let name = format!("{}: {}", side.name(), identity.name_of(*side));

@@ -10,8 +10,8 @@ use super::charts::{Chart, MORE, RATES, RISE, TABLE, TERMS, TRAVEL};
 use super::corner::corner_for;
 use super::fit;
 use super::views::{
-    SceneView, events, hodograph, playback_speed, scene, set_time_range, set_value_range,
-    time_panel, time_series, window,
+    SceneView, events, hodograph, playback_speed, regimes, scene, set_time_range, set_value_range,
+    time_panel, time_series, why, window,
 };
 use crate::rerun::entity::{self, ABOUT, EACH_EVENT, FIT_REPORT, LEGEND, STAGE};
 use crate::rerun::identity::magnitude::Magnitudes;
@@ -19,7 +19,8 @@ use crate::rerun::identity::{Identity, Playback};
 use crate::rerun::plots::Plots;
 use crate::rerun::role::Role;
 use crate::rerun::scene::has_hodograph;
-use crate::telemetry::fields::{EVENTS, POSE};
+use crate::rerun::streams::why::has_why;
+use crate::telemetry::fields::{CONTACT, EVENTS, POSE};
 use crate::telemetry::proportions::Proportions;
 
 /// The messages of the layout.
@@ -128,6 +129,16 @@ fn left_side(layout: &mut BlueprintLayout, identity: &Identity, has_story: bool)
     layout.contain(column(&heights), &[scene, words])
 }
 
+/// The first page of a top that is not a tippe top.
+const RISE_PAGE: &str = "Rise";
+/// The page of a peg on the table.
+const TABLE_PAGE: &str = "On the table";
+
+/// Whether a run has regimes worth a view.
+pub(crate) fn has_regimes(identity: &Identity) -> bool {
+    identity.geometry.is_free && identity.has(CONTACT)
+}
+
 /// A page of charts.
 struct RunPage {
     name: &'static str,
@@ -142,12 +153,12 @@ fn pages(identity: &Identity, plots: Option<&Plots>) -> Vec<RunPage> {
     let is_ball = Proportions::new(&identity.geometry.top).is_ball;
     let is_free = identity.geometry.is_free;
     let mut pages = vec![match (is_free, is_ball) {
-        (false, _) => page("Rise", &RISE, identity),
-        (true, false) => page("How it travels", &TRAVEL, identity),
+        (false, _) => page(RISE_PAGE, &RISE, identity),
+        (true, false) => page(RISE_PAGE, &TRAVEL, identity),
         (true, true) => page("How it inverts", &TRAVEL, identity),
     }];
     if is_free {
-        pages.push(page("On the table", &TABLE, identity));
+        pages.push(page(TABLE_PAGE, &TABLE, identity));
         pages.push(page("Rates", &RATES, identity));
     }
     pages.push(page("More", &MORE, identity));
@@ -238,10 +249,16 @@ fn right_side(
             }
             views.push(view);
         }
+        if page.name == TABLE_PAGE && has_regimes(identity) {
+            views.push(regimes(layout));
+        }
         let grid = parts::ContainerBlueprint::new(ContainerKind::Grid)
             .with_grid_columns(page.columns)
             .with_display_name(Name(page.name.into()));
         grids.extend(layout.contain_any(grid, &views));
+        if page.name == RISE_PAGE && has_why(identity) {
+            grids.push(why(layout, &identity.geometry));
+        }
     }
     layout.contain_any(tabs(), &grids)
 }
@@ -285,7 +302,7 @@ fn legend(
 
 #[cfg(test)]
 mod tests {
-    use super::super::charts::{GAP_NAME, REGIME_NAME};
+    use super::super::charts::GAP_NAME;
     use super::*;
     use crate::rerun::identity::Geometry;
     use crate::rerun::output::{Destinations, Output};
@@ -331,7 +348,7 @@ mod tests {
         let (identity, plots) = plots("free-viscous");
         let before = pages(&identity, None);
         let after = pages(&identity, Some(&plots));
-        for name in [GAP_NAME, REGIME_NAME] {
+        for name in [GAP_NAME] {
             assert!(names(&before[0]).contains(&name));
             assert!(!names(&after[0]).contains(&name), "the peg never hops");
             let more = after.iter().find(|page| page.name == "More").unwrap();

@@ -6,12 +6,14 @@ use rerun::blueprint::components::{
     TimelineColumn, VisibleTimeRange, VisualBounds2D,
 };
 use rerun::blueprint::datatypes as blueprint_data;
-use rerun::components::Color;
+use rerun::components::{Color, Name};
 use rerun::datatypes::{self, TimeInt, TimeRange, TimeRangeBoundary};
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
-use super::builder::{BlueprintLayout, Child, row};
-use crate::rerun::entity::{EVENTS, HODOGRAPH, HODOGRAPH_PATH, Shown, paths};
+use super::builder::{BlueprintLayout, Child, column, row};
+use crate::rerun::entity::{
+    EVENTS, HODOGRAPH, HODOGRAPH_PATH, REGIME, STAGE, Shown, WHY, WHY_GHOST, paths,
+};
 use crate::rerun::identity::scale::round;
 use crate::rerun::identity::{Geometry, Playback};
 use crate::rerun::output::message::TIMELINE;
@@ -88,22 +90,34 @@ fn time_range(start: TimeRangeBoundary, end: TimeRangeBoundary) -> parts::Visibl
     })])
 }
 
-/// A list of the events of these entities. Each text begins with its run, if there are two, and with the time of its event,
-/// more precisely than the viewer's column of times. All other columns are left out: narrow views cut long texts.
+/// A list of the events of these entities: time, a click on which moves the time cursor, level and text.
 pub(super) fn events(layout: &mut BlueprintLayout, name: &str, contents: &[String]) -> Child {
     let view = layout.view("TextLog", name, EVENTS, contents);
     let times = TimelineColumn(blueprint_data::TimelineColumn {
-        visible: false.into(),
+        visible: true.into(),
         timeline: TIMELINE.into(),
     });
-    let body = TextLogColumn(blueprint_data::TextLogColumn {
-        visible: true.into(),
-        kind: blueprint_data::TextLogColumnKind::Body,
-    });
+    let kinds = [
+        blueprint_data::TextLogColumnKind::LogLevel,
+        blueprint_data::TextLogColumnKind::Body,
+    ];
     let columns = parts::TextLogColumns::new()
         .with_timeline_columns([times])
-        .with_text_log_columns([body]);
+        .with_text_log_columns(kinds.map(|kind| {
+            TextLogColumn(blueprint_data::TextLogColumn {
+                visible: true.into(),
+                kind,
+            })
+        }));
     layout.property(&view, "TextLogColumns", &columns);
+    view
+}
+
+/// What a free peg does, as states over time.
+pub(super) fn regimes(layout: &mut BlueprintLayout) -> Child {
+    let view = layout.view("StateTimeline", "The peg", REGIME, &["$origin"]);
+    let axis = parts::TimeAxis::new().with_link(LinkAxis::LinkToGlobal);
+    layout.property(&view, "TimeAxis", &axis);
     view
 }
 
@@ -171,6 +185,35 @@ pub(super) fn hodograph(layout: &mut BlueprintLayout) -> Child {
     layout.property(&view, "Background", &background);
     show_past(layout, &view, HODOGRAPH_PATH, TimeRangeBoundary::Infinite);
     view
+}
+
+/// The argument for the rise: its text, and a scene with just the arrows that it names.
+pub(super) fn why(layout: &mut BlueprintLayout, geometry: &Geometry) -> Child {
+    let mut contents = vec![WHY_GHOST.to_owned()];
+    for name in [
+        "table/**",
+        "top/**",
+        "focus/vertical",
+        "slip_velocity",
+        "friction_force",
+        "lever",
+        "friction_torque",
+        "angular_momentum",
+    ] {
+        contents.push(format!("{STAGE}/{name}"));
+    }
+    let stage = SceneView {
+        name: "From the slip to the rise",
+        contents: &contents,
+        runs: &[],
+        geometry,
+        origin: Role::Alone.scene_origin(geometry.is_free),
+        distance: 1.0,
+    };
+    let picture = scene(layout, &stage);
+    let text = layout.view("TextDocument", "Step by step", WHY, &["$origin"]);
+    let page = column(&[62.0, 38.0]).with_display_name(Name("Why".into()));
+    layout.contain(page, &[picture, text])
 }
 
 /// Shows all pieces of a path from a time up to the time cursor: they are at their times.

@@ -3,11 +3,11 @@
 use rerun::AsComponents;
 
 use crate::rerun::identity::Identity;
-use crate::rerun::palette::{GREEN, GREY, SKY, VERMILION, YELLOW};
+use crate::rerun::palette::{GREEN, GREY, SKY, VERMILION, WHITE, YELLOW};
 use crate::rerun::role::Role;
 use crate::rerun::style::{self, LineStyle};
 use crate::telemetry::fields::{
-    ACCELERATION, MOMENTUM, NUTATION, NumberField, POSE, Plot, STATE, TORQUE,
+    ACCELERATION, EVENTS, MOMENTUM, NUTATION, NumberField, POSE, Plot, STATE, TORQUE,
 };
 use crate::telemetry::{Quantity, Topic};
 
@@ -29,6 +29,8 @@ pub(in crate::rerun) enum Derived {
     TorqueAlong,
     /// The spin ω·n about the axis, which is finite where the axis is vertical.
     AxialRate,
+    /// θ at each event.
+    EventMarks,
     /// Means of the terms of d²θ/dt² over each nutation.
     ThetaTerms,
     /// Means of the terms of d²φ/dt².
@@ -40,6 +42,7 @@ pub(in crate::rerun) enum Derived {
 const AXIAL_RATE: [LineStyle; 1] = [("ω·n", GREEN, 1.2)];
 const TORQUE_ALONG: [LineStyle; 1] = [("τ along the horizontal part of L", VERMILION, 1.5)];
 const MOMENTUM_PARTS: [LineStyle; 2] = [("horizontal", YELLOW, 2.0), ("vertical", SKY, 1.5)];
+const EVENT_MARKS: [LineStyle; 1] = [("event", WHITE, 3.5)];
 const TERMS: [LineStyle; 3] = [
     ("friction", VERMILION, 1.8),
     ("all other terms", YELLOW, 1.2),
@@ -48,10 +51,11 @@ const TERMS: [LineStyle; 3] = [
 
 impl Derived {
     /// All of them.
-    pub(in crate::rerun) const ALL: [Self; 6] = [
+    pub(in crate::rerun) const ALL: [Self; 7] = [
         Self::MomentumParts,
         Self::TorqueAlong,
         Self::AxialRate,
+        Self::EventMarks,
         Self::ThetaTerms,
         Self::PhiTerms,
         Self::PsiTerms,
@@ -62,6 +66,7 @@ impl Derived {
             Self::MomentumParts => "momentum_parts",
             Self::TorqueAlong => "torque_along_horizontal_momentum",
             Self::AxialRate => "axial_rate",
+            Self::EventMarks => "event_marks",
             Self::ThetaTerms => "mean_terms/theta_ddot",
             Self::PhiTerms => "mean_terms/phi_ddot",
             Self::PsiTerms => "mean_terms/psi_ddot",
@@ -73,6 +78,7 @@ impl Derived {
             Self::MomentumParts => Quantity::Momentum,
             Self::TorqueAlong => Quantity::Torque,
             Self::AxialRate => Quantity::Rate,
+            Self::EventMarks => Quantity::Angle,
             Self::ThetaTerms | Self::PhiTerms | Self::PsiTerms => Quantity::Acceleration,
         }
     }
@@ -82,6 +88,7 @@ impl Derived {
             Self::MomentumParts => &MOMENTUM_PARTS,
             Self::TorqueAlong => &TORQUE_ALONG,
             Self::AxialRate => &AXIAL_RATE,
+            Self::EventMarks => &EVENT_MARKS,
             Self::ThetaTerms | Self::PhiTerms | Self::PsiTerms => &TERMS,
         }
     }
@@ -91,6 +98,7 @@ impl Derived {
             Self::MomentumParts => &[POSE, MOMENTUM],
             Self::TorqueAlong => &[POSE, MOMENTUM, TORQUE],
             Self::AxialRate => &[POSE],
+            Self::EventMarks => &[EVENTS],
             Self::ThetaTerms | Self::PhiTerms | Self::PsiTerms => &[STATE, ACCELERATION, NUTATION],
         }
     }
@@ -149,6 +157,7 @@ impl Curves {
                 let numbers: Vec<NumberField> = plot.numbers().collect();
                 style::series(&numbers, role)
             }
+            Self::Derived(Derived::EventMarks) => Box::new(style::marks(&EVENT_MARKS)),
             Self::Derived(derived) => Box::new(style::lines(derived.styles())),
         }
     }

@@ -129,7 +129,7 @@ static KINDS: [ArrowKind; 9] = [
     },
     ArrowKind {
         name: "gravity torque",
-        label: "gravity's torque",
+        label: "",
         symbol: "",
         color: palette::GREEN,
         thickness: 0.7,
@@ -194,7 +194,8 @@ pub(super) fn legend(identity: &Identity) -> String {
             "" => String::new(),
             symbol => format!("**{symbol}** "),
         };
-        text += &format!("| {symbol}{} | {scale} |\n", kind.name);
+        let color = palette::name(kind.color);
+        text += &format!("| {symbol}{}, {color} | {scale} |\n", kind.name);
     }
     let point = if identity.geometry.is_free {
         "centre of mass"

@@ -8,6 +8,7 @@ use super::run::Entities;
 use super::stream::{Stream, StreamContent};
 use crate::physics::math;
 use crate::rerun::blueprint;
+use crate::rerun::blueprint::charts::compares;
 use crate::rerun::blueprint::pair::Extent;
 use crate::rerun::entity::SUMMARY;
 use crate::rerun::output::{Destination, Destinations, Output};
@@ -80,7 +81,9 @@ impl Comparison {
             runs,
             ends_ns: [0; 2],
             difference: Plots::new(
-                |plot| identity.has_difference_of(Curves::Field(plot)),
+                |plot| {
+                    identity.has_difference_of(Curves::Field(plot)) && compares(Curves::Field(plot))
+                },
                 &Role::Difference,
                 output,
             ),

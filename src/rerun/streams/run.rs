@@ -3,11 +3,13 @@
 use crate::run::time::seconds;
 use rerun::TextDocument;
 
-use super::events::Events;
+use super::events::{Events, Regimes};
 use super::properties;
 use super::stream::{Stream, StreamContent};
+use super::why::{Why, has_why};
 use crate::archive::sink::{Sink, SinkError};
 use crate::rerun::blueprint;
+use crate::rerun::blueprint::run::has_regimes;
 use crate::rerun::entity::{ABOUT, LEGEND};
 use crate::rerun::identity::{Identity, Playback};
 use crate::rerun::measurement::plots::Measured;
@@ -20,7 +22,7 @@ use crate::rerun::snapshot::SnapshotReader;
 use crate::rerun::style::legible;
 use crate::run::outcome::Outcome;
 use crate::telemetry::Message;
-use crate::telemetry::fields::{EVENTS, POSE};
+use crate::telemetry::fields::{EVENTS, POSE, Plot};
 
 /// A sink that makes a Rerun recording of a run.
 pub type RerunSink = Stream<Entities>;
@@ -30,6 +32,8 @@ pub struct Entities {
     plots: Plots,
     measured: Option<Measured>,
     events: Option<Events>,
+    regimes: Option<Regimes>,
+    why: Option<Why>,
     scene: Option<Scene>,
     snapshots: SnapshotReader,
     means: MeanReader,
@@ -41,16 +45,21 @@ pub struct Entities {
 impl Stream<Entities> {
     /// Opens the destinations and sends static content: layout, names, the scene's bodies.
     pub fn new(identity: &Identity, destinations: Destinations) -> Self {
-        Self::open(identity.store(), &identity.name, destinations, |output| {
-            // The file is opened when the run is complete.
-            for (to, playback) in [
-                (Destination::Viewer, identity.playback),
-                (Destination::File, Playback::FromStart),
-            ] {
-                output.send_layout(to, blueprint::run::messages(identity, playback));
-            }
-            Entities::new(identity, &Role::Alone, output)
-        })
+        Self::open(
+            identity.store(),
+            &identity.shown_name,
+            destinations,
+            |output| {
+                // The file is opened when the run is complete.
+                for (to, playback) in [
+                    (Destination::Viewer, identity.playback),
+                    (Destination::File, Playback::FromStart),
+                ] {
+                    output.send_layout(to, blueprint::run::messages(identity, playback));
+                }
+                Entities::new(identity, &Role::Alone, output)
+            },
+        )
     }
 
     /// Sets the outcome of the run, as properties of the recording: `outcome:rise_time` and so on.
@@ -102,11 +111,12 @@ impl Entities {
         let measurement = identity.measurement.as_ref();
         Self {
             measured: measurement.map(|measurement| Measured::new(measurement, output)),
-            plots: Plots::new(|plot| identity.has(plot.topic()), role, output)
-                .with_derived(identity, role, output),
+            plots: plots(identity, role, output),
             snapshots: SnapshotReader::new(top, identity.geometry.is_free, &identity.topics),
             means: MeanReader::default(),
             events: identity.has(EVENTS).then(|| Events::new(top, role, output)),
+            regimes: (role.is_alone() && has_regimes(identity)).then(|| Regimes::new(output)),
+            why: (role.is_alone() && has_why(identity)).then(|| Why::new(identity, output)),
             scene: has_scene.then(|| Scene::new(identity, role, output)),
             identity: identity.clone(),
             has_story: false,
@@ -124,8 +134,10 @@ impl Entities {
         if let Some(measured) = &mut self.measured {
             measured.write(message, output);
         }
-        if let Some(events) = &mut self.events {
-            events.write(message, output);
+        if let Some(events) = &mut self.events
+            && events.write(message, output)
+        {
+            self.plots.mark_event(message, output);
         }
         if let Some(scene) = &mut self.scene {
             scene.write(message, output);
@@ -134,7 +146,13 @@ impl Entities {
             if let Some(scene) = &mut self.scene {
                 scene.write_snapshot(snapshot, output);
             }
+            if let Some(why) = &mut self.why {
+                why.write(snapshot, output);
+            }
             self.plots.write_snapshot(snapshot, output);
+        }
+        if let Some(regimes) = &mut self.regimes {
+            regimes.write(message, output);
         }
         if let Some(means) = self.means.take(message) {
             self.plots.write_means(&means, output);
@@ -153,6 +171,23 @@ impl Entities {
         if let Some(events) = &mut self.events {
             events.summarize(output);
         }
+    }
+}
+
+/// The plots that the layout shows, and those of measured fields.
+fn plots(identity: &Identity, role: &Role, output: &mut Output) -> Plots {
+    let signals = identity.measurement.iter().flat_map(|m| &m.signals);
+    let measured: Vec<_> = signals.map(|signal| signal.field.plot()).collect();
+    let is_free = identity.geometry.is_free;
+    let wanted = |plot: Plot| {
+        identity.has(plot.topic())
+            && (blueprint::charts::shows(plot, role, is_free) || measured.contains(&plot))
+    };
+    let plots = Plots::new(wanted, role, output);
+    if role.is_alone() {
+        plots.with_derived(identity, role, output)
+    } else {
+        plots
     }
 }
 

@@ -1,0 +1,139 @@
+//! The argument for the rise at the time cursor, step by step, with the numbers of the run.
+
+use nalgebra::Vector3;
+use rerun::archetypes::Arrows3D;
+use rerun::{Color, Radius, TextDocument};
+
+use crate::physics::math;
+use crate::rerun::entity::{WHY, WHY_GHOST};
+use crate::rerun::identity::{Geometry, Identity};
+use crate::rerun::output::track::Track;
+use crate::rerun::output::{ComponentColumns, Output};
+use crate::rerun::snapshot::Snapshot;
+use crate::telemetry::fields::{CONTACT, MOMENTUM, POSE, TORQUE};
+use crate::telemetry::proportions::Proportions;
+use crate::words::number::significant;
+
+/// Time between two texts, ns.
+const STEP_NS: u64 = 100_000_000;
+
+/// The colour of the angular momentum one second later: pale yellow.
+const LATER: u32 = 0xF8F2_A0FF;
+
+/// Time for which the torque of friction acts in the argument, s.
+const LATER_TIME: f64 = 1.0;
+
+/// Whether a run has the argument: friction slips below a top that stays above its peg. A tippe top inverts for another
+/// reason.
+pub(in crate::rerun) fn has_why(identity: &Identity) -> bool {
+    let topics = [POSE, TORQUE, CONTACT, MOMENTUM];
+    topics.into_iter().all(|topic| identity.has(topic))
+        && identity.geometry.scales.force > 0.0
+        && !Proportions::new(&identity.geometry.top).is_ball
+}
+
+/// The argument.
+pub(super) struct Why {
+    texts: Track<String>,
+    ghost: Track<[[f32; 3]; 2]>,
+    geometry: Geometry,
+    next_ns: u64,
+}
+
+impl Why {
+    /// Sends the style of the arrow.
+    pub(super) fn new(identity: &Identity, output: &mut Output) -> Self {
+        let geometry = identity.geometry;
+        let radius = 0.012 * Proportions::new(&geometry.top).size();
+        let style = Arrows3D::update_fields()
+            .with_colors([Color::from_u32(LATER)])
+            .with_radii([Radius::new_scene_units(radius as f32)])
+            .with_labels(["L + τ · 1 s"])
+            .with_show_labels(true);
+        output.send_static(WHY_GHOST, &style);
+        Self {
+            texts: Track::new(WHY, text_columns, output),
+            ghost: Track::new(WHY_GHOST, ghost_columns, output),
+            geometry,
+            next_ns: 0,
+        }
+    }
+
+    /// Adds the argument for a sample, if the last one is old enough.
+    pub(super) fn write(&mut self, snapshot: &Snapshot, output: &mut Output) {
+        let later = snapshot.momentum + LATER_TIME * snapshot.friction_torque;
+        if snapshot.time_ns < self.next_ns || !later.norm().is_finite() {
+            return;
+        }
+        self.next_ns = snapshot.time_ns.saturating_add(STEP_NS);
+        let text = self.argument(snapshot, later);
+        self.texts.push(output, snapshot.time_ns, [text]);
+        let arrow = later / self.geometry.scales.momentum;
+        let row = [snapshot.origin, arrow].map(|part| part.cast::<f32>().into());
+        self.ghost.push(output, snapshot.time_ns, [row]);
+    }
+
+    /// The steps in Markdown.
+    fn argument(&self, snapshot: &Snapshot, later: Vector3<f64>) -> String {
+        let point = if self.geometry.is_free {
+            "centre of mass"
+        } else {
+            "centre of the peg"
+        };
+        let along = snapshot.torque_along_horizontal();
+        let effect = if along < 0.0 {
+            "against the horizontal part of L, which it shortens"
+        } else {
+            "along the horizontal part of L, which it does not shorten"
+        };
+        let axis = snapshot.axis;
+        let theta = math::atan2(math::hypot(axis.x, axis.y), axis.z);
+        let angle = math::atan2(
+            axis.cross(&snapshot.momentum).norm(),
+            axis.dot(&snapshot.momentum),
+        );
+        format!(
+            "1. **v**: the contact point slips at {} m/s.\n\
+             2. **F**: friction acts against the slip, with {} mN.\n\
+             3. **r × F = τ**: about the {point}, r is {} mm long and the torque of friction {} mN m. {} mN m of it act \
+             {effect}.\n\
+             4. **L + τ · 1 s**: L is {} (yellow). Friction alone would make it {} in a second (pale).\n\
+             5. **The axis** is {} rad from L, and inclined by θ = {} rad. The axis of a fast top follows L.\n",
+            three(snapshot.slip.norm()),
+            three(1e3 * snapshot.friction.norm()),
+            three(1e3 * (snapshot.contact - snapshot.origin).norm()),
+            three(1e3 * snapshot.friction_torque.norm()),
+            three(1e3 * along.abs()),
+            parts(snapshot.momentum),
+            parts(later),
+            three(angle),
+            three(theta),
+        )
+    }
+}
+
+/// A number with three significant digits.
+fn three(value: f64) -> String {
+    significant(value, 3)
+}
+
+/// The parts of an angular momentum, in the words of the web page.
+fn parts(momentum: Vector3<f64>) -> String {
+    let horizontal = math::hypot(momentum.x, momentum.y);
+    let [horizontal, vertical] = [horizontal, momentum.z].map(|part| three(1e3 * part));
+    format!("horizontal {horizontal}, vertical {vertical} mN m s")
+}
+
+fn text_columns(rows: &[String]) -> ComponentColumns {
+    let texts = TextDocument::update_fields()
+        .with_many_text(rows.iter().map(String::as_str))
+        .with_many_media_type(rows.iter().map(|_| rerun::MediaType::markdown()));
+    Ok(texts.columns_of_unit_batches()?.collect())
+}
+
+fn ghost_columns(rows: &[[[f32; 3]; 2]]) -> ComponentColumns {
+    let arrows = Arrows3D::update_fields()
+        .with_origins(rows.iter().map(|[origin, _]| *origin))
+        .with_vectors(rows.iter().map(|[_, vector]| *vector));
+    Ok(arrows.columns_of_unit_batches()?.collect())
+}
