@@ -53,7 +53,7 @@ struct Arguments {
     #[command(subcommand)]
     command: Command,
 
-    /// Output format: text, json or markdown
+    /// Output format: text, json or markdown; csv (only of diff)
     #[arg(
         long,
         global = true,
@@ -145,6 +145,10 @@ pub fn main() -> ExitCode {
         }
     };
     output::set_up(arguments.quiet, arguments.color, arguments.format);
+    if arguments.format == Format::Csv && !arguments.command.has_csv() {
+        output::error("--format csv is only for toprise diff");
+        return Status::Failed.into();
+    }
     let signals = SignalGuard::install();
     match commands::dispatch(arguments.command, command(), signals.drafts()) {
         Ok(status) => status.into(),

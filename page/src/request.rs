@@ -8,7 +8,7 @@ use crate::tables::tables;
 use serde::Deserialize;
 use serde_json::{Value as Json, json};
 use std::error::Error;
-use toprise::analysis::diff::{Agreement, Finding, Options, compare};
+use toprise::analysis::diff::{Agreement, Durations, Options, compare};
 use toprise::analysis::explain::{Chapter, explain};
 use toprise::fit::FitError;
 use toprise::run::scenario::{Preset, Scenario, ScenarioError};
@@ -101,14 +101,16 @@ impl Page {
             Request::Explain(request) => explanation(&request.scenario()?),
             Request::Compare { a, b } => {
                 let report = compare(&a.scenario()?, &b.scenario()?, &Options::default())?;
-                let differing = report.differing().map(Finding::cells);
+                let differing = report
+                    .differing()
+                    .map(|finding| finding.cells(Durations::Readable));
                 let equal = report.findings.iter().filter(|finding| !finding.differs());
                 Ok(json!({
                     "headline": report.headline(),
                     "agreement": report.agreement.map(Agreement::sentence),
                     "findings": Vec::from_iter(differing),
                     "remarks": Vec::from_iter(report.remarks()),
-                    "equal": Vec::from_iter(equal.map(Finding::cells_of_equal)),
+                    "equal": Vec::from_iter(equal.map(|finding| finding.cells_of_equal(Durations::Readable))),
                 }))
             }
             Request::Record { scenario, encoding } => {

@@ -45,7 +45,7 @@ pub use self::discrepancy::{Discrepancy, Residual};
 pub use self::error::{DiffError, ToleranceProblem};
 pub use self::findings::contrast::Contrast;
 pub use self::findings::finding::{Dependence, Finding};
-pub use self::findings::quantity::{EndCondition, Quantity};
+pub use self::findings::quantity::{Durations, EndCondition, Quantity};
 pub use self::integration_error::{IntegrationErrors, IntegratorError};
 pub use self::observer::Observer;
 pub use self::others::TopicBytes;

@@ -87,6 +87,7 @@ pub enum ExplainError {
 
 /// The explanation of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[schemars(rename = "ExplainReport")]
 pub struct Explanation {
     /// The run and its end.
     pub title: String,

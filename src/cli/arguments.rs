@@ -20,6 +20,8 @@ pub(super) enum Format {
     Json,
     /// Markdown.
     Markdown,
+    /// The findings of `diff`, as a table of comma-separated values.
+    Csv,
 }
 
 /// Encodings use their names as command-line values.

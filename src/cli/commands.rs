@@ -199,25 +199,32 @@ pub(super) fn wrong_key(error: &Error) -> Option<&str> {
     })
 }
 
+impl Command {
+    /// Whether its report has a table of comma-separated values.
+    pub(super) fn has_csv(&self) -> bool {
+        matches!(self, Self::Diff(_))
+    }
+}
+
 /// The JSON Schemas of all reports, as file names and contents for `schemas/`.
 pub fn schemas() -> Vec<(String, String)> {
     vec![
-        report::schema::<run::RunReport>("RunReport"),
+        report::schema::<run::RunReport>(),
         #[cfg(feature = "rerun")]
-        report::schema::<ViewReport>("ViewReport"),
-        report::schema::<analysis::explain::Explanation>("ExplainReport"),
-        report::schema::<analysis::diff::Report>("DiffReport"),
+        report::schema::<ViewReport>(),
+        report::schema::<analysis::explain::Explanation>(),
+        report::schema::<analysis::diff::Report>(),
         #[cfg(feature = "fit")]
-        report::schema::<fit::FitReport>("FitReport"),
-        report::schema::<crate::figures::FiguresReport>("FiguresReport"),
+        report::schema::<fit::FitReport>(),
+        report::schema::<crate::figures::FiguresReport>(),
         #[cfg(feature = "sweep")]
-        report::schema::<sweep::report::SweepReport>("SweepReport"),
-        report::schema::<info::InfoReport>("InfoReport"),
-        report::schema::<verify::VerifyReport>("VerifyReport"),
-        report::schema::<annotate::AnnotateReport>("AnnotateReport"),
-        report::schema::<archive::ArchiveReport>("ArchiveReport"),
-        report::schema::<presets::PresetsReport>("PresetsReport"),
-        report::schema::<laws::LawsReport>("LawsReport"),
-        report::schema::<schema::SchemaReport>("SchemaReport"),
+        report::schema::<sweep::report::SweepReport>(),
+        report::schema::<info::InfoReport>(),
+        report::schema::<verify::VerifyReport>(),
+        report::schema::<annotate::AnnotateReport>(),
+        report::schema::<archive::ArchiveReport>(),
+        report::schema::<presets::PresetsReport>(),
+        report::schema::<laws::LawsReport>(),
+        report::schema::<schema::SchemaReport>(),
     ]
 }

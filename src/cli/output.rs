@@ -61,6 +61,11 @@ pub(super) fn columns() -> Option<usize> {
         .then(|| textwrap::termwidth().max(MIN_WIDTH))
 }
 
+/// Whether the output is text that a program reads: in a pipe or a file.
+pub(super) fn is_for_programs() -> bool {
+    format() == Format::Text && columns().is_none()
+}
+
 /// Prints a plain report.
 pub(super) fn print(report: &str) -> io::Result<()> {
     write(&mut io::stdout().lock(), &sanitized_lines(report))

@@ -10,31 +10,57 @@ use crate::words::{Section, markdown};
 use anyhow::Error;
 use schemars::{JsonSchema, schema_for};
 use serde::Serialize;
-use serde_json::json;
+use serde_json::{Map, Value, json};
 use std::path::Path;
 
+/// Member of a report: the id of its schema.
+const SCHEMA: &str = "$schema";
+/// Member of a report: the version of the program.
+const VERSION: &str = "toprise_version";
+
 /// Prints a report in the selected format; --quiet suppresses text.
-pub(super) fn print(
-    report: &impl Serialize,
+pub(super) fn print<R: Serialize + JsonSchema>(
+    report: &R,
     sections: impl FnOnce() -> Vec<Section>,
 ) -> Result<(), Error> {
     match output::format() {
         Format::Text if output::is_quiet() => {}
         Format::Text => output::print_styled(&terminal::render(&sections(), output::columns()))?,
         Format::Markdown => output::print(&markdown(&sections(), terminal::option))?,
-        Format::Json => output::print(&sanitized_json(&serde_json::to_string_pretty(report)?))?,
+        Format::Json => output::print(&json_document(report)?)?,
+        // The only command with such a table prints it itself.
+        Format::Csv => {}
     }
     Ok(())
 }
 
 /// A report as the documents that the formats JSON and Markdown give.
-pub(super) fn documents(
-    report: &impl Serialize,
+pub(super) fn documents<R: Serialize + JsonSchema>(
+    report: &R,
     sections: &[Section],
 ) -> Result<[String; 2], Error> {
-    let json = sanitized_json(&serde_json::to_string_pretty(report)?);
+    let json = json_document(report)?;
     let markdown = markdown(sections, terminal::option);
     Ok([json, markdown].map(|text| format!("{}\n", text.trim_end())))
+}
+
+/// A report as JSON, with the id of its schema and the version of the program; a list has no place for them.
+fn json_document<R: Serialize + JsonSchema>(report: &R) -> Result<String, Error> {
+    let document = match serde_json::to_value(report)? {
+        Value::Object(members) => {
+            let mut document = Map::new();
+            document.insert(SCHEMA.to_owned(), schema_id(&R::schema_name()).into());
+            document.insert(VERSION.to_owned(), env!("CARGO_PKG_VERSION").into());
+            document.extend(members);
+            Value::Object(document)
+        }
+        other => other,
+    };
+    Ok(sanitized_json(&serde_json::to_string_pretty(&document)?))
+}
+
+fn schema_id(name: &str) -> String {
+    format!("urn:toprise:{}:{name}", env!("CARGO_PKG_VERSION"))
 }
 
 /// With --format json, prints an error as JSON on standard output, with the key of the scenario that is wrong, if any.
@@ -46,16 +72,29 @@ pub(super) fn print_error(error: &str, key: Option<&str>) {
             report["key"] = json!(key);
         }
         // The error is on standard error, too.
-        let _ = print(&report, Vec::new);
+        let _ = output::print(&sanitized_json(&format!("{report:#}")));
     }
 }
 
 /// The JSON Schema of a report, as a file name and its content.
-pub(super) fn schema<R: JsonSchema>(name: &str) -> (String, String) {
+pub(super) fn schema<R: JsonSchema>() -> (String, String) {
+    let name = R::schema_name();
     let mut schema = schema_for!(R);
-    let version = env!("CARGO_PKG_VERSION");
-    let id = format!("urn:toprise:{version}:{name}");
-    schema.insert("$id".to_owned(), id.into());
+    schema.insert("$id".to_owned(), schema_id(&name).into());
+    if let Some(Value::Object(members)) = schema.get_mut("properties") {
+        for (member, description, value) in [
+            (SCHEMA, "The `$id` of this schema", schema_id(&name)),
+            (
+                VERSION,
+                "The version of toprise",
+                env!("CARGO_PKG_VERSION").to_owned(),
+            ),
+        ] {
+            let description = format!("{description}; not in Python's reports.");
+            let value = json!({ "description": description, "const": value });
+            members.insert(member.to_owned(), value);
+        }
+    }
     (
         format!("toprise.{name}.json"),
         format!("{:#}\n", schema.as_value()),

@@ -131,6 +131,31 @@ fn exponent(value: f64, digits: usize) -> i32 {
         .unwrap_or(0)
 }
 
+/// A text with the numbers of programs instead of those of people: "-4.66e-6" for "−4.66 × 10⁻⁶".
+pub fn plain(text: &str) -> String {
+    let mut plain = String::with_capacity(text.len());
+    let mut parts = text.split(" × 10");
+    plain.push_str(parts.next().unwrap_or_default());
+    for part in parts {
+        let rest = part.trim_start_matches(|character| from_superscript(character).is_some());
+        let exponent = part[..part.len() - rest.len()].chars();
+        plain.push_str(if rest.len() < part.len() {
+            "e"
+        } else {
+            " × 10"
+        });
+        plain.extend(exponent.filter_map(from_superscript));
+        plain.push_str(rest);
+    }
+    plain.replace('−', "-")
+}
+
+fn from_superscript(character: char) -> Option<char> {
+    ('0'..='9')
+        .chain(['-'])
+        .find(|sign| superscript(*sign) == character)
+}
+
 /// Decimals that show two digits of a standard deviation.
 pub fn decimals_of_error(error: f64) -> usize {
     decimals(2, exponent(error, 2)).min(17)
@@ -283,6 +308,18 @@ mod tests {
             ([0.25, 3e-9], ["0.2500", "3.000 × 10⁻⁹"]),
         ] {
             assert_eq!(pair(values, 4), expected);
+        }
+    }
+
+    #[test]
+    fn plain_numbers_are_those_of_programs() {
+        for (text, expected) in [
+            ("−4.66 × 10⁻⁶ ± 3.3 × 10⁻⁸", "-4.66e-6 ± 3.3e-8"),
+            ("1.50 × 10⁹ rad", "1.50e9 rad"),
+            ("n × e_N, 2 × 10", "n × e_N, 2 × 10"),
+            ("−0.25", "-0.25"),
+        ] {
+            assert_eq!(plain(text), expected);
         }
     }
 

@@ -1,5 +1,6 @@
 //! A report for people: sections with sentences and tables.
 
+use super::piece::ArgumentStyle;
 use super::sentence::Sentence;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -106,6 +107,35 @@ impl Section {
             note: note.into(),
             ..self
         }
+    }
+
+    /// The section for programs, as text with plain numbers.
+    #[must_use]
+    pub fn with_plain_numbers(&self, arguments: ArgumentStyle) -> Self {
+        let plain = |sentence: &Sentence| sentence.with_plain_numbers(arguments);
+        let mut section = Self {
+            title: plain(&self.title),
+            note: plain(&self.note),
+            tone: self.tone,
+            parts: Vec::new(),
+        };
+        for part in &self.parts {
+            section.parts.push(match part {
+                Part::Table(table) => Part::Table(Table {
+                    header: table.header.iter().map(plain).collect(),
+                    rows: table
+                        .rows
+                        .iter()
+                        .map(|row| row.iter().map(plain).collect())
+                        .collect(),
+                    left: table.left,
+                }),
+                Part::Line(line) => Part::Line(plain(line)),
+                Part::Paragraph(prose) => Part::Paragraph(plain(prose)),
+                Part::Code(code) => Part::Code(code.clone()),
+            });
+        }
+        section
     }
 
     /// Adds a line.

@@ -1,5 +1,6 @@
 //! Sentences.
 
+use super::number;
 use super::piece::{Argument, ArgumentStyle, Piece};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -44,6 +45,12 @@ impl Sentence {
             .iter()
             .map(|piece| piece.text(arguments))
             .collect()
+    }
+
+    /// The sentence for programs, as text with plain numbers.
+    #[must_use]
+    pub fn with_plain_numbers(&self, arguments: ArgumentStyle) -> Self {
+        number::plain(&self.text(arguments)).into()
     }
 
     /// Joins parts with a separator.

@@ -29,6 +29,7 @@ use serde::Serialize;
 
 /// The differences of two runs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+#[schemars(rename = "DiffReport")]
 pub struct Report {
     /// The first run.
     pub a: ComparedRun,
@@ -108,6 +109,8 @@ pub struct ComparedRun {
     pub file: Option<String>,
     /// The kind of file; absent for a scenario that is simulated now.
     pub state: Option<Condition>,
+    /// The keys of the scenario as an object; absent if it is not known.
+    pub scenario: Option<serde_json::Value>,
     /// Number of messages that were read.
     pub messages: u64,
     /// Time of the last message, s.
@@ -278,6 +281,7 @@ impl ComparedRun {
     fn new(subject: Subject<'_>, losses: &[String]) -> Self {
         let mut run = Self {
             name: subject.name(),
+            scenario: subject.scenario().map(|scenario| scenario.to_json()),
             losses: losses.to_vec(),
             ..Self::default()
         };

@@ -36,6 +36,8 @@ pub struct Overview {
     pub end: Option<Entries>,
     /// The scenario, TOML.
     pub scenario: Option<String>,
+    /// The same as an object, if this version can read it.
+    pub scenario_keys: Option<serde_json::Value>,
     /// The channels, in the order of the file.
     pub channels: Vec<ChannelOverview>,
     /// The events.
@@ -197,6 +199,7 @@ impl Overview {
             run: recording.run().cloned(),
             end: recording.end().cloned(),
             scenario: recording.scenario_text().ok(),
+            scenario_keys: recording.scenario().ok().map(|scenario| scenario.to_json()),
             channels,
             events,
             faults,

@@ -1,11 +1,14 @@
 //! `toprise diff`.
 
 pub(in crate::cli) mod content;
+mod csv;
 mod slip;
 
 use self::slip::LawPlot;
 use super::image::Plot;
-use crate::analysis::diff::{Observer, Options, Tolerance, Tolerances, Verdict, compare_observed};
+use crate::analysis::diff::{
+    Observer, Options, Report, Tolerance, Tolerances, Verdict, compare_observed,
+};
 use crate::archive::publish::{Drafts, Existing};
 use crate::archive::sink::SinkError;
 use crate::cli::arguments::{Format, OUTPUT, Override, parse_override, parse_tolerance};
@@ -13,8 +16,9 @@ use crate::cli::extension::{FeatureArguments as _, PairViewer, ShowPair, ShowPai
 use crate::cli::input::{OpenRun, open};
 use crate::cli::progress::Progress;
 use crate::cli::status::Status;
-use crate::cli::{output, report};
+use crate::cli::{output, report, terminal};
 use crate::telemetry::{Message, side::Side};
+use crate::words::Section;
 use anyhow::{Error, bail};
 use clap::Args;
 use clap::builder::NonEmptyStringValueParser;
@@ -175,7 +179,12 @@ pub(super) fn diff(arguments: &DiffArguments, drafts: &Drafts) -> Result<Status,
     [report.a.name, report.b.name] = names;
     // A document has room for whole values.
     let is_cut = !all && output::format() == Format::Text;
-    report::print(&report, || content::page(&report, all, is_cut))?;
+    match output::format() {
+        Format::Csv => output::print(&csv::table(&report))?,
+        Format::Text | Format::Json | Format::Markdown => {
+            report::print(&report, || page(&report, all, is_cut))?;
+        }
+    }
     if let Some(plot) = plot {
         plot.write(&report, drafts)?;
     }
@@ -190,6 +199,17 @@ pub(super) fn diff(arguments: &DiffArguments, drafts: &Drafts) -> Result<Status,
         _ if is_viewer_lost => Status::Partial,
         Verdict::Identical | Verdict::SameValues | Verdict::Equal => Status::Success,
     })
+}
+
+/// The page, with the numbers of programs where a program reads it.
+fn page(report: &Report, all: bool, is_cut: bool) -> Vec<Section> {
+    let mut sections = content::page(report, all, is_cut);
+    if output::is_for_programs() {
+        for section in &mut sections {
+            *section = section.with_plain_numbers(terminal::option);
+        }
+    }
+    sections
 }
 
 /// Observers of a comparison: progress bar and viewer.

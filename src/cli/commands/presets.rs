@@ -31,6 +31,8 @@ struct PresetReport {
     description: String,
     /// Scenario file, TOML.
     scenario: String,
+    /// The same as an object.
+    keys: serde_json::Value,
 }
 
 /// Lists the presets, or prints a scenario as TOML.
@@ -56,6 +58,7 @@ impl PresetReport {
             name: scenario.name().to_owned(),
             description: scenario.description().to_owned(),
             scenario: scenario.to_commented_toml(),
+            keys: scenario.to_json(),
         }
     }
 }

@@ -129,6 +129,11 @@ impl Scenario {
         self.write_toml(|_| String::new())
     }
 
+    /// The keys as an object, as the TOML has them.
+    pub fn to_json(&self) -> serde_json::Value {
+        toml::from_str(&self.to_toml()).unwrap_or_default()
+    }
+
     /// The canonical TOML with the unit and description of each key as a comment, for people who edit it.
     pub fn to_commented_toml(&self) -> String {
         self.write_toml(|key| format!("  # {}{}", key.meaning, key.in_unit()))

@@ -512,6 +512,44 @@ fn headline_is_a_sentence_on_the_motion() {
     }
 }
 
+/// Numbers of the CSV table are those of the JSON report, and text in a pipe has plain numbers.
+#[test]
+fn programs_read_findings_as_csv() {
+    let print = |format: &str| {
+        let mut command = Command::cargo_bin("toprise").unwrap();
+        let line = "diff paper full-coulomb --set stop.duration=3 --no-floor --format";
+        let command = command.args(line.split(' ')).arg(format);
+        let output = command.assert().code(1).get_output().stdout.clone();
+        String::from_utf8(output).unwrap()
+    };
+    let report: Value = serde_json::from_str(&print("json")).unwrap();
+    assert_eq!(report["$schema"], "urn:toprise:1.0.0:DiffReport");
+    assert_eq!(report["a"]["scenario"]["friction"]["k"], 0.03);
+    let csv = print("csv");
+    let mut lines = csv.lines();
+    assert!(
+        lines
+            .next()
+            .unwrap()
+            .starts_with("kind,what,unit,a,b,difference,")
+    );
+    let findings = report["findings"].as_array().unwrap();
+    assert_eq!(lines.clone().count(), findings.len());
+    for (line, finding) in lines.zip(findings) {
+        let (before, after) = line.rsplit_once('"').unwrap();
+        assert!(before.starts_with(finding["kind"].as_str().unwrap()));
+        let cells: Vec<&str> = after.split(',').collect();
+        for (cell, name) in [(2, "a"), (3, "b"), (4, "difference")] {
+            assert_eq!(cells[cell].parse().ok(), finding[name].as_f64(), "{line}");
+        }
+    }
+    let text = print("text");
+    assert!(text.contains("e-") && !text.contains(['−', '⁻']), "{text}");
+    for row in text.lines().filter(|line| line.contains("[s]")) {
+        assert!(!row.contains(" ms") && !row.contains(" µs"), "{row}");
+    }
+}
+
 /// Rows within the ripple of the nutation are equal, and below those that differ.
 #[test]
 fn equal_rows_stand_below_the_differences() {

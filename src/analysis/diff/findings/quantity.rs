@@ -6,6 +6,15 @@ use crate::words::{Number, Piece, Sentence, sentence};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+/// The way in which durations are written in a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Durations {
+    /// In s, ms, µs or ns, whichever suits: for people.
+    Readable,
+    /// In seconds, which the head of the row has: for programs.
+    Seconds,
+}
+
 /// The quantity of a finding. Label, unit and digits follow from it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case")]
@@ -142,6 +151,12 @@ fn angle(level: f64) -> Piece {
 }
 
 impl Quantity {
+    /// The `kind` of the quantity in reports.
+    pub fn kind(self) -> String {
+        let value = serde_json::to_value(self).unwrap_or_default();
+        value["kind"].as_str().unwrap_or_default().to_owned()
+    }
+
     /// The compared quantity, without the unit.
     pub fn label(self) -> Sentence {
         match self {
@@ -249,10 +264,10 @@ impl Quantity {
     }
 
     /// A difference, with its sign and the digits of the quantity.
-    pub(super) fn format_difference(self, difference: f64) -> String {
+    pub(super) fn format_difference(self, difference: f64, durations: Durations) -> String {
         if difference == 0.0 {
             "0".to_owned()
-        } else if self.is_time() {
+        } else if self.is_time() && durations == Durations::Readable {
             signed_duration(difference)
         } else if self.is_count() {
             format!("{difference:+}").replace('-', "−")
@@ -270,13 +285,12 @@ impl Quantity {
         }
     }
 
-    /// A magnitude for a table whose head has the unit, unless it is a duration.
-    pub(super) fn magnitude_in_table(self, magnitude: f64) -> Piece {
-        let piece = self.magnitude(magnitude);
-        if self.is_time() {
-            piece
+    /// A magnitude for a table whose head has the unit, unless it is a readable duration.
+    pub(super) fn magnitude_in_table(self, magnitude: f64, durations: Durations) -> Piece {
+        if self.is_time() && durations == Durations::Readable {
+            Piece::duration(magnitude)
         } else {
-            piece.without_unit()
+            Piece::number(magnitude, 2, self.unit()).without_unit()
         }
     }
 

@@ -11,6 +11,7 @@ use crate::cli::report;
 use crate::figures::{FIGURES, Figure, RunData};
 use crate::words::Section;
 use anyhow::{Context as _, Error};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Width of figures, mm.
@@ -135,7 +136,7 @@ impl ArchivedRecording {
 fn add_report(
     name: &str,
     meaning: &str,
-    report: &impl Serialize,
+    report: &(impl Serialize + JsonSchema),
     sections: &[Section],
     files: &mut Vec<ArchiveFile>,
 ) -> Result<(), Error> {
