@@ -51,6 +51,20 @@ pub struct StoreNames {
     pub recording: Option<String>,
 }
 
+impl StoreNames {
+    /// The store, given names for what the viewer has not chosen.
+    pub(super) fn store(&self, name: &str, recording_id: &str) -> StoreId {
+        let recording_id = self.recording.as_deref().unwrap_or(recording_id);
+        match &self.application {
+            Some(application) => {
+                let application = ApplicationId::new_or_unknown(application.as_str());
+                StoreId::new(StoreKind::Recording, application, recording_id)
+            }
+            None => store(name, recording_id),
+        }
+    }
+}
+
 /// Names, geometry and topics of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Identity {
@@ -117,18 +131,7 @@ impl Identity {
 
     /// The store that a viewer keeps the recording in.
     pub(super) fn store(&self) -> StoreId {
-        let StoreNames {
-            application,
-            recording,
-        } = &self.names;
-        let recording_id = recording.as_ref().unwrap_or(&self.recording_id);
-        match application {
-            Some(application) => {
-                let application = ApplicationId::new_or_unknown(application.as_str());
-                StoreId::new(StoreKind::Recording, application, recording_id.as_str())
-            }
-            None => store(&self.name, recording_id),
-        }
+        self.names.store(&self.name, &self.recording_id)
     }
 
     /// Whether messages of this topic will be written.

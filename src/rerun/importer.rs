@@ -9,12 +9,15 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
-use rerun::EXTERNAL_IMPORTER_INCOMPATIBLE_EXIT_CODE;
+use rerun::{EXTERNAL_IMPORTER_INCOMPATIBLE_EXIT_CODE, StoreId, TextDocument};
 use thiserror::Error;
 
+use super::blueprint;
+use super::entity::ABOUT;
 use super::error::RerunError;
 use super::identity::{Identity, Playback, StoreNames};
-use super::output::Destinations;
+use super::output::{Destination, Destinations, Output};
+use super::role::Role;
 use super::streams::explained::ExplainedSink;
 use crate::archive::sink::{RecordedRun, Sink, SinkError, record_all};
 use crate::run::scenario::{FORMAT, Scenario, ScenarioError, Values};
@@ -135,9 +138,18 @@ pub fn import(
 ) -> Result<(), ImportError> {
     let ImportRequest { path, names } = ImportRequest::parse(arguments);
     let path = path.ok_or(ImportError::NoFile)?;
-    let scenario = read_scenario(&path)?;
-    let topics: Vec<_> = Topic::all_with(scenario.model.support).collect();
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let scenario = match read_scenario(&path) {
+        Ok(scenario) => scenario,
+        Err(error) => {
+            // The viewer would say that no importer can read the file.
+            if let ImportError::Scenario { source, .. } = &error {
+                show_error(&names.store(&stem, &stem), source, output)?;
+            }
+            return Err(error);
+        }
+    };
+    let topics: Vec<_> = Topic::all_with(scenario.model.support).collect();
     let identity = Identity {
         names,
         ..Identity::new(&stem, &scenario, topics, Playback::FromStart)
@@ -181,6 +193,22 @@ fn is_like_a_scenario(text: &str) -> bool {
             || line.starts_with("top.")
             || line.starts_with("format") && line.contains(FORMAT)
     })
+}
+
+/// Writes a Rerun recording that says what is wrong with a scenario.
+fn show_error(store: &StoreId, error: &ScenarioError, output: File) -> Result<(), RerunError> {
+    let destinations = Destinations {
+        file: Some(output),
+        live: None,
+    };
+    let mut output = Output::open(store.clone(), destinations);
+    output.send_layout(Destination::File, blueprint::run::only_about(store));
+    let text = format!("# The scenario has an error\n\n```text\n{error}\n```\n");
+    output.send_static(
+        Role::Alone.entity(ABOUT),
+        &TextDocument::from_markdown(text),
+    );
+    output.finish().map(drop)
 }
 
 /// Simulates a scenario and writes the Rerun recording.

@@ -5,7 +5,6 @@ use crate::rerun::identity::scale::per_centimetre;
 use crate::rerun::identity::{Geometry, Identity};
 use crate::rerun::output::message::store;
 use crate::rerun::plots::curves::Curves;
-use crate::rerun::role::Role;
 use crate::telemetry::fields::{NUTATION, POSE};
 use crate::telemetry::proportions::Proportions;
 use crate::telemetry::side::Side;
@@ -46,11 +45,6 @@ impl PairIdentity {
             Side::A => "A",
             Side::B => "B",
         }
-    }
-
-    /// Role of a run's entities.
-    pub(super) fn role(&self, side: Side) -> Role {
-        Role::Compared(side)
     }
 
     /// Whether there will be differences of a plot: both runs have it, row by row.

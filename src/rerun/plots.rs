@@ -16,7 +16,7 @@ use super::role::Role;
 use super::snapshot::Snapshot;
 use crate::physics::math;
 use crate::telemetry::fields::{
-    NUTATION, NumberField, Plot, STATE, events, nutation, precession, state,
+    FREE_PEG, NUTATION, NumberField, Plot, STATE, events, free_peg, nutation, precession, state,
 };
 use crate::telemetry::{Message, Quantity, Topic};
 
@@ -47,6 +47,8 @@ pub(super) struct Plots {
     /// Whether the last state was near the vertical; never for differences.
     is_upright: bool,
     is_of_run: bool,
+    /// The first value of Jellett's integral, kg m³/s.
+    jellett: Option<f64>,
 }
 
 /// Curves of a chart.
@@ -80,6 +82,7 @@ impl Plots {
             fields,
             derived: Vec::new(),
             is_upright: false,
+            jellett: None,
             is_of_run: matches!(role, Role::Alone | Role::Compared(..)),
         }
     }
@@ -149,6 +152,11 @@ impl Plots {
                 }
                 _ => {}
             }
+        }
+        if message.topic() == FREE_PEG && self.is_of_run {
+            let jellett = free_peg::JELLETT.of(message);
+            let change = jellett / *self.jellett.get_or_insert(jellett) - 1.0;
+            self.write_derived(Derived::JellettChange, message.time_ns, &[change], output);
         }
         for plot in &mut self.fields[message.channel] {
             plot.write_fields(message, &value, self.is_upright, output);
@@ -249,7 +257,8 @@ impl PlotTrack {
     }
 }
 
-fn columns(numbers: &[f64], width: usize) -> ComponentColumns {
+/// The components of rows with this number of scalars.
+pub(super) fn columns(numbers: &[f64], width: usize) -> ComponentColumns {
     let lengths = std::iter::repeat_n(width, numbers.len() / width);
     let scalars = Scalars::new(numbers.iter().copied());
     Ok(scalars.columns(lengths)?.collect())

@@ -15,6 +15,7 @@ use rerun::archetypes::Points3D;
 use rerun::datatypes::Rgba32;
 use rerun::{Color, Radius, ViewCoordinates};
 
+pub(super) use self::arrow::arrow_columns;
 use self::arrow::{Arrow, DrawnMomentum};
 use self::body::{BodyPose, body_columns};
 use self::focus::Focus;

@@ -110,11 +110,11 @@ pub(super) fn lines(styles: &[LineStyle]) -> SeriesLines {
 }
 
 /// Marks of these colours and sizes.
-pub(super) fn marks(styles: &[LineStyle]) -> SeriesPoints {
+pub(super) fn marks(styles: &[LineStyle], shape: MarkerShape) -> SeriesPoints {
     SeriesPoints::new()
         .with_names(styles.iter().map(|(name, ..)| *name))
         .with_colors(styles.iter().map(|(_, color, _)| Color::from_u32(*color)))
-        .with_markers(styles.iter().map(|_| MarkerShape::Diamond))
+        .with_markers(styles.iter().map(|_| shape))
         .with_marker_sizes(styles.iter().map(|(.., size)| *size))
 }
 

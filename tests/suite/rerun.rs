@@ -242,7 +242,12 @@ fn importer_refuses_other_files() {
         let imported = import(&folder, name);
         assert_eq!(imported.status.code(), Some(code), "{name}: {imported:?}");
         assert_contains(&String::from_utf8_lossy(&imported.stderr), message);
-        assert!(imported.stdout.is_empty(), "{name}");
+        // The viewer shows the error of a scenario.
+        let is_shown = code == 1;
+        assert_eq!(!imported.stdout.is_empty(), is_shown, "{name}");
+        if is_shown {
+            assert_contains(&about(&imported.stdout), message);
+        }
     }
     assert_eq!(import(&folder, "absent.toml").status.code(), Some(1));
     assert_eq!(import(&folder, "").status.code(), Some(1));
@@ -261,6 +266,19 @@ fn lost_viewer_is_a_partial_result() {
     assert_contains(&warning, "was lost");
     let archive = Overview::read(&folder.at("a.mcap")).unwrap();
     assert!(archive.is_whole());
+}
+
+#[test]
+fn lost_viewer_loses_nothing_of_a_complete_file() {
+    let folder = Folder::new();
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    // Accepts the connection, so that a viewer seems to be there, and breaks it.
+    thread::spawn(move || listener.incoming().for_each(drop));
+    let viewer = format!("--connect=rerun+http://127.0.0.1:{port}/proxy");
+    let line = format!("run --set stop.duration=0.3 -o a.mcap --rrd a.rrd {viewer}");
+    assert_contains(&folder.toprise(&line, 0).stderr, "was lost");
+    assert!(!chunks(&folder.read("a.rrd")).is_empty());
 }
 
 /// θ and φ of a second of a preset's motion at 100 Hz.

@@ -78,7 +78,7 @@ impl ShowFit for ShowFitPlan {
         let is_viewer_lost = warn_all(&sink.take_warnings());
         record_run(fit, &mut sink)?;
         let mut completed = complete(sink.finish(), draft)?;
-        completed.is_viewer_lost |= is_viewer_lost;
+        completed.is_viewer_lost |= completed.file.is_none() && is_viewer_lost;
         Ok(completed)
     }
 }

@@ -190,7 +190,7 @@ impl OpenRunViewer {
                 ..complete(self.sink.finish(), None)?
             }
         };
-        completed.is_viewer_lost |= self.is_viewer_lost;
+        completed.is_viewer_lost |= completed.file.is_none() && self.is_viewer_lost;
         Ok(completed)
     }
 }

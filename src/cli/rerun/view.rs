@@ -344,8 +344,9 @@ fn show(
         messages: replayed.messages,
         undecodable: replayed.undecodable.as_ref().map_or(0, |(_, count)| *count),
         losses: losses(&replayed),
+        // With a file, nothing is lost with the viewer.
+        is_viewer_lost: completed.is_viewer_lost || was_viewer_lost && completed.file.is_none(),
         rrd: completed.file,
-        is_viewer_lost: was_viewer_lost || completed.is_viewer_lost,
     })
 }
 

@@ -53,10 +53,11 @@ pub(super) fn complete(
     let lost = format!("{} is not written", draft.path().display());
     match warnings {
         Ok(warnings) => {
-            let is_viewer_lost = warn_all(&warnings);
+            warn_all(&warnings);
             Ok(Completed {
                 file: Some(WrittenFile::publish(draft).context(lost)?),
-                is_viewer_lost,
+                // The file has all that the viewer was to show.
+                is_viewer_lost: false,
             })
         }
         Err(error) => {

@@ -89,7 +89,7 @@ const PEG_VELOCITY: &[Curves] = &[of(free_peg::VELOCITY.plot())];
 const NORMAL_FORCE: &[Curves] = &[of(contact::NORMAL_FORCE.plot())];
 const GAP: &[Curves] = &[of(free_peg::GAP.plot())];
 const REGIME: &[Curves] = &[of(contact::REGIME.plot())];
-const JELLETT: &[Curves] = &[of(free_peg::JELLETT.plot())];
+const JELLETT: &[Curves] = &[Curves::Derived(Derived::JellettChange)];
 const PERIOD: &[Curves] = &[of(nutation::PERIOD.plot())];
 
 const MOMENTUM_NAME: &str = "Angular momentum";
@@ -143,7 +143,7 @@ pub(super) const TABLE: [Chart; 5] = [
     chart("Energy lost since the start", LOST, LeftTop),
     chart("Velocity of the peg", PEG_VELOCITY, RightTop),
     chart("Velocity, centre of mass", CENTER_VELOCITY, RightTop),
-    chart("Jellett's integral", JELLETT, RightTop),
+    chart("Jellett's integral, change", JELLETT, RightTop),
 ];
 
 /// The Euler rates of a top with a free peg.

@@ -168,7 +168,7 @@ fn roles(identity: &PairIdentity, topic: Topic) -> Vec<(Role, &Geometry)> {
     Side::BOTH
         .into_iter()
         .filter(|side| identity.run(*side).has(topic))
-        .map(|side| (identity.role(side), &identity.run(side).geometry))
+        .map(|side| (Role::Compared(side), &identity.run(side).geometry))
         .collect()
 }
 
@@ -176,7 +176,7 @@ fn roles(identity: &PairIdentity, topic: Topic) -> Vec<(Role, &Geometry)> {
 fn texts(layout: &mut BlueprintLayout, identity: &PairIdentity) -> Child {
     let mut pages = vec![layout.view("TextDocument", "Summary", SUMMARY, &["$origin"])];
     for side in Side::BOTH {
-        let about = identity.role(side).entity(ABOUT);
+        let about = Role::Compared(side).entity(ABOUT);
         pages.push(layout.view("TextDocument", identity.name_of(side), &about, &["$origin"]));
     }
     layout.contain(tabs(), &pages)
@@ -240,7 +240,7 @@ impl Charts<'_> {
             entities(
                 contrast.curves,
                 |curves| curves.is_in(identity.run(side)),
-                &identity.role(side),
+                &Role::Compared(side),
             )
         });
         let range = self.extent.and_then(|extent| {

@@ -1,14 +1,15 @@
 //! Plots of measured values over the run that was fitted to them.
 
-use rerun::components::{AggregationPolicy, MarkerShape};
-use rerun::{Color, Scalars, SeriesLines, SeriesPoints};
+use rerun::components::MarkerShape;
 use std::sync::Arc;
 
 use crate::rerun::entity::FIT_REPORT;
 use crate::rerun::measurement::{MeasuredSignal, Measurement};
+use crate::rerun::output::Output;
 use crate::rerun::output::track::Track;
-use crate::rerun::output::{ComponentColumns, Output};
 use crate::rerun::palette::{GREEN, GREY, ORANGE, PALE, SKY};
+use crate::rerun::plots::columns;
+use crate::rerun::style::{self, LineStyle};
 use crate::telemetry::Message;
 use crate::telemetry::supplement::{FIT_DATA, FIT_RESIDUAL};
 
@@ -85,24 +86,21 @@ const FEW: usize = 400;
 const SIZES: [f32; 2] = [2.2, 1.4];
 
 /// Points for a signal with this number of values. Many small ones leave the curve behind them visible.
-fn points(entity: &str, name: &str, color: u32, count: usize, output: &mut Output) -> Track<f64> {
+fn points(
+    entity: &str,
+    name: &'static str,
+    color: u32,
+    count: usize,
+    output: &mut Output,
+) -> Track<f64> {
     let size = SIZES[usize::from(count > FEW)];
-    let style = SeriesPoints::new()
-        .with_names([name])
-        .with_colors([Color::from_u32(color)])
-        .with_markers([MarkerShape::Circle])
-        .with_marker_sizes([size]);
+    let style = style::marks(&[(name, color, size)], MarkerShape::Circle);
     output.send_static(entity, &style);
     Track::new(entity.to_owned(), |rows| columns(rows, 1), output)
 }
 
-fn lines(entity: &str, series: &[(&str, u32, f32)], output: &mut Output) -> Track<f64> {
-    let style = SeriesLines::new()
-        .with_names(series.iter().map(|(name, ..)| *name))
-        .with_colors(series.iter().map(|(_, color, _)| Color::from_u32(*color)))
-        .with_widths(series.iter().map(|(.., width)| *width))
-        .with_aggregation_policy(AggregationPolicy::MinMax);
-    output.send_static(entity, &style);
+fn lines(entity: &str, series: &[LineStyle], output: &mut Output) -> Track<f64> {
+    output.send_static(entity, &style::lines(series));
     let width = series.len();
     Track::new(entity.to_owned(), move |rows| columns(rows, width), output)
 }
@@ -197,10 +195,4 @@ fn send_values(signal: &MeasuredSignal, path: &str, output: &mut Output) {
     {
         bounds.push(output, value.time_ns, [-BAND, 0.0, BAND]);
     }
-}
-
-fn columns(numbers: &[f64], width: usize) -> ComponentColumns {
-    let lengths = std::iter::repeat_n(width, numbers.len() / width);
-    let scalars = Scalars::new(numbers.iter().copied());
-    Ok(scalars.columns(lengths)?.collect())
 }

@@ -1,13 +1,14 @@
 //! Curves that share an entity: the numbers of a channel, or numbers that follow from several channels.
 
 use rerun::AsComponents;
+use rerun::components::MarkerShape;
 
 use crate::rerun::identity::Identity;
 use crate::rerun::palette::{GREEN, GREY, SKY, VERMILION, WHITE, YELLOW};
 use crate::rerun::role::Role;
 use crate::rerun::style::{self, LineStyle};
 use crate::telemetry::fields::{
-    ACCELERATION, EVENTS, MOMENTUM, NUTATION, NumberField, POSE, Plot, STATE, TORQUE,
+    ACCELERATION, EVENTS, FREE_PEG, MOMENTUM, NUTATION, NumberField, POSE, Plot, STATE, TORQUE,
 };
 use crate::telemetry::{Quantity, Topic};
 
@@ -31,6 +32,8 @@ pub(in crate::rerun) enum Derived {
     AxialRate,
     /// θ at each event.
     EventMarks,
+    /// Relative change of Jellett's integral since the start.
+    JellettChange,
     /// Means of the terms of d²θ/dt² over each nutation.
     ThetaTerms,
     /// Means of the terms of d²φ/dt².
@@ -42,6 +45,7 @@ pub(in crate::rerun) enum Derived {
 const AXIAL_RATE: [LineStyle; 1] = [("ω·n", GREEN, 1.2)];
 const TORQUE_ALONG: [LineStyle; 1] = [("τ along the horizontal part of L", VERMILION, 1.5)];
 const MOMENTUM_PARTS: [LineStyle; 2] = [("horizontal", YELLOW, 2.0), ("vertical", SKY, 1.5)];
+const JELLETT_CHANGE: [LineStyle; 1] = [("relative change", SKY, 1.2)];
 const EVENT_MARKS: [LineStyle; 1] = [("event", WHITE, 3.5)];
 const TERMS: [LineStyle; 3] = [
     ("friction", VERMILION, 1.8),
@@ -51,11 +55,12 @@ const TERMS: [LineStyle; 3] = [
 
 impl Derived {
     /// All of them.
-    pub(in crate::rerun) const ALL: [Self; 7] = [
+    pub(in crate::rerun) const ALL: [Self; 8] = [
         Self::MomentumParts,
         Self::TorqueAlong,
         Self::AxialRate,
         Self::EventMarks,
+        Self::JellettChange,
         Self::ThetaTerms,
         Self::PhiTerms,
         Self::PsiTerms,
@@ -67,6 +72,7 @@ impl Derived {
             Self::TorqueAlong => "torque_along_horizontal_momentum",
             Self::AxialRate => "axial_rate",
             Self::EventMarks => "event_marks",
+            Self::JellettChange => "jellett_change",
             Self::ThetaTerms => "mean_terms/theta_ddot",
             Self::PhiTerms => "mean_terms/phi_ddot",
             Self::PsiTerms => "mean_terms/psi_ddot",
@@ -79,6 +85,8 @@ impl Derived {
             Self::TorqueAlong => Quantity::Torque,
             Self::AxialRate => Quantity::Rate,
             Self::EventMarks => Quantity::Angle,
+            // Relative, as a component of a direction: its typical magnitude is 1.
+            Self::JellettChange => Quantity::Direction,
             Self::ThetaTerms | Self::PhiTerms | Self::PsiTerms => Quantity::Acceleration,
         }
     }
@@ -89,6 +97,7 @@ impl Derived {
             Self::TorqueAlong => &TORQUE_ALONG,
             Self::AxialRate => &AXIAL_RATE,
             Self::EventMarks => &EVENT_MARKS,
+            Self::JellettChange => &JELLETT_CHANGE,
             Self::ThetaTerms | Self::PhiTerms | Self::PsiTerms => &TERMS,
         }
     }
@@ -99,6 +108,7 @@ impl Derived {
             Self::TorqueAlong => &[POSE, MOMENTUM, TORQUE],
             Self::AxialRate => &[POSE],
             Self::EventMarks => &[EVENTS],
+            Self::JellettChange => &[FREE_PEG],
             Self::ThetaTerms | Self::PhiTerms | Self::PsiTerms => &[STATE, ACCELERATION, NUTATION],
         }
     }
@@ -157,7 +167,9 @@ impl Curves {
                 let numbers: Vec<NumberField> = plot.numbers().collect();
                 style::series(&numbers, role)
             }
-            Self::Derived(Derived::EventMarks) => Box::new(style::marks(&EVENT_MARKS)),
+            Self::Derived(Derived::EventMarks) => {
+                Box::new(style::marks(&EVENT_MARKS, MarkerShape::Diamond))
+            }
             Self::Derived(derived) => Box::new(style::lines(derived.styles())),
         }
     }

@@ -319,7 +319,8 @@ fn clip_to_view(arrow: Vector3<f64>, height: f64) -> (Vector3<f64>, bool) {
     }
 }
 
-fn arrow_columns(rows: &[[[f32; 3]; 2]]) -> ComponentColumns {
+/// The components of arrows: starts and vectors.
+pub(in crate::rerun) fn arrow_columns(rows: &[[[f32; 3]; 2]]) -> ComponentColumns {
     let arrows = Arrows3D::update_fields()
         .with_origins(rows.iter().map(|[origin, _]| *origin))
         .with_vectors(rows.iter().map(|[_, vector]| *vector));

@@ -75,7 +75,7 @@ impl Comparison {
         }
         let runs = Side::BOTH.map(|side| {
             let run = identity.with_common_scale(side);
-            Entities::new(&run, &identity.role(side), output)
+            Entities::new(&run, &Role::Compared(side), output)
         });
         let comparison = Self {
             runs,

@@ -9,6 +9,7 @@ use crate::rerun::entity::{WHY, WHY_GHOST};
 use crate::rerun::identity::{Geometry, Identity};
 use crate::rerun::output::track::Track;
 use crate::rerun::output::{ComponentColumns, Output};
+use crate::rerun::scene::arrow_columns;
 use crate::rerun::snapshot::Snapshot;
 use crate::telemetry::fields::{CONTACT, MOMENTUM, POSE, TORQUE};
 use crate::telemetry::proportions::Proportions;
@@ -53,7 +54,7 @@ impl Why {
         output.send_static(WHY_GHOST, &style);
         Self {
             texts: Track::new(WHY, text_columns, output),
-            ghost: Track::new(WHY_GHOST, ghost_columns, output),
+            ghost: Track::new(WHY_GHOST, arrow_columns, output),
             geometry,
             next_ns: 0,
         }
@@ -129,11 +130,4 @@ fn text_columns(rows: &[String]) -> ComponentColumns {
         .with_many_text(rows.iter().map(String::as_str))
         .with_many_media_type(rows.iter().map(|_| rerun::MediaType::markdown()));
     Ok(texts.columns_of_unit_batches()?.collect())
-}
-
-fn ghost_columns(rows: &[[[f32; 3]; 2]]) -> ComponentColumns {
-    let arrows = Arrows3D::update_fields()
-        .with_origins(rows.iter().map(|[origin, _]| *origin))
-        .with_vectors(rows.iter().map(|[_, vector]| *vector));
-    Ok(arrows.columns_of_unit_batches()?.collect())
 }
