@@ -13,7 +13,7 @@ use crate::rerun::scene::arrow_columns;
 use crate::rerun::snapshot::Snapshot;
 use crate::telemetry::fields::{CONTACT, MOMENTUM, POSE, TORQUE};
 use crate::telemetry::proportions::Proportions;
-use crate::words::number::significant;
+use crate::words::number::{pair, significant};
 
 /// Time between two texts, ns.
 const STEP_NS: u64 = 100_000_000;
@@ -121,7 +121,7 @@ fn three(value: f64) -> String {
 /// The parts of an angular momentum, in the words of the web page.
 fn parts(momentum: Vector3<f64>) -> String {
     let horizontal = math::hypot(momentum.x, momentum.y);
-    let [horizontal, vertical] = [horizontal, momentum.z].map(|part| three(1e3 * part));
+    let [horizontal, vertical] = pair([1e3 * horizontal, 1e3 * momentum.z], 4);
     format!("horizontal {horizontal}, vertical {vertical} mN m s")
 }
 
