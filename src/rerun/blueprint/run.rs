@@ -1,7 +1,7 @@
 //! The layout for one run: the scene at the left with the events below, the main charts at the right.
 
 use rerun::StoreId;
-use rerun::blueprint::components::{ContainerKind, Corner2D};
+use rerun::blueprint::components::{ContainerKind, Corner2D, PanelState};
 use rerun::components::Name;
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
@@ -40,13 +40,10 @@ fn first(identity: &Identity, playback: Playback) -> BlueprintLayout {
 pub(crate) fn only_about(store: &StoreId) -> Messages {
     let mut layout = BlueprintLayout::new(store);
     let about = layout.view("TextDocument", "About this run", ABOUT, &["$origin"]);
-    window(
-        &mut layout,
-        about,
-        None,
-        [1.0, 1.0],
-        &time_panel(Playback::FromStart, 1.0),
-    );
+    let page = layout.contain(tabs(), &[about]);
+    // Without a run there is no time.
+    let panel = parts::TimePanelBlueprint::new().with_state(PanelState::Hidden);
+    window(&mut layout, page, None, [1.0, 1.0], &panel);
     layout.finish()
 }
 
