@@ -126,7 +126,7 @@ impl Measurement {
         }
         let poses = self.poses();
         if let Some(pose) = poses.first() {
-            key += " The pale top has the measured θ and φ";
+            key += " The orange top has the measured θ and φ";
             key += match pose.psi {
                 Some(_) => ", and ψ.",
                 None => "; its spin is that of the fit.",

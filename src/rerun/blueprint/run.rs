@@ -127,18 +127,18 @@ fn left_side(layout: &mut BlueprintLayout, identity: &Identity, has_story: bool)
         distance: 1.0,
     };
     let scene = scene(layout, &stage);
-    let words = if has_hodograph(identity) {
+    let pictures = if has_hodograph(identity) {
         let above = hodograph(layout);
-        layout.contain(row(&[44.0, 56.0]), &[above, words])
+        layout.contain(row(&[68.0, 32.0]), &[scene, above])
     } else {
-        words
+        scene
     };
     // A report is longer than a list of events.
     let heights = match identity.measurement {
         Some(_) => [52.0, 48.0],
-        None => [64.0, 36.0],
+        None => [66.0, 34.0],
     };
-    layout.contain(column(&heights), &[scene, words])
+    layout.contain(column(&heights), &[pictures, words])
 }
 
 /// The first page of a top that is not a tippe top.

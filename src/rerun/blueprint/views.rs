@@ -48,7 +48,7 @@ pub(super) fn scene(layout: &mut BlueprintLayout, stage: &SceneView<'_>) -> Chil
     let proportions = Proportions::new(&stage.geometry.top);
     // In heights of the top: the middle of the scene, and the place of the camera as seen from there.
     let middle = Vector3::new(0.0, 0.0, 0.5);
-    let place = middle + stage.distance * Vector3::new(1.25, 1.6, 0.75);
+    let place = middle + stage.distance * Vector3::new(1.35, 1.7, 0.8);
     let [target, position]: [[f32; 3]; 2] =
         [middle, place].map(|point| (proportions.size() * point).cast().into());
     let camera = parts::EyeControls3D::new()

@@ -85,6 +85,9 @@ const FEW: usize = 400;
 /// Sizes of few and of many values.
 const SIZES: [f32; 2] = [2.2, 1.4];
 
+/// Opacity of many values (0 to 255).
+const FAINT: u32 = 0xA0;
+
 /// Points for a signal with this number of values. Many small ones leave the curve behind them visible.
 fn points(
     entity: &str,
@@ -93,7 +96,14 @@ fn points(
     count: usize,
     output: &mut Output,
 ) -> Track<f64> {
-    let size = SIZES[usize::from(count > FEW)];
+    let is_many = count > FEW;
+    let size = SIZES[usize::from(is_many)];
+    // Viewers draw points over lines: many of them would hide the curve.
+    let color = if is_many {
+        color & !0xFF | FAINT
+    } else {
+        color
+    };
     let style = style::marks(&[(name, color, size)], MarkerShape::Circle);
     output.send_static(entity, &style);
     Track::new(entity.to_owned(), |rows| columns(rows, 1), output)

@@ -1,4 +1,4 @@
-//! A pale top with the measured angles, over that of the run.
+//! An orange top with the measured angles, over that of the run.
 
 use nalgebra::Vector3;
 use rerun::datatypes::Rgba32;

@@ -109,11 +109,11 @@ impl Events {
     }
 }
 
-/// Letters that fit beside the time and the level in a window of 1366 points: next to another view, and below the scene.
-const NARROW: usize = 27;
-const WIDE: usize = 48;
+/// Letters that fit beside the time and the level in a window of 1366 points: below the scene of two runs, and of one.
+const NARROW: usize = 48;
+const WIDE: usize = 60;
 
-/// A text in lines of at most `width` letters, but for longer words. Viewers cut the end of a line off.
+/// A text in lines of at most `width` letters, but for longer words. Rerun 0.36 cuts the end of a line off; 0.41 shows the first one.
 fn wrapped(text: &str, width: usize) -> String {
     let mut lines = String::new();
     let mut length = 0;
