@@ -38,6 +38,7 @@ mod report;
 mod setup;
 mod tolerance;
 mod topic;
+mod variation;
 
 pub use self::agreement::{Agreement, Change, Precision, RunEnd};
 pub use self::averages::{Averaged, Deviation};
@@ -54,6 +55,9 @@ pub use self::setup::{KeyDifference, SetupDifferences};
 pub use self::tolerance::{Options, Tolerance, Tolerances, full_name};
 pub use self::topic::field::FieldDifference;
 pub use self::topic::{ChannelDifference, FirstDifference};
+pub use self::variation::by_key::{ByKey, Effect, KeyChange, KeyPlan};
+pub use self::variation::matching::{Match, MatchError, find_match};
+pub use self::variation::sensitivity::{MEASURED, Sensitivity, sensitivities};
 pub use crate::analysis::history::{PegSummary, RunSummary};
 pub use crate::analysis::subject::Subject;
 

@@ -6,6 +6,7 @@ mod findings;
 mod nothing;
 mod others;
 mod values;
+mod variation;
 
 use crate::damage::chunks;
 use crate::random_scenarios::{Random, free_tops};

@@ -26,8 +26,8 @@ pub struct Averaged {
     /// Means, least and greatest values of θ and the rates. Those of φ̇ and ψ̇ leave out cycles in which the axis passes
     /// the vertical.
     pub deviations: Vec<Deviation>,
-    /// The mean of φ̇ where it tells the precession: not where the axis nutates near the vertical.
-    pub precession: Option<Deviation>,
+    /// The means of φ̇ and ψ̇ where they tell precession and spin: not where the axis nutates near the vertical.
+    pub turning: Vec<Deviation>,
     /// Phase lead of B over A; absent if nutation is interrupted.
     pub phase: Option<Phase>,
     /// The nutation amplitudes of A and B (half the range of θ̇) at the last time, rad/s.
@@ -85,7 +85,10 @@ pub(super) fn compare(a: &RunHistory, b: &RunHistory, until: f64) -> Option<Aver
             .filter(|field| ![nutation::CYCLE, nutation::START].contains(field))
             .filter_map(|field| deviation(field, &times, &[a, b].map(|run| curve(run, field))))
             .collect(),
-        precession: deviation(nutation::PHI_DOT_MEAN, &times, &[a, b].map(precession)),
+        turning: [nutation::PHI_DOT_MEAN, nutation::PSI_DOT_MEAN]
+            .into_iter()
+            .filter_map(|field| deviation(field, &times, &[a, b].map(|run| turning(run, field))))
+            .collect(),
         phase: phase(a, b),
         amplitudes: first.zip(second).map(|(a, b)| [a, b]),
     })
@@ -106,12 +109,12 @@ fn curve(run: &RunHistory, field: NumberField) -> CubicCurve {
     CubicCurve::new(points)
 }
 
-/// The mean of φ̇ over time. It is NaN in cycles that nutate near the vertical.
-fn precession(run: &RunHistory) -> CubicCurve {
+/// A mean of φ̇ or ψ̇ over time. It is NaN in cycles that nutate near the vertical.
+fn turning(run: &RunHistory, field: NumberField) -> CubicCurve {
     let points = run.successive_cycles().iter().map(|cycle| {
-        let is_precession = is_away_from_vertical(cycle) && !nutates_near_vertical(cycle);
-        let rate = if is_precession {
-            cycle.means[2]
+        let is_told = is_away_from_vertical(cycle) && !nutates_near_vertical(cycle);
+        let rate = if is_told {
+            cycle.field(field)
         } else {
             f64::NAN
         };

@@ -9,6 +9,7 @@ pub(super) mod contrast;
 mod crossing;
 mod events;
 pub(super) mod finding;
+pub(super) mod measure;
 pub(super) mod quantity;
 mod sources;
 

@@ -17,6 +17,9 @@ use super::pairing::{Paired, PairedRun};
 use super::setup::{KeyDifference, SetupDifferences};
 use super::tolerance::Options;
 use super::topic::{ChannelDifference, TopicTally};
+use super::variation::by_key::ByKey;
+use super::variation::matching::Match;
+use super::variation::sensitivity::Sensitivity;
 use crate::analysis::history::RunSummary;
 use crate::analysis::normal_force::NormalForces;
 use crate::analysis::slip::SlipComparison;
@@ -64,6 +67,15 @@ pub struct Report {
     pub normal_forces: Option<NormalForces>,
     /// The integration errors; absent if not requested or not computable.
     pub integration_errors: Option<IntegrationErrors>,
+    /// The part of each changed key in the findings, if it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub by_key: Option<ByKey>,
+    /// A with the value of a key with which it comes closest to B, if it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub matched: Option<Match>,
+    /// The sensitivities of the findings, if they were asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sensitivities: Vec<Sensitivity>,
     /// Notes on this comparison.
     pub notes: Vec<String>,
 }
@@ -219,6 +231,9 @@ impl Report {
             notes,
             a,
             b,
+            by_key: None,
+            matched: None,
+            sensitivities: Vec::new(),
         }
     }
 

@@ -3,8 +3,10 @@
 pub(in crate::cli) mod content;
 mod csv;
 mod slip;
+mod variation;
 
 use self::slip::LawPlot;
+use self::variation::{VariationArguments, VariationPlan};
 use super::image::Plot;
 use crate::analysis::diff::{
     Observer, Options, Report, Tolerance, Tolerances, Verdict, compare_observed,
@@ -49,6 +51,9 @@ pub(in crate::cli) struct DiffArguments {
 
     #[command(flatten)]
     comparison: ComparisonArguments,
+
+    #[command(flatten)]
+    variation: VariationArguments,
 
     /// Draw both laws of friction, with the slip speeds of the runs, as SVG or PNG
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
@@ -121,6 +126,7 @@ struct DiffPlan {
     /// Whether everything is printed.
     all: bool,
     plot: Option<LawPlot>,
+    variation: VariationPlan,
     show: Option<Box<dyn ShowPair>>,
 }
 
@@ -141,8 +147,12 @@ impl DiffArguments {
             }
             None => None,
         };
+        // The estimate of the integration errors takes longer, too.
+        let is_sensitive = self.all && options.integration_error;
+        let variation = self.variation.plan([&a, &b], is_sensitive)?;
         Ok(DiffPlan {
             runs: [a, b],
+            variation,
             options,
             all: self.all,
             plot,
@@ -158,6 +168,7 @@ pub(super) fn diff(arguments: &DiffArguments, drafts: &Drafts) -> Result<Status,
         options,
         all,
         plot,
+        variation,
         show,
     } = arguments.plan()?;
     let subjects = [a.subject(), b.subject()];
@@ -177,6 +188,7 @@ pub(super) fn diff(arguments: &DiffArguments, drafts: &Drafts) -> Result<Status,
     let mut report = compared?;
     // Runs are called as on the command line, which the comparison doesn't know.
     [report.a.name, report.b.name] = names;
+    variation.add_to(&mut report)?;
     // A document has room for whole values.
     let is_cut = !all && output::format() == Format::Text;
     match output::format() {

@@ -46,26 +46,31 @@ pub(super) fn means(evidence: &Evidence<'_>) -> Vec<Finding> {
     let Some(averaged) = evidence.averaged else {
         return Vec::new();
     };
-    let theta = averaged.field(nutation::THETA_MEAN);
-    let theta = theta.and_then(|theta| {
+    let mut found = Vec::new();
+    if let Some(theta) = averaged.field(nutation::THETA_MEAN) {
         let quantity = Quantity::MeanTheta { at: theta.at };
-        mean(evidence, nutation::THETA_MEAN, theta, quantity)
-    });
-    let precession = averaged.precession.as_ref().and_then(|rate| {
-        let quantity = Quantity::MeanPrecession { at: rate.at };
-        let [a, b] = evidence
-            .histories()
-            .map(|run| change_by_nutation(run, rate.at));
-        let dependences = Vec::from_iter(
-            a.zip(b)
-                .map(|(a, b)| Dependence::Nutation { change: a + b }),
-        );
-        Some(Finding {
-            dependences,
-            ..mean(evidence, nutation::PHI_DOT_MEAN, rate, quantity)?
-        })
-    });
-    theta.into_iter().chain(precession).collect()
+        found.extend(mean(evidence, nutation::THETA_MEAN, theta, quantity));
+    }
+    for rate in &averaged.turning {
+        let at = rate.at;
+        let (field, quantity) = if rate.quantity == nutation::PHI_DOT_MEAN.path() {
+            (nutation::PHI_DOT_MEAN, Quantity::MeanPrecession { at })
+        } else {
+            (nutation::PSI_DOT_MEAN, Quantity::MeanSpin { at })
+        };
+        let [a, b] = evidence.histories().map(|run| change_by_nutation(run, at));
+        let change = a.zip(b).map(|(a, b)| a + b);
+        found.extend(mean(evidence, field, rate, quantity).map(|mean| {
+            Finding {
+                dependences: change
+                    .into_iter()
+                    .map(|change| Dependence::Nutation { change })
+                    .collect(),
+                ..mean
+            }
+        }));
+    }
+    found
 }
 
 fn mean(
@@ -80,7 +85,7 @@ fn mean(
     Finding::new(quantity, deviation.values.map(Some)).with_error(error)
 }
 
-/// By how much the nutation changes the mean of φ̇ at a time (s), rad/s: by its frequency times (δθ / sin θ)², with its
+/// By how much the nutation changes the means of φ̇ and ψ̇ at a time (s), rad/s: by its frequency times (δθ / sin θ)², with its
 /// amplitude δθ.
 fn change_by_nutation(run: &RunHistory, time: f64) -> Option<f64> {
     let frequency = TAU / run.curve(|cycle| cycle.period).at(time)?;

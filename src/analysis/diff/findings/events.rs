@@ -49,12 +49,12 @@ pub(super) fn events(evidence: &Evidence<'_>) -> Vec<Finding> {
     found
 }
 
-fn first_time(run: &RunHistory, kind: EventKind) -> Option<f64> {
+pub(super) fn first_time(run: &RunHistory, kind: EventKind) -> Option<f64> {
     Some(run.first(kind)?.time)
 }
 
 /// Number of loops that begin by a time (s).
-fn count_loops(run: &RunHistory, until: f64) -> usize {
+pub(super) fn count_loops(run: &RunHistory, until: f64) -> usize {
     run.events_of(EventKind::LoopingBegins)
         .filter(|event| event.time <= until)
         .count()
@@ -92,20 +92,20 @@ fn peg(evidence: &Evidence<'_>) -> Vec<Finding> {
 }
 
 /// Number of times in the air that begin before a time (s).
-fn count_hops(run: &RunHistory, until: f64) -> Option<usize> {
+pub(super) fn count_hops(run: &RunHistory, until: f64) -> Option<usize> {
     let intervals = run.peg.as_ref()?.intervals(until);
     let hops = in_phase(&intervals, PegPhase::Flying);
     Some(hops.iter().filter(|hop| hop.from < until).count())
 }
 
 /// Time at which the peg first rolls, s.
-fn first_roll(run: &RunHistory) -> Option<f64> {
+pub(super) fn first_roll(run: &RunHistory) -> Option<f64> {
     let intervals = run.peg.as_ref()?.intervals(run.stop_time()?);
     Some(in_phase(&intervals, PegPhase::Rolling).first()?.from)
 }
 
 /// The rolling that lasts to the end.
-fn final_roll(run: &RunHistory) -> Option<Interval> {
+pub(super) fn final_roll(run: &RunHistory) -> Option<Interval> {
     let last = *run.peg.as_ref()?.intervals(run.stop_time()?).last()?;
     (last.phase == PegPhase::Rolling).then_some(last)
 }

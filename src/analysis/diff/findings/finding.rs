@@ -204,10 +204,7 @@ impl Finding {
     }
 
     fn own_cells(&self) -> [Sentence; 3] {
-        let what = match self.quantity.unit() {
-            "" => self.quantity.label(),
-            unit => sentence!("{} [{}]", self.quantity.label(), unit),
-        };
+        let what = self.quantity.label_with_unit();
         [what, self.number_cell(self.a), self.number_cell(self.b)]
     }
 

@@ -69,6 +69,11 @@ pub enum Quantity {
         /// Time, s.
         at: f64,
     },
+    /// Mean of ψ̇ over a nutation, rad/s.
+    MeanSpin {
+        /// Time, s.
+        at: f64,
+    },
     /// Component of the angular velocity along the symmetry axis, ω·n, rad/s.
     AxialSpin {
         /// Time, s.
@@ -178,6 +183,9 @@ impl Quantity {
             Self::MeanPrecession { at } => {
                 sentence!("mean φ̇ at {}, most different", Piece::time(at))
             }
+            Self::MeanSpin { at } => {
+                sentence!("mean ψ̇ at {}, most different", Piece::time(at))
+            }
             Self::AxialSpin { at } => sentence!("ω·n at {}, most different", Piece::time(at)),
             Self::AxisDistance { until, .. } => {
                 sentence!("RMS angle between the axes by {}", Piece::time(until))
@@ -203,6 +211,22 @@ impl Quantity {
         }
     }
 
+    /// The compared quantity, with the unit.
+    pub fn label_with_unit(self) -> Sentence {
+        match self.unit() {
+            "" => self.label(),
+            unit => sentence!("{} [{}]", self.label(), unit),
+        }
+    }
+
+    /// A change of a number, in the unit of the quantity, for a table; "–" if it is not known.
+    pub fn cell_of_change(self, change: Option<f64>) -> String {
+        change.map_or_else(
+            || "–".to_owned(),
+            |change| self.format_difference(change, Durations::Seconds),
+        )
+    }
+
     /// The unit, empty for pure numbers.
     pub fn unit(self) -> &'static str {
         match self {
@@ -218,9 +242,10 @@ impl Quantity {
             | Self::MeanTheta { .. }
             | Self::AxisDistance { .. }
             | Self::InclinationDistance { .. } => "rad",
-            Self::MeanPrecession { .. } | Self::AxialSpin { .. } | Self::Amplitude { .. } => {
-                "rad/s"
-            }
+            Self::MeanPrecession { .. }
+            | Self::MeanSpin { .. }
+            | Self::AxialSpin { .. }
+            | Self::Amplitude { .. } => "rad/s",
             Self::EnergyLost { .. } => "J",
             Self::TorqueDifference { .. } => "N m",
         }

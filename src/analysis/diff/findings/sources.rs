@@ -22,6 +22,7 @@ impl Quantity {
             Self::FinalRollTheta => vec![events::THETA],
             Self::MeanTheta { .. } => vec![nutation::THETA_MEAN],
             Self::MeanPrecession { .. } => vec![nutation::PHI_DOT_MEAN],
+            Self::MeanSpin { .. } => vec![nutation::PSI_DOT_MEAN],
             Self::AxialSpin { .. } => vec![state::PSI_DOT, state::PHI_DOT, state::THETA],
             Self::AxisDistance { .. } => vec![state::THETA, state::PHI],
             Self::InclinationDistance { .. } => vec![state::THETA],

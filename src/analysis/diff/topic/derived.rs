@@ -82,7 +82,7 @@ fn axis(message: &Message<'_>) -> Vector3<f64> {
     Vector3::new(sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta))
 }
 
-fn axial_spin(message: &Message<'_>) -> f64 {
+pub(in crate::analysis::diff) fn axial_spin(message: &Message<'_>) -> f64 {
     let theta = state::THETA.of(message);
     state::PHI_DOT.of(message) * cos(theta) + state::PSI_DOT.of(message)
 }

@@ -1,6 +1,6 @@
 //! The human-readable report of a comparison.
 
-use super::slip;
+use super::{slip, variation};
 use crate::analysis::diff::{
     Averaged, ChannelDifference, ComparedRun, Deviation, Discrepancy, Durations, FieldDifference,
     Finding, FirstDifference, IntegrationErrors, IntegratorError, KeyDifference, Report, Residual,
@@ -24,6 +24,9 @@ pub(in crate::cli) fn page(report: &Report, all: bool, is_cut: bool) -> Vec<Sect
     sections.push(beyond(report, all));
     sections.push(findings(report, all));
     sections.push(equals(report, all));
+    sections.push(variation::by_key(report));
+    sections.push(variation::matched(report));
+    sections.push(variation::sensitivity(report));
     sections.push(others(report, all));
     if all || !report.has_other_scenarios() {
         sections.push(topics(report));
