@@ -118,6 +118,18 @@ impl SnapshotReader {
             self.current = Snapshot::empty(message.time_ns, self.top.weight());
             self.normal_force = f64::NAN;
         }
+        self.fill(message);
+        if self.last != Some(message.topic()) {
+            return None;
+        }
+        if self.is_free {
+            self.move_torques();
+        }
+        Some(&self.current)
+    }
+
+    /// Sets what the message contains.
+    fn fill(&mut self, message: &Message<'_>) {
         let snapshot = &mut self.current;
         match message.topic() {
             POSE => {
@@ -150,13 +162,6 @@ impl SnapshotReader {
             }
             _ => {}
         }
-        if self.last != Some(message.topic()) {
-            return None;
-        }
-        if self.is_free {
-            self.move_torques();
-        }
-        Some(&self.current)
     }
 
     /// Moves the torques, which are recorded about the centre of the peg, to the centre of mass.
