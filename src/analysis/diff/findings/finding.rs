@@ -172,7 +172,7 @@ impl Finding {
     }
 
     /// The largest change of the difference by the nutation; 0 if there is none.
-    fn ripple(&self) -> f64 {
+    pub(in crate::analysis::diff) fn ripple(&self) -> f64 {
         let mut ripple = 0.0_f64;
         for dependence in &self.dependences {
             if let Dependence::Nutation { change } = dependence {

@@ -49,6 +49,8 @@ pub struct Effect {
     pub difference: f64,
     /// Its integration error; absent if it is not known.
     pub integration_error: Option<f64>,
+    /// The largest change of it by the phase of the nutation.
+    pub nutation_change: f64,
     /// The part of each change; absent where a run of it has no such number.
     pub parts: Vec<Option<f64>>,
     /// The interaction of each pair: what both change together, less their parts.
@@ -119,6 +121,11 @@ impl Effect {
         known
             .max_by(|(_, one), (_, other)| one.abs().total_cmp(&other.abs()))
             .filter(|(_, interaction)| self.above_error(*interaction) != 0.0)
+    }
+
+    /// Whether a part may be one of the phase of the nutation.
+    pub fn is_within_nutation(&self, part: f64) -> bool {
+        part.abs() <= self.integration_error.unwrap_or(0.0) + self.nutation_change
     }
 
     /// A part of the difference, or 0 if it is below the integration error.
@@ -225,6 +232,7 @@ impl KeyPlan {
                 quantity: finding.quantity,
                 difference: b - a,
                 integration_error: finding.integration_error,
+                nutation_change: finding.ripple(),
                 pairs: of_pairs.collect(),
                 interaction: sum.map(|sum| b - a - sum),
                 parts,

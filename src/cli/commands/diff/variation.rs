@@ -124,14 +124,18 @@ pub(super) fn by_key(report: &Report) -> Section {
     }
     section.titled(
         "Parts of the changes",
-        "each alone, or after those named below; the interaction is what they leave of B − A",
+        "each alone, or after those named below; the interaction is what they leave; [within the nutation]",
     )
 }
 
 fn effect_row(effect: &Effect, by_key: &ByKey) -> Vec<Sentence> {
     let cell = |part: Option<f64>| {
         let part = part.map(|part| effect.above_error(part));
-        effect.quantity.cell_of_change(part)
+        let text = effect.quantity.cell_of_change(part);
+        match part {
+            Some(part) if part != 0.0 && effect.is_within_nutation(part) => format!("[{text}]"),
+            _ => text,
+        }
     };
     let mut row = vec![effect.quantity.label_with_unit()];
     row.push(cell(Some(effect.difference)).into());
