@@ -16,7 +16,7 @@ mod section;
 mod sentence;
 
 pub use self::count::{counted, grouped, plural};
-pub use self::markdown::sections as markdown;
+pub use self::markdown::{markdown_line, sections as markdown};
 pub use self::piece::{Argument, ArgumentStyle, Count, Estimate, Number, Piece};
 pub use self::sanitize::{
     MAX_LINE, is_control, sanitized, sanitized_lines, shortened, shortened_to,

@@ -30,7 +30,7 @@ def test_a_difference_is_summarised(brief):
     assert report.verdict == "different"
     assert report.summary == str(report) == repr(report)
     lines = report.summary.splitlines()
-    assert lines[0].startswith("Nearly the same: mean θ differs by up to ")
+    assert lines[0].startswith("B rises to a mean θ of ")
     assert lines[1] == "friction.k: A 0.03, B 0.0303"
     assert "B − A" in lines[2]
     assert report["setup"]["scenario"][0]["key"] == "friction.k"

@@ -196,9 +196,17 @@ fn check_messages(runs: [Subject<'_>; 2], paired: &Paired) -> Result<(), DiffErr
 }
 
 /// Adds the topics that are not in the telemetry table and that only one of the runs has. View topics are left out:
-/// they repeat what other topics have.
+/// they repeat what other topics have. So are supplements: they are no part of a run, and the set-up lists them.
 fn add_foreign_topics(only_in: &mut [Vec<String>; 2], runs: [Subject<'_>; 2], options: &Options) {
-    let foreign = runs.map(|run| foreign_topics(run, false));
+    let foreign = runs.map(|run| match run {
+        Subject::Scenario(_) => BTreeSet::new(),
+        Subject::Recording(recording) => {
+            let mut topics = foreign_topics(run, false);
+            let supplements = recording.channels().iter().filter(|c| c.is_supplement());
+            supplements.for_each(|channel| _ = topics.remove(&channel.topic));
+            topics
+        }
+    });
     for (side, only) in only_in.iter_mut().enumerate() {
         let unmatched = foreign[side].difference(&foreign[1 - side]);
         only.extend(

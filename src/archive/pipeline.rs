@@ -21,6 +21,28 @@ const BATCH_BYTES: usize = 128 * 1024;
 /// Maximum number of queued batches; bounds memory use.
 const BATCHES: usize = 8;
 
+/// A recording that is written, in a target.
+#[derive(Debug)]
+pub struct Ended<T> {
+    /// What it was written to.
+    pub target: T,
+    /// The digest of its content.
+    pub content_digest: String,
+    /// Whether it has all supplements that it was to have; some of a damaged recording may be lost.
+    pub has_all_supplements: bool,
+}
+
+impl<T> Ended<T> {
+    /// The same recording in what `map` makes of its target.
+    pub(crate) fn try_map<U, E>(self, map: impl FnOnce(T) -> Result<U, E>) -> Result<Ended<U>, E> {
+        Ok(Ended {
+            target: map(self.target)?,
+            content_digest: self.content_digest,
+            has_all_supplements: self.has_all_supplements,
+        })
+    }
+}
+
 /// Writes a run as MCAP with two threads.
 #[derive(Debug)]
 pub struct Pipeline<W: Write> {
@@ -46,18 +68,24 @@ impl<W: Write + Send + 'static> Pipeline<W> {
         })
     }
 
-    /// Ends the recording; returns the target and the content digest.
+    /// Ends the recording.
     pub(crate) fn end(
         mut self,
         end: &RunEnd,
         supplements: &Supplements<'_>,
-    ) -> Result<(W, String), SinkError> {
+    ) -> Result<Ended<W>, SinkError> {
         self.send_batch()?;
         let mut chunks = self.join()?;
-        let written = chunks.writer().and_then(|writer| supplements.write(writer));
-        written
-            .and_then(|()| chunks.finish(end_entries(end)))
-            .map_err(|reason| mcap_error(&self.name, reason))
+        let finish = || {
+            let has_all_supplements = supplements.write(chunks.writer()?)?;
+            let (target, content_digest) = chunks.finish(end_entries(end))?;
+            Ok(Ended {
+                target,
+                content_digest,
+                has_all_supplements,
+            })
+        };
+        finish().map_err(|reason| mcap_error(&self.name, reason))
     }
 
     fn send_batch(&mut self) -> Result<(), SinkError> {
@@ -197,7 +225,8 @@ impl McapSink {
     /// # Errors
     /// [`SinkError`] if anything could not be written; the partial file is kept.
     pub fn complete(self, end: &RunEnd) -> Result<(Draft, String), SinkError> {
-        self.complete_with(end, &Supplements::default())
+        let ended = self.complete_with(end, &Supplements::default())?;
+        Ok((ended.target, ended.content_digest))
     }
 
     /// As [`Self::complete`], with supplements before the end record.
@@ -208,15 +237,17 @@ impl McapSink {
         self,
         end: &RunEnd,
         supplements: &Supplements<'_>,
-    ) -> Result<(Draft, String), SinkError> {
+    ) -> Result<Ended<Draft>, SinkError> {
         let Self { pipeline, draft } = self;
-        let (file, digest) = pipeline.end(end, supplements)?;
-        file.into_inner().map_err(|error| SinkError::Io {
-            action: "write",
-            path: draft.working_name().to_owned(),
-            reason: error.into_error(),
-        })?;
-        Ok((draft, digest))
+        let ended = pipeline.end(end, supplements)?;
+        ended.try_map(|file| match file.into_inner() {
+            Ok(_) => Ok(draft),
+            Err(error) => Err(SinkError::Io {
+                action: "write",
+                path: draft.working_name().to_owned(),
+                reason: error.into_error(),
+            }),
+        })
     }
 
     /// Finishes and publishes the recording.

@@ -9,7 +9,7 @@
 mod drafts;
 mod place;
 
-pub use drafts::Drafts;
+pub use drafts::{Drafts, HiddenDirectory};
 pub use place::{check_not_an_input, is_same_file};
 
 use crate::archive::sink::SinkError;

@@ -132,11 +132,14 @@ pub struct Supplements<'r> {
 }
 
 impl Supplements<'_> {
-    /// Writes the channels with their messages, the attachments and the metadata, in the order of the source.
-    pub(super) fn write<W: Write + Seek>(&self, writer: &mut Writer<W>) -> McapResult<()> {
+    /// Writes the channels with their messages, the attachments and the metadata, in the order of the source. Returns
+    /// whether none of them was lost with damage of the source.
+    pub(super) fn write<W: Write + Seek>(&self, writer: &mut Writer<W>) -> McapResult<bool> {
+        let mut is_whole = true;
         if let Some(source) = self.source {
+            is_whole = !source.is_damaged();
             if source.channels().iter().any(FileChannel::is_supplement) {
-                copy_channels(source, FileChannel::is_supplement, writer)?;
+                is_whole &= copy_channels(source, FileChannel::is_supplement, writer)?;
             }
             for attachment in source.supplementary_attachments() {
                 attachment.copy(&source.source, writer)?;
@@ -150,7 +153,7 @@ impl Supplements<'_> {
         if let Some((name, entries)) = &self.metadata {
             writer.write_metadata(&metadata(name, entries.clone()))?;
         }
-        Ok(())
+        Ok(is_whole)
     }
 
     fn replaces(&self, name: &str) -> bool {

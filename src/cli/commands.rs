@@ -166,7 +166,7 @@ pub(super) fn dispatch(
         #[cfg(feature = "sweep")]
         Command::Sweep(arguments) => sweep(&arguments, drafts),
         Command::Info(arguments) => info(&arguments),
-        Command::Verify(arguments) => verify(&arguments),
+        Command::Verify(arguments) => verify(&arguments, drafts),
         Command::Annotate(arguments) => annotate(&arguments, drafts),
         Command::Archive(arguments) => archive(&arguments, drafts),
         Command::Presets(arguments) => presets(&arguments),

@@ -61,12 +61,12 @@ impl Writer {
     }
 
     fn sentence(&self, sentence: &Sentence) -> String {
-        line(&sentence.text(self.arguments))
+        markdown_line(&sentence.text(self.arguments))
     }
 }
 
 /// A sanitised single line without characters that would be markup. Between letters, `_` is not markup.
-fn line(text: &str) -> String {
+pub fn markdown_line(text: &str) -> String {
     let line = sanitized(text);
     let mut escaped = String::with_capacity(line.len());
     let mut characters = line.chars().peekable();
@@ -103,7 +103,7 @@ mod tests {
             ),
             (r"`a\`", r"\`a\\\`"),
         ] {
-            assert_eq!(line(text), expected);
+            assert_eq!(markdown_line(text), expected);
         }
     }
 

@@ -80,7 +80,7 @@ fn pack(folder: &Folder, name: &str) {
 fn archives_are_verified_as_directories_and_zip_files() {
     let folder = archived();
     let printed = folder.toprise("verify crate", 0);
-    assert_contains(&printed.stdout, "every file follows from the recordings");
+    assert_contains(&printed.stdout, "every file that follows from them");
     // The order of the arguments doesn't matter.
     for name in ["one.zip", "two.zip"] {
         let mut recordings = vec!["a.mcap", "b b.mcap"];
@@ -112,8 +112,24 @@ fn archives_take_what_the_recordings_say() {
         ("archive c.mcap d.mcap -o new", "say different things"),
         ("archive a.mcap -o new", "--about"),
         (
+            "archive c.mcap --about other.toml -o new",
+            "says something else of itself",
+        ),
+        (
+            "archive a.mcap --add . --about about.toml -o new",
+            "no name",
+        ),
+        (
+            "archive a.mcap --add ./.hidden --about about.toml -o new",
+            "no name",
+        ),
+        (
+            "archive a.mcap --add gone --about about.toml -o new",
+            "gone is no file",
+        ),
+        (
             "archive a.mcap a.mcap --about about.toml -o new",
-            "rename one",
+            "rename a recording",
         ),
         ("archive a.mcap --about about.toml -o crate", "crate exists"),
         ("archive about.toml --about about.toml -o new", "about.toml"),
@@ -253,4 +269,93 @@ fn archives_of_other_versions_are_compared_in_part() {
     forge_sums(&folder.at("crate"));
     let printed = folder.toprise("verify crate", 3);
     assert_contains(&printed.stdout, "toprise 9.9.9");
+}
+
+#[test]
+fn archives_are_the_same_in_any_order_and_hold_runs_of_few_topics() {
+    let folder = archived();
+    let few = "run paper --set stop.duration=0.05 --topics /top/state -o few.mcap";
+    folder.toprise(few, 0);
+    for (name, added) in [
+        ("x.zip", "--add notes.txt --add about.toml"),
+        ("y.zip", "--add about.toml --add notes.txt"),
+    ] {
+        folder.toprise(
+            &format!("archive few.mcap a.mcap {added} --about about.toml -o {name}"),
+            0,
+        );
+    }
+    assert!(folder.read("x.zip") == folder.read("y.zip"));
+    folder.toprise("verify x.zip", 0);
+}
+
+#[test]
+fn names_that_would_collide_are_refused_before_anything_is_written() {
+    let folder = archived();
+    for name in ["a-b", "b-c", "c", "A"] {
+        fs::copy(folder.at("a.mcap"), folder.at(format!("{name}.mcap"))).unwrap();
+    }
+    for names in ["a.mcap b-c.mcap a-b.mcap c.mcap", "a.mcap A.mcap"] {
+        let line = format!("archive {names} --about about.toml -o new");
+        assert_contains(&folder.toprise(&line, 2).stderr, "rename a recording");
+        assert!(!folder.at("new").exists());
+    }
+}
+
+#[test]
+fn an_archive_holds_recordings() {
+    let folder = archived();
+    for name in ["recordings", "scenarios", "reports", "figures"] {
+        fs::remove_dir_all(folder.at(Path::new("crate").join(name))).unwrap();
+    }
+    forge_sums(&folder.at("crate"));
+    let printed = folder.toprise("verify crate", 1);
+    assert_contains(&printed.stdout, "recordings is missing");
+}
+
+/// Links lead out of the archive, and pipes never end.
+#[cfg(unix)]
+#[test]
+fn links_and_pipes_are_no_files_of_an_archive() {
+    let folder = archived();
+    let copy = folder.at("copy.md");
+    fs::rename(folder.at("crate/README.md"), &copy).unwrap();
+    std::os::unix::fs::symlink(&copy, folder.at("crate/README.md")).unwrap();
+    assert_contains(
+        &folder.toprise("verify crate", 1).stdout,
+        "README.md is a link",
+    );
+    fs::remove_file(folder.at("crate/README.md")).unwrap();
+    let made = std::process::Command::new("mkfifo")
+        .arg(folder.at("crate/README.md"))
+        .status();
+    assert!(made.unwrap().success());
+    assert_contains(
+        &folder.toprise("verify crate", 1).stdout,
+        "README.md is a link",
+    );
+}
+
+/// Programs differ in which of two files of one name they unpack.
+#[test]
+fn zip_files_with_a_name_twice_are_refused() {
+    let folder = archived();
+    let mut zip = ZipWriter::new(fs::File::create(folder.at("twice.zip")).unwrap());
+    let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+    for (name, content) in [("README.md", "one"), ("README.mx", "other")] {
+        zip.start_file(name, options).unwrap();
+        zip.write_all(content.as_bytes()).unwrap();
+    }
+    zip.finish().unwrap();
+    let mut bytes = folder.read("twice.zip");
+    for at in 0..bytes.len() - 9 {
+        if &bytes[at..at + 9] == b"README.mx" {
+            bytes[at + 8] = b'd';
+        }
+    }
+    folder.write("twice.zip", bytes);
+    assert_contains(
+        &folder.toprise("verify twice.zip", 2).stderr,
+        "two files of one name",
+    );
 }

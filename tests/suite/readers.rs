@@ -185,7 +185,7 @@ fn val_archives_are_process_run_crates() {
                 .arg(directory.path().join(name)),
         );
         assert!(
-            actions.contains("toprise run scenarios/a b.toml"),
+            actions.contains("toprise run 'scenarios/a b.toml'"),
             "{actions}"
         );
     }

@@ -278,3 +278,40 @@ fn annotates_whole_recordings_only() {
         assert!(!folder.at("b.mcap").exists(), "{arguments}");
     }
 }
+
+/// What a damaged file loses is said, and a copy that would lack something is not made.
+#[test]
+fn lost_supplements_are_told() {
+    let folder = Folder::new();
+    folder.write("about.toml", ABOUT);
+    write_supplemented(&folder.at("a.mcap"));
+    let mut bytes = folder.read("a.mcap");
+    let at = bytes
+        .windows(8)
+        .position(|part| part == b"measured")
+        .unwrap();
+    let notes = bytes[at..]
+        .windows(17)
+        .position(|part| part == b"measured at night")
+        .unwrap();
+    bytes[at + notes] ^= 1;
+    folder.write("damaged.mcap", bytes);
+    let printed = folder.toprise("run damaged.mcap -o b.mcap", 3);
+    assert_contains(&printed.stderr, "damaged.mcap is damaged");
+    folder.toprise("annotate damaged.mcap about.toml -o c.mcap", 2);
+    let scenario = scenario("paper", &[("stop.duration", "0.05")]);
+    let mut forgery = Forgery::of(&recorded(&scenario, &[], Form::default()));
+    forgery.add("toprise.notes", &[("a", "b")]);
+    forgery.write(&folder.at("reserved.mcap"));
+    let printed = folder.toprise("annotate reserved.mcap about.toml -o d.mcap", 2);
+    assert_contains(&printed.stderr, "toprise.notes, a name that is reserved");
+}
+
+#[test]
+fn topics_of_others_are_no_difference_of_the_run() {
+    let folder = Folder::new();
+    write_supplemented(&folder.at("a.mcap"));
+    folder.toprise("run paper --set stop.duration=0.05 -o b.mcap", 0);
+    let printed = folder.toprise("diff a.mcap b.mcap", 0);
+    assert_contains(&printed.stdout, "/lab/note");
+}

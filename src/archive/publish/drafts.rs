@@ -5,6 +5,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use tempfile::Builder;
 
 /// The hidden drafts of a program and the directories made for them. A program that handles signals keeps one and
 /// removes what is in it before it exits.
@@ -16,6 +17,8 @@ pub struct Drafts(Arc<Mutex<Leftovers>>);
 pub(super) struct Leftovers {
     files: BTreeSet<PathBuf>,
     directories: Vec<PathBuf>,
+    /// Directories that are removed with all that is in them.
+    trees: BTreeSet<PathBuf>,
 }
 
 impl Drafts {
@@ -26,6 +29,9 @@ impl Drafts {
         for file in &leftovers.files {
             // It may just have been published, or removed by the thread that wrote it.
             let _ = fs::remove_file(file);
+        }
+        for tree in &leftovers.trees {
+            let _ = fs::remove_dir_all(tree);
         }
         remove_empty(&leftovers.directories);
         // The lock is never released: no thread makes another draft while the process exits.
@@ -51,6 +57,21 @@ impl Drafts {
         Ok((file, ListedDraft { drafts, path }))
     }
 
+    /// Creates a hidden directory in another, which is removed with all that is in it unless it gets a name.
+    ///
+    /// # Errors
+    /// The system error.
+    pub fn hidden_directory(&self, parent: &Path) -> io::Result<HiddenDirectory> {
+        let mut leftovers = self.lock();
+        let path = Builder::new()
+            .prefix(".toprise-")
+            .tempdir_in(parent)?
+            .keep();
+        leftovers.trees.insert(path.clone());
+        let drafts = self.clone();
+        Ok(HiddenDirectory { drafts, path })
+    }
+
     /// Creates a directory and its missing parents.
     pub(super) fn make_directory(&self, directory: &Path) -> io::Result<MadeDirectories> {
         let mut missing = Vec::new();
@@ -65,6 +86,36 @@ impl Drafts {
         let made = MadeDirectories(missing);
         fs::create_dir_all(directory)?;
         Ok(made)
+    }
+}
+
+/// A hidden directory, removed on drop.
+#[derive(Debug)]
+pub struct HiddenDirectory {
+    drafts: Drafts,
+    path: PathBuf,
+}
+
+impl HiddenDirectory {
+    /// Its path.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Gives it a name in the same parent.
+    ///
+    /// # Errors
+    /// The system error, also if the name is that of a file or of a directory that is not empty.
+    pub fn publish(self, path: &Path) -> io::Result<()> {
+        fs::rename(&self.path, path)
+    }
+}
+
+impl Drop for HiddenDirectory {
+    fn drop(&mut self) {
+        // After it was published there is nothing left.
+        let _ = fs::remove_dir_all(&self.path);
+        self.drafts.lock().trees.remove(&self.path);
     }
 }
 

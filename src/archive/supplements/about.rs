@@ -37,13 +37,13 @@ pub struct About {
     /// Who publishes it, e.g. a repository.
     pub publisher: Option<Text>,
     /// Keywords.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "terms::distinct")]
     pub keywords: Vec<Text>,
     /// Who paid for it.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "terms::distinct")]
     pub funders: Vec<Funder>,
     /// Works to which it is related.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "terms::distinct")]
     pub related: Vec<Related>,
 }
 
@@ -128,6 +128,13 @@ creators = [{ name = "Doe, Jo" }]
             ("CC-BY-4.0", "CC BY 4.0", "SPDX"),
             ("CC-BY-4.0", "GPL3", "GPL-3.0"),
             ("CC-BY-4.0", "", "SPDX"),
+            ("CC-BY-4.0", "NOASSERTION", "SPDX"),
+            ("A rising top", "A\\u0000", "control"),
+            (
+                "[{ name = \"Doe, Jo\" }]",
+                "[{ name = \"A\" }, { name = \"A\" }]",
+                "listed twice",
+            ),
             ("2026-11-29", "2026-11-29T10:00:00", "YYYY-MM-DD"),
             ("2026-11-29", "\"2026-02-30\"", "YYYY-MM-DD"),
             ("2026-11-29", "2026", "YYYY-MM-DD"),

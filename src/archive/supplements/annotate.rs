@@ -1,7 +1,9 @@
 //! Annotating a recording: a copy that holds a metadata record more.
 
 use super::{Supplements, copy_channels};
-use crate::archive::format::{END_RECORD, RUN_RECORD, SCENARIO_ATTACHMENT};
+use crate::archive::format::{
+    END_RECORD, RUN_RECORD, SCENARIO_ATTACHMENT, is_reserved, is_reserved_attachment,
+};
 use crate::archive::recording::{Condition, Recording};
 use crate::archive::writer::{metadata, options};
 use mcap::write::NoSeek;
@@ -15,6 +17,11 @@ pub enum AnnotateError {
     /// It is not a whole recording of toprise: a copy would hide that.
     #[error("it is {}: only a whole recording of toprise can be annotated", .0.name())]
     NotWhole(Condition),
+    /// It has a metadata record or an attachment with a reserved name that belongs to no run.
+    #[error(
+        "it has {0}, a name that is reserved for toprise and belongs to no run: see toprise verify"
+    )]
+    Reserved(String),
     /// Parts of it can't be read.
     #[error("parts of it can't be read, and a copy would lack them: see toprise info")]
     Unreadable,
@@ -36,6 +43,9 @@ pub fn annotate<W: Write>(
     if recording.condition() != Condition::Whole {
         return Err(AnnotateError::NotWhole(recording.condition()));
     }
+    if let Some(name) = unknown_name(recording) {
+        return Err(AnnotateError::Reserved(name.to_owned()));
+    }
     let options = options()
         .library(recording.library())
         .profile(recording.profile());
@@ -47,6 +57,17 @@ pub fn annotate<W: Write>(
     }
     writer.finish()?;
     Ok(writer.into_inner().into_inner())
+}
+
+/// A reserved name of a metadata record or an attachment that no run has: the copy would lack it.
+fn unknown_name(recording: &Recording) -> Option<&str> {
+    let metadata = recording.all_metadata().map(|(name, _)| name);
+    let metadata =
+        metadata.filter(|name| is_reserved(name) && ![RUN_RECORD, END_RECORD].contains(name));
+    let attachments = recording.attachments().map(|(name, _)| name);
+    let attachments =
+        attachments.filter(|name| is_reserved_attachment(name) && *name != SCENARIO_ATTACHMENT);
+    metadata.chain(attachments).next()
 }
 
 /// Copies what belongs to the run, except its end record, in the order in which a run is written.

@@ -36,11 +36,11 @@ pub(super) fn are_equal(
         progress(equal - std::mem::replace(&mut reported, equal));
         Ok(ControlFlow::Continue(()))
     });
-    let (file, _) = sink
+    let ended = sink
         .end(&recorded.ok()?.outcome.end, &Supplements::default())
         .ok()?;
     // The last bytes are compared when the buffer is emptied.
-    file.into_inner().ok()?;
+    ended.target.into_inner().ok()?;
     let equal = position.load(Ordering::Relaxed);
     progress(equal - reported);
     // A file that goes on after the run has the same bytes up to there.

@@ -22,7 +22,7 @@ use crate::cli::input::read_about;
 use crate::cli::progress::Progress;
 use crate::cli::report;
 use crate::cli::status::Status;
-use crate::words::{Section, Table, counted};
+use crate::words::{Section, Table, counted, is_control};
 use anyhow::{Context as _, Error, bail};
 use clap::Args;
 use schemars::JsonSchema;
@@ -73,18 +73,15 @@ pub(super) fn archive(arguments: &ArchiveArguments, drafts: &Drafts) -> Result<S
     for path in &arguments.recordings {
         recordings.push(ArchivedRecording::open(path)?);
     }
-    recordings.sort_by(|one, other| one.name.cmp(&other.name));
     let about = match &arguments.about {
         Some(path) => read_about(path)?,
         None => common_about(&recordings)?,
     };
     verify_all(&arguments.recordings)?;
-    let archive = Archive {
-        about,
-        recordings,
-        added: arguments.add.clone(),
-        maker: Build::this(),
-    };
+    let archive = Archive::new(about, recordings, arguments.add.clone(), Build::this());
+    if let Some(path) = archive.contradictions().first() {
+        bail!("{path} says something else of itself: annotate it with the same file first");
+    }
     let files = archive.files()?;
     destination.write(&files, drafts)?;
     let report = ArchiveReport {
@@ -97,16 +94,21 @@ pub(super) fn archive(arguments: &ArchiveArguments, drafts: &Drafts) -> Result<S
     Ok(Status::Success)
 }
 
-/// Two files of one name would have one place.
+/// Refuses names that no file of an archive can have on every system.
 fn check_names(paths: &[PathBuf]) -> Result<(), Error> {
-    let mut names = BTreeSet::new();
     for path in paths {
         let name = path.file_name().and_then(OsStr::to_str).unwrap_or_default();
-        if name.is_empty() || name.contains(char::is_control) {
-            bail!("{} has no name that an archive can have", path.display());
+        let is_portable = !name.is_empty()
+            && !name.starts_with('.')
+            && !name.contains(|c: char| is_control(c) || "\\/:*?\"'<>|`".contains(c));
+        if !is_portable {
+            bail!(
+                "{} has no name that an archive can have on every system: rename it",
+                path.display()
+            );
         }
-        if !names.insert(name.to_lowercase()) {
-            bail!("two files are called {name}: rename one");
+        if !path.is_file() {
+            bail!("{} is no file", path.display());
         }
     }
     Ok(())

@@ -16,6 +16,7 @@ use self::plan::RunPlan;
 use self::report::Recorded;
 pub(super) use self::report::RunReport;
 use self::target::McapTarget;
+use crate::archive::pipeline::Ended;
 use crate::archive::publish::Drafts;
 use crate::archive::sink::{RecordedRun, Sink, record};
 use crate::archive::supplements::{Supplements, about};
@@ -62,7 +63,17 @@ pub(super) fn run(arguments: &RunArguments, drafts: &Drafts) -> Result<Status, E
         source: repeated.as_deref(),
         metadata: about.map(|about| (about::RECORD, about.to_entries())),
     };
-    let (mcap, content_digest) = target.finish(&files, &outcome, &supplements)?;
+    let Ended {
+        target: mcap,
+        content_digest,
+        has_all_supplements,
+    } = target.finish(&files, &outcome, &supplements)?;
+    if !has_all_supplements {
+        let name = files.input().display();
+        output::warn(&format!(
+            "{name} is damaged: what it holds in addition to its run is copied as far as it can be read"
+        ));
+    }
     let rrd = match viewer {
         Some(viewer) => viewer.finish(&mcap, &outcome),
         None => Ok(Completed::default()),
@@ -94,7 +105,10 @@ pub(super) fn run(arguments: &RunArguments, drafts: &Drafts) -> Result<Status, E
     }
     let is_complete = report.outcome.end.stop.is_complete();
     Ok(Status::from_whole(
-        is_complete && !report.recorded.is_rrd_lost && !report.recorded.is_viewer_lost,
+        is_complete
+            && has_all_supplements
+            && !report.recorded.is_rrd_lost
+            && !report.recorded.is_viewer_lost,
     ))
 }
 

@@ -4,6 +4,7 @@ pub(super) mod file;
 
 use self::file::check_file;
 use super::archive::check::{ArchiveCheck, check_archive, is_archive};
+use crate::archive::publish::Drafts;
 use crate::archive::recording::Condition;
 use crate::archive::verify::{Equality, Report, SchemaCheck, Verdict};
 use crate::cli::losses::loss_lines;
@@ -48,8 +49,8 @@ struct VerifiedFile {
 }
 
 /// Verifies recordings.
-pub(super) fn verify(arguments: &VerifyArguments) -> Result<Status, Error> {
-    let report = VerifyReport(check_all(&arguments.files));
+pub(super) fn verify(arguments: &VerifyArguments, drafts: &Drafts) -> Result<Status, Error> {
+    let report = VerifyReport(check_all(&arguments.files, drafts));
     report::print(&report, || report.page())?;
     // After the report, so that they end the output.
     for file in &report.0 {
@@ -61,7 +62,7 @@ pub(super) fn verify(arguments: &VerifyArguments) -> Result<Status, Error> {
 }
 
 /// Verifies all files in parallel.
-fn check_all(files: &[PathBuf]) -> Vec<VerifiedFile> {
+fn check_all(files: &[PathBuf], drafts: &Drafts) -> Vec<VerifiedFile> {
     // A file that can't be read has an error of its own.
     let sizes = files
         .iter()
@@ -71,14 +72,14 @@ fn check_all(files: &[PathBuf]) -> Vec<VerifiedFile> {
     // Each file is one simulation, which uses one thread and one for compression.
     let verified = files
         .par_iter()
-        .map(|path| VerifiedFile::new(path, &progress))
+        .map(|path| VerifiedFile::new(path, &progress, drafts))
         .collect();
     progress.finish();
     verified
 }
 
 impl VerifiedFile {
-    fn new(path: &Path, progress: &Progress) -> Self {
+    fn new(path: &Path, progress: &Progress, drafts: &Drafts) -> Self {
         let mut verified = Self {
             file: path.display().to_string(),
             report: None,
@@ -86,7 +87,7 @@ impl VerifiedFile {
             error: None,
         };
         let error = if is_archive(path) {
-            let checked = check_archive(path, progress);
+            let checked = check_archive(path, progress, drafts);
             checked.map(|check| verified.archive = Some(check)).err()
         } else {
             let checked = check_file(path, progress);
@@ -217,7 +218,7 @@ fn archive_section(file: &str, check: &ArchiveCheck) -> Section {
     let (tone, conclusion) = match check.verdict {
         Verdict::Verified => (
             Tone::Good,
-            "verified (every file follows from the recordings)",
+            "verified (the recordings, and every file that follows from them)",
         ),
         Verdict::Incomplete => (Tone::Weak, "all that can be compared is equal"),
         Verdict::Different => (Tone::Bad, "ALTERED"),

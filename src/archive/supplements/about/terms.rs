@@ -1,6 +1,7 @@
 //! The values of a file about a recording, each checked as it is read.
 
 use crate::run::suggestion::{did_you_mean, suggestion};
+use crate::words::is_control;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 use std::fmt;
@@ -13,6 +14,9 @@ pub enum InvalidTerm {
     /// A text without a visible character.
     #[error("this must not be empty")]
     Empty,
+    /// A text with control characters.
+    #[error("{0:?} has control characters")]
+    Control(String),
     /// A licence that SPDX doesn't list.
     #[error("{value:?} is no licence of SPDX's list, such as CC-BY-4.0{}: see https://spdx.org/licenses", did_you_mean(.nearest.as_slice()))]
     Licence {
@@ -48,12 +52,24 @@ pub enum InvalidTerm {
 }
 
 /// A list that must not be empty.
-pub(super) fn some<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+pub(super) fn some<'de, T: Deserialize<'de> + PartialEq, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<Vec<T>, D::Error> {
-    let list = Vec::deserialize(deserializer)?;
+    let list = distinct(deserializer)?;
     if list.is_empty() {
         return Err(D::Error::custom("at least one is needed"));
+    }
+    Ok(list)
+}
+
+/// A list without repetitions.
+pub(super) fn distinct<'de, T: Deserialize<'de> + PartialEq, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Vec<T>, D::Error> {
+    let list: Vec<T> = Vec::deserialize(deserializer)?;
+    let is_repeated = |(at, item): (usize, &T)| list[..at].contains(item);
+    if list.iter().enumerate().any(is_repeated) {
+        return Err(D::Error::custom("something is listed twice"));
     }
     Ok(list)
 }
@@ -115,10 +131,16 @@ impl TryFrom<String> for Text {
     type Error = InvalidTerm;
 
     fn try_from(text: String) -> Result<Self, InvalidTerm> {
-        match text.trim() {
-            "" => Err(InvalidTerm::Empty),
-            text => Ok(Self(text.to_owned())),
+        // In one line, as every format takes it.
+        let words: Vec<&str> = text.split_whitespace().collect();
+        let text = words.join(" ");
+        if text.is_empty() {
+            return Err(InvalidTerm::Empty);
         }
+        if text.contains(is_control) {
+            return Err(InvalidTerm::Control(text));
+        }
+        Ok(Self(text))
     }
 }
 
@@ -126,7 +148,9 @@ impl TryFrom<String> for Licence {
     type Error = InvalidTerm;
 
     fn try_from(value: String) -> Result<Self, InvalidTerm> {
-        if let Some(id) = spdx::license_id(&value) {
+        // These say that there is none.
+        let is_licence = !["NONE", "NOASSERTION"].contains(&value.as_str());
+        if let Some(id) = spdx::license_id(&value).filter(|_| is_licence) {
             return Ok(Self {
                 id: id.name,
                 name: id.full_name,
@@ -148,7 +172,7 @@ impl TryFrom<String> for Orcid {
     type Error = InvalidTerm;
 
     fn try_from(value: String) -> Result<Self, InvalidTerm> {
-        let id = value.trim_start_matches("https://orcid.org/");
+        let id = value.strip_prefix("https://orcid.org/").unwrap_or(&value);
         let groups: Vec<&str> = id.split('-').collect();
         if groups.len() != 4 || groups.iter().any(|group| group.len() != 4) {
             return Err(InvalidTerm::Orcid(value));
@@ -187,19 +211,26 @@ impl TryFrom<String> for Doi {
     }
 }
 
-/// A DOI without its prefix, if a text is one.
+/// A DOI without its prefix, if a text is one of today's form (Crossref, "DOIs and matching regular expressions").
 fn bare_doi(text: &str) -> Option<&str> {
-    let prefixes = ["https://doi.org/", "doi:", "DOI:"];
+    let prefixes = [
+        "https://doi.org/",
+        "http://doi.org/",
+        "https://dx.doi.org/",
+        "http://dx.doi.org/",
+        "doi:",
+        "DOI:",
+    ];
     let bare = prefixes
         .iter()
         .find_map(|prefix| text.strip_prefix(prefix))
         .unwrap_or(text);
     let (prefix, suffix) = bare.split_once('/')?;
     let registrant = prefix.strip_prefix("10.")?;
-    let is_number =
-        !registrant.is_empty() && registrant.chars().all(|c| c.is_ascii_digit() || c == '.');
-    let is_visible = !suffix.is_empty() && !suffix.contains(char::is_whitespace);
-    (is_number && is_visible).then_some(bare)
+    let is_number = (4..=9).contains(&registrant.len())
+        && registrant.chars().all(|c| c.is_ascii_digit() || c == '.');
+    let is_allowed = |c: char| c.is_ascii_alphanumeric() || "-._;()/:[]".contains(c);
+    (is_number && !suffix.is_empty() && suffix.chars().all(is_allowed)).then_some(bare)
 }
 
 /// A day.
@@ -315,9 +346,9 @@ impl TryFrom<String> for Identifier {
         }
         let begins_with = |prefix: &str| {
             let rest = value.strip_prefix(prefix);
-            rest.is_some_and(|rest| !rest.is_empty() && !rest.contains(char::is_whitespace))
+            rest.is_some_and(|rest| !rest.is_empty() && rest.chars().all(|c| c.is_ascii_graphic()))
         };
-        if begins_with("arXiv:") {
+        if begins_with("arXiv:") && value.contains(|c: char| c.is_ascii_digit()) {
             Ok(Self::Arxiv(value))
         } else if begins_with("https://") || begins_with("http://") {
             Ok(Self::Url(value))

@@ -8,6 +8,7 @@ use super::parts::{
     ADDED, Archive, ArchiveFile, ArchivedRecording, Content, DATACITE, RECORDINGS, SUMS, sum,
 };
 use crate::archive::provenance::Build;
+use crate::archive::publish::Drafts;
 use crate::archive::supplements::about::About;
 use crate::archive::verify::Verdict;
 use crate::cli::commands::verify::file::check_file;
@@ -20,6 +21,7 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::fs::{self, File};
+use std::io;
 use std::path::Path;
 
 /// The result of checking an archive.
@@ -55,12 +57,16 @@ enum FaultKind {
     Missing,
     /// The archive doesn't list it.
     Unlisted,
+    /// It is a link, a pipe or a device.
+    NoFile,
     /// Its sum is another one.
     Sum,
     /// It is not what follows from the recordings.
     Different,
     /// The recording doesn't verify.
     Unverified,
+    /// The recording says something else of itself than the archive.
+    Contradiction,
     /// It can't be read, for this reason.
     Unreadable(String),
 }
@@ -70,6 +76,10 @@ impl fmt::Display for ArchiveFault {
         let file = &self.file;
         match &self.fault {
             FaultKind::Missing => write!(f, "{file} is missing"),
+            FaultKind::NoFile => write!(f, "{file} is a link, a pipe or a device, and no file"),
+            FaultKind::Contradiction => {
+                write!(f, "{file} says of itself what {DATACITE} contradicts")
+            }
             FaultKind::Unlisted => write!(f, "{file} does not belong to the archive"),
             FaultKind::Sum => write!(f, "{file} was changed: its SHA-256 is not that in {SUMS}"),
             FaultKind::Different => {
@@ -96,14 +106,22 @@ struct Check<'a> {
 pub(in crate::cli::commands) fn check_archive(
     path: &Path,
     progress: &Progress,
+    drafts: &Drafts,
 ) -> Result<ArchiveCheck, Error> {
-    let unpacked = Unpacked::open(path)?;
+    let unpacked = Unpacked::open(path, drafts)?;
+    let (files, others): (BTreeMap<_, _>, BTreeMap<_, _>) = unpacked
+        .names()?
+        .into_iter()
+        .partition(|(_, is_file)| *is_file);
     let mut check = Check {
-        names: unpacked.names()?.into_iter().collect(),
+        names: files.into_keys().collect(),
         unpacked,
         faults: BTreeSet::new(),
         progress,
     };
+    for name in others.keys() {
+        check.blame(name, FaultKind::NoFile);
+    }
     check.sums()?;
     let recordings = check.recordings();
     let made_by = check.rerun();
@@ -130,9 +148,22 @@ impl Check<'_> {
         }
     }
 
+    /// Reads a file, unless it is none: pipes never end.
+    fn read(&self, name: &str) -> io::Result<Vec<u8>> {
+        if self.names.contains(name) {
+            fs::read(self.unpacked.at(name))
+        } else {
+            Err(io::ErrorKind::NotFound.into())
+        }
+    }
+
+    fn text(&self, name: &str) -> io::Result<String> {
+        String::from_utf8(self.read(name)?).map_err(io::Error::other)
+    }
+
     /// Compares all files with the sums.
     fn sums(&mut self) -> Result<(), Error> {
-        let text = fs::read_to_string(self.unpacked.at(SUMS)).context(SUMS)?;
+        let text = self.text(SUMS).context(SUMS)?;
         let sums: BTreeMap<&str, &str> = text
             .lines()
             .filter_map(|line| line.split_once("  "))
@@ -161,6 +192,9 @@ impl Check<'_> {
     /// Verifies the recordings.
     fn recordings(&mut self) -> BTreeMap<String, Verdict> {
         let mut verdicts = BTreeMap::new();
+        if self.files_in(RECORDINGS).is_empty() {
+            self.blame(RECORDINGS, FaultKind::Missing);
+        }
         for name in self.files_in(RECORDINGS) {
             match check_file(&self.unpacked.at(&name), self.progress) {
                 Ok(report) => {
@@ -209,7 +243,7 @@ impl Check<'_> {
 
     /// The build that says that it made the archive.
     fn maker(&self) -> Result<Build, Error> {
-        let text = fs::read_to_string(self.unpacked.at("ro-crate-metadata.json"))?;
+        let text = self.text("ro-crate-metadata.json")?;
         let metadata: Value = serde_json::from_str(&text)?;
         let mut entities = metadata["@graph"].as_array().into_iter().flatten();
         let maker = entities.find(|entity| entity["@id"] == MAKER);
@@ -218,28 +252,26 @@ impl Check<'_> {
         let commit = maker["identifier"].as_str();
         Ok(Build {
             version: version.to_owned(),
-            commit: commit.map(|text| text.trim_start_matches("commit ").to_owned()),
+            commit: commit.and_then(commit_in).map(str::to_owned),
             ..Build::this()
         })
     }
 
     /// The files of the archive, made from its recordings.
-    fn made_again(&self, maker: Build) -> Result<Vec<ArchiveFile>, Error> {
-        let text = fs::read_to_string(self.unpacked.at(DATACITE))?;
+    fn made_again(&mut self, maker: Build) -> Result<Vec<ArchiveFile>, Error> {
+        let text = self.text(DATACITE)?;
         let about = About::from_datacite(&serde_json::from_str(&text)?)
             .context("it is not as toprise writes it")?;
         let mut recordings = Vec::new();
         for name in self.files_in(RECORDINGS) {
             recordings.push(ArchivedRecording::open(&self.unpacked.at(&name))?);
         }
-        recordings.sort_by(|one, other| one.name.cmp(&other.name));
         let added = self.files_in(ADDED);
-        let archive = Archive {
-            about,
-            recordings,
-            added: added.iter().map(|name| self.unpacked.at(name)).collect(),
-            maker,
-        };
+        let added = added.iter().map(|name| self.unpacked.at(name)).collect();
+        let archive = Archive::new(about, recordings, added, maker);
+        for path in archive.contradictions() {
+            self.blame(&path, FaultKind::Contradiction);
+        }
         archive.files()
     }
 
@@ -248,7 +280,7 @@ impl Check<'_> {
             let Content::Bytes(expected) = &file.content else {
                 continue;
             };
-            match fs::read(self.unpacked.at(&file.name)) {
+            match self.read(&file.name) {
                 Ok(found) if found == *expected => {}
                 Ok(_) => self.blame(&file.name, FaultKind::Different),
                 Err(_) => self.blame(&file.name, FaultKind::Missing),
@@ -261,4 +293,12 @@ impl Check<'_> {
             }
         }
     }
+}
+
+/// The commit that an identifier names, if it is one.
+fn commit_in(identifier: &str) -> Option<&str> {
+    let commit = identifier.strip_prefix("commit ")?;
+    let hash = commit.strip_suffix(" with changes").unwrap_or(commit);
+    let is_hash = hash.len() == 40 && hash.bytes().all(|byte| byte.is_ascii_hexdigit());
+    is_hash.then_some(commit)
 }

@@ -37,12 +37,14 @@ fn quoted(text: &str) -> String {
 
 fn author(creator: &Creator) -> Vec<String> {
     let mut properties = Vec::new();
-    match creator.name.as_str().split_once(", ") {
+    let name = creator.name.as_str();
+    match name.split_once(", ") {
         Some((family, given)) => {
             properties.push(format!("family-names: {}", quoted(family)));
             properties.push(format!("given-names: {}", quoted(given)));
         }
-        None => properties.push(format!("name: {}", quoted(creator.name.as_str()))),
+        None if creator.is_person() => properties.push(format!("family-names: {}", quoted(name))),
+        None => properties.push(format!("name: {}", quoted(name))),
     }
     if let Some(orcid) = &creator.orcid {
         properties.push(format!("orcid: \"https://orcid.org/{}\"", orcid.as_str()));
@@ -64,7 +66,7 @@ pub(super) fn zenodo(about: &About) -> Value {
         "title": about.title.as_str(),
         "upload_type": "dataset",
         "access_right": "open",
-        "description": description.as_str(),
+        "description": html(description.as_str()),
         "creators": creators,
         "license": about.licence.id.to_lowercase(),
         "publication_date": about.date.to_string(),
@@ -81,6 +83,13 @@ pub(super) fn zenodo(about: &About) -> Value {
         properties["related_identifiers"] = related.collect();
     }
     properties
+}
+
+/// Zenodo takes descriptions as HTML.
+fn html(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
 }
 
 fn zenodo_creator(creator: &Creator) -> Value {

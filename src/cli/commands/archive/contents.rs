@@ -10,9 +10,10 @@ use crate::cli::commands::info::InfoReport;
 use crate::cli::report;
 use crate::figures::{FIGURES, Figure, RunData};
 use crate::words::Section;
-use anyhow::{Context as _, Error};
+use anyhow::{Context as _, Error, bail};
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// Width of figures, mm.
 const FIGURE_WIDTH: f64 = 85.0;
@@ -38,6 +39,7 @@ impl Archive {
                 content,
             )?);
         }
+        check_unique(&files)?;
         self.add_words(&mut files)?;
         let metadata = metadata::json(self, &files);
         let name = "ro-crate-metadata.json";
@@ -76,6 +78,20 @@ impl Archive {
     }
 }
 
+/// Two files of one name would have one place, on some systems also if only the case differs.
+fn check_unique(files: &[ArchiveFile]) -> Result<(), Error> {
+    let mut names = BTreeSet::new();
+    for file in files {
+        if !names.insert(file.name.to_lowercase()) {
+            bail!(
+                "two files of the archive would be called {}: rename a recording",
+                file.name
+            );
+        }
+    }
+    Ok(())
+}
+
 /// JSON as it is written into files.
 pub(super) fn pretty(value: &impl Serialize) -> Result<String, serde_json::Error> {
     Ok(serde_json::to_string_pretty(value)? + "\n")
@@ -103,16 +119,13 @@ impl ArchivedRecording {
             &info.page(),
             files,
         )?;
-        let explanation = explain(Subject::Recording(recording)).with_context(|| name.clone())?;
-        let meaning = format!("why the top of {name} moves as it does");
-        let sections = explanation.sections(true);
-        add_report(
-            &format!("{name}.explain"),
-            &meaning,
-            &explanation,
-            &sections,
-            files,
-        )?;
+        // As figures, for which a recording of few topics lacks data, too.
+        if let Ok(explanation) = explain(Subject::Recording(recording)) {
+            let name = format!("{name}.explain");
+            let meaning = format!("why the top of {} moves as it does", self.name);
+            let sections = explanation.sections(true);
+            add_report(&name, &meaning, &explanation, &sections, files)?;
+        }
         self.add_figures(files)
     }
 

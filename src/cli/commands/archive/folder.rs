@@ -1,12 +1,14 @@
 //! Archives as directories and as ZIP files.
 
-use super::parts::{ArchiveFile, SUMS};
+use super::parts::{ArchiveFile, RECORDINGS, SUMS};
+use crate::archive::publish::HiddenDirectory;
 use crate::archive::publish::{Draft, Drafts, Existing};
 use anyhow::{Context as _, Error, bail};
+use sha2::{Digest as _, Sha256};
+use std::collections::BTreeMap;
 use std::fs::{self, File};
-use std::io::{self, BufReader, BufWriter, Read as _, Write as _};
+use std::io::{self, BufReader, BufWriter, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
-use tempfile::TempDir;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
@@ -22,7 +24,9 @@ impl Destination {
         if path.symlink_metadata().is_ok() {
             bail!("{} exists: choose another name", path.display());
         }
-        let is_zip = path.extension().is_some_and(|extension| extension == "zip");
+        let is_zip = path
+            .extension()
+            .is_some_and(|extension| extension.eq_ignore_ascii_case("zip"));
         Ok(if is_zip {
             Self::Zip(path.to_owned())
         } else {
@@ -38,19 +42,35 @@ impl Destination {
     }
 }
 
-/// Names appear when all files are written, the sums last: without them, an archive is none.
+/// The directory gets its name when all files are written.
 fn write_directory(path: &Path, files: &[ArchiveFile], drafts: &Drafts) -> Result<(), Error> {
-    let mut written = Vec::new();
+    let problem = || cannot_write(path);
+    let parent = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let hidden = drafts.hidden_directory(parent).with_context(problem)?;
     for file in files {
-        let target = path.join(&file.name);
-        let mut draft = Draft::new_in(drafts, &target, Existing::Keep)?;
-        copy(file, &mut draft).with_context(|| cannot_write(&target))?;
-        written.push(draft);
+        let target = hidden.path().join(&file.name);
+        if let Some(folder) = target.parent() {
+            fs::create_dir_all(folder).with_context(problem)?;
+        }
+        let mut written = File::create_new(&target).with_context(problem)?;
+        copy(file, &mut written).with_context(problem)?;
+        written.sync_all().with_context(problem)?;
     }
-    for draft in written {
-        draft.publish()?;
-    }
-    Ok(())
+    // A hidden directory is its owner's alone.
+    #[cfg(unix)]
+    share(hidden.path()).with_context(problem)?;
+    hidden.publish(path).with_context(problem)
+}
+
+/// Gives a directory the rights of those that programs usually make.
+#[cfg(unix)]
+fn share(hidden: &Path) -> io::Result<()> {
+    // Made under the user's mask, as all others.
+    let usual = fs::metadata(hidden.join(RECORDINGS))?.permissions();
+    fs::set_permissions(hidden, usual)
 }
 
 /// The bytes follow from the files alone: no compression, no times.
@@ -79,9 +99,35 @@ fn options(bytes: u64) -> SimpleFileOptions {
         .large_file(bytes > u64::from(u32::MAX))
 }
 
-fn copy(file: &ArchiveFile, target: &mut impl io::Write) -> io::Result<()> {
-    io::copy(&mut *file.content.open()?, target)?;
+/// Copies a file. Its sum was computed before: what has changed since is an error.
+fn copy(file: &ArchiveFile, target: &mut impl io::Write) -> Result<(), Error> {
+    let mut hashed = Hashed {
+        target,
+        hasher: Sha256::new(),
+    };
+    io::copy(&mut *file.content.open()?, &mut hashed)?;
+    if format!("{:x}", hashed.hasher.finalize()) != file.sha256 {
+        bail!("{} has changed while it was read", file.name);
+    }
     Ok(())
+}
+
+/// A writer that computes the sum of what it writes.
+struct Hashed<'a, W> {
+    target: &'a mut W,
+    hasher: Sha256,
+}
+
+impl<W: io::Write> io::Write for Hashed<'_, W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let count = self.target.write(bytes)?;
+        self.hasher.update(&bytes[..count]);
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.target.flush()
+    }
 }
 
 fn cannot_write(path: &Path) -> String {
@@ -92,7 +138,7 @@ fn cannot_write(path: &Path) -> String {
 pub(super) struct Unpacked {
     pub(super) folder: PathBuf,
     /// Deleted with this.
-    _temporary: Option<TempDir>,
+    _unpacked: Option<HiddenDirectory>,
 }
 
 /// Whether a path is that of a directory or a ZIP file.
@@ -106,38 +152,40 @@ pub(in crate::cli::commands) fn is_archive(path: &Path) -> bool {
 
 impl Unpacked {
     /// Opens an archive; a ZIP file is unpacked into a temporary directory.
-    pub(super) fn open(path: &Path) -> Result<Self, Error> {
-        let (folder, temporary) = if path.is_dir() {
+    pub(super) fn open(path: &Path, drafts: &Drafts) -> Result<Self, Error> {
+        let (folder, unpacked) = if path.is_dir() {
             (path.to_owned(), None)
         } else {
-            let temporary = TempDir::new().context("cannot unpack it")?;
-            unpack(path, temporary.path())?;
-            (root_in(temporary.path())?, Some(temporary))
+            let hidden = drafts.hidden_directory(&std::env::temp_dir());
+            let hidden = hidden.context("it can't be unpacked into the temporary directory")?;
+            unpack(path, hidden.path())?;
+            (root_in(hidden.path())?, Some(hidden))
         };
         if !folder.join(SUMS).is_file() {
             bail!("no archive of toprise: it has no file {SUMS}");
         }
         Ok(Self {
             folder,
-            _temporary: temporary,
+            _unpacked: unpacked,
         })
     }
 
-    /// Paths of all files, relative and with `/`, sorted. Links are files here: they are not followed.
-    pub(super) fn names(&self) -> io::Result<Vec<String>> {
-        let (mut names, mut folders) = (Vec::new(), vec![String::new()]);
+    /// Paths of all files, relative and with `/`, and whether each is a regular file: links are not followed, and pipes
+    /// and devices never end.
+    pub(super) fn names(&self) -> io::Result<BTreeMap<String, bool>> {
+        let (mut names, mut folders) = (BTreeMap::new(), vec![String::new()]);
         while let Some(folder) = folders.pop() {
             for entry in fs::read_dir(self.folder.join(&folder))? {
                 let entry = entry?;
                 let name = format!("{folder}{}", entry.file_name().to_string_lossy());
-                if entry.file_type()?.is_dir() {
+                let kind = entry.file_type()?;
+                if kind.is_dir() {
                     folders.push(name + "/");
                 } else {
-                    names.push(name);
+                    names.insert(name, kind.is_file());
                 }
             }
         }
-        names.sort();
         Ok(names)
     }
 
@@ -153,7 +201,10 @@ const MAX_RATIO: u64 = 100;
 fn unpack(path: &Path, folder: &Path) -> Result<(), Error> {
     let file = File::open(path)?;
     let mut left = file.metadata()?.len().saturating_mul(MAX_RATIO);
-    let mut zip = ZipArchive::new(BufReader::new(file))?;
+    let mut zip = ZipArchive::new(BufReader::new(&file))?;
+    if entry_count(&file)?.is_some_and(|count| usize::from(count) != zip.len()) {
+        bail!("it has two files of one name");
+    }
     for index in 0..zip.len() {
         let mut entry = zip.by_index(index)?;
         let Some(name) = entry.enclosed_name().filter(|_| !entry.is_symlink()) else {
@@ -178,11 +229,32 @@ fn unpack(path: &Path, folder: &Path) -> Result<(), Error> {
     Ok(())
 }
 
-/// The folder with the files: packing a directory by hand adds its name.
+/// Number of entries of a ZIP file, by the record at its end (APPNOTE 6.3.10, 4.3.16); `None` if there are more than the
+/// record can count. Readers keep one of several entries of a name, and differ in which.
+fn entry_count(mut file: &File) -> io::Result<Option<u16>> {
+    const SIGNATURE: &[u8] = b"PK\x05\x06";
+    /// The record with the longest comment.
+    const MAX_LENGTH: u64 = 22 + 0xffff;
+    let start = file.metadata()?.len().saturating_sub(MAX_LENGTH);
+    file.seek(SeekFrom::Start(start))?;
+    let mut end = Vec::new();
+    file.read_to_end(&mut end)?;
+    let at = end.windows(4).rposition(|bytes| bytes == SIGNATURE);
+    let count = at.and_then(|at| end.get(at + 10..at + 12));
+    let count = count.map(|bytes| u16::from_le_bytes([bytes[0], bytes[1]]));
+    Ok(count.filter(|count| *count != u16::MAX))
+}
+
+/// The folder with the files: packing a directory by hand adds its name, and some programs add folders of their own.
 fn root_in(folder: &Path) -> io::Result<PathBuf> {
-    let entries: Vec<_> = fs::read_dir(folder)?.collect::<Result<_, _>>()?;
-    match entries.as_slice() {
-        [one] if one.file_type()?.is_dir() => Ok(one.path()),
-        _ => Ok(folder.to_owned()),
+    if folder.join(SUMS).is_file() {
+        return Ok(folder.to_owned());
     }
+    for entry in fs::read_dir(folder)? {
+        let inside = entry?.path();
+        if inside.join(SUMS).is_file() {
+            return Ok(inside);
+        }
+    }
+    Ok(folder.to_owned())
 }

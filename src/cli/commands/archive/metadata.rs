@@ -4,6 +4,7 @@
 use super::parts::{Archive, ArchiveFile, ArchivedRecording};
 use crate::archive::format::VERSION;
 use crate::archive::supplements::about::{About, Creator, Identifier, Text};
+use crate::telemetry::Topics;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
 
@@ -45,6 +46,9 @@ pub(super) fn json(archive: &Archive, files: &[ArchiveFile]) -> String {
     graph.extend(archive.recordings.iter().map(|run| action(archive, run)));
     graph.push(making(archive, files));
     graph.extend(files.iter().map(data_entity));
+    // One work may be related in two ways, and one person named twice.
+    let mut ids = BTreeSet::new();
+    graph.retain(|entity| ids.insert(entity["@id"].to_string()));
     let crate_ = json!({ "@context": CONTEXT, "@graph": graph });
     format!("{crate_:#}\n")
 }
@@ -223,15 +227,40 @@ fn action_id(run: &ArchivedRecording) -> String {
 
 /// The run of a scenario.
 fn action(archive: &Archive, run: &ArchivedRecording) -> Value {
-    let mut command = format!("toprise run {} -o {}", run.scenario_path(), run.path());
-    if let Some((form, _)) = run.recording.form() {
-        command.push_str(&format!(" --encoding {}", form.encoding.name()));
-    }
+    let command = command(run);
     let mut entity = create_action(archive, &action_id(run), &command);
     entity["instrument"] = reference(software_id(&version_of(run)));
     entity["object"] = reference(id_of(&run.scenario_path()));
     entity["result"] = reference(id_of(&run.path()));
     entity
+}
+
+/// The command that records the run; what else the recording holds doesn't come from it.
+fn command(run: &ArchivedRecording) -> String {
+    // Names have no quotes of their own.
+    let quoted = |path: String| {
+        let is_word = path
+            .bytes()
+            .all(|b| b.is_ascii_alphanumeric() || b"-._/".contains(&b));
+        if is_word { path } else { format!("'{path}'") }
+    };
+    let mut words = vec![
+        "toprise".to_owned(),
+        "run".to_owned(),
+        quoted(run.scenario_path()),
+    ];
+    words.extend(["-o".to_owned(), quoted(run.path())]);
+    if let Some((form, topics)) = run.recording.form() {
+        words.extend(["--encoding".to_owned(), form.encoding.name().to_owned()]);
+        if !form.views {
+            words.push("--no-views".to_owned());
+        }
+        if let Topics::Only(topics) = topics {
+            let names: Vec<&str> = topics.iter().map(|topic| topic.name()).collect();
+            words.extend(["--topics".to_owned(), names.join(",")]);
+        }
+    }
+    words.join(" ")
 }
 
 /// The making of reports and figures.

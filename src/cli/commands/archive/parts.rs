@@ -2,7 +2,7 @@
 
 use crate::archive::provenance::Build;
 use crate::archive::recording::Recording;
-use crate::archive::supplements::about::About;
+use crate::archive::supplements::about::{self, About};
 use anyhow::{Context as _, Error};
 use sha2::{Digest as _, Sha256};
 use std::ffi::OsStr;
@@ -119,6 +119,34 @@ fn media_type(name: &str) -> &'static str {
 }
 
 impl Archive {
+    /// The order of the arguments doesn't matter.
+    pub(super) fn new(
+        about: About,
+        mut recordings: Vec<ArchivedRecording>,
+        mut added: Vec<PathBuf>,
+        maker: Build,
+    ) -> Self {
+        recordings.sort_by(|one, other| one.name.cmp(&other.name));
+        added.sort_by(|one, other| one.file_name().cmp(&other.file_name()));
+        Self {
+            about,
+            recordings,
+            added,
+            maker,
+        }
+    }
+
+    /// Paths of the recordings that say something else of themselves.
+    pub(super) fn contradictions(&self) -> Vec<String> {
+        let entries = self.about.to_entries();
+        let contradicts = |archived: &&ArchivedRecording| {
+            let own = archived.recording.metadata(about::RECORD);
+            own.is_some_and(|own| *own != entries)
+        };
+        let recordings = self.recordings.iter().filter(contradicts);
+        recordings.map(ArchivedRecording::path).collect()
+    }
+
     pub(super) fn recording_names(&self) -> Vec<String> {
         let recordings = self.recordings.iter();
         recordings.map(|archived| archived.name.clone()).collect()

@@ -1,6 +1,7 @@
 //! The README of an archive.
 
 use super::parts::{Archive, ArchiveFile};
+use crate::words::markdown_line;
 use crate::words::number::bytes;
 
 /// The text of `README.md`.
@@ -8,18 +9,17 @@ pub(super) fn text(archive: &Archive, files: &[ArchiveFile]) -> String {
     let about = &archive.about;
     let creators = about.creators.iter().map(|creator| creator.name.as_str());
     let creators: Vec<&str> = creators.collect();
-    let mut text = format!(
-        "# {}\n\n{}, {}.",
-        about.title.as_str(),
-        creators.join("; "),
-        about.date
+    let (title, creators) = (
+        markdown_line(about.title.as_str()),
+        markdown_line(&creators.join("; ")),
     );
+    let mut text = format!("# {title}\n\n{creators}, {}.", about.date);
     if let Some(doi) = &about.doi {
         text.push_str(&format!(" <https://doi.org/{}>", doi.as_str()));
     }
     text.push_str("\n\n");
     if let Some(description) = &about.description {
-        text.push_str(&format!("{}\n\n", description.as_str()));
+        text.push_str(&format!("{}\n\n", markdown_line(description.as_str())));
     }
     let (licence, address) = (about.licence.name, about.licence.address());
     text.push_str(&format!("Licence: [{licence}]({address}).\n\n"));

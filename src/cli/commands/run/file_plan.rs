@@ -53,6 +53,11 @@ impl FilePlan {
         }
     }
 
+    /// The scenario or recording.
+    pub(super) fn input(&self) -> &Path {
+        &self.input
+    }
+
     /// Whether the MCAP file goes to standard output.
     pub(super) fn is_streamed(&self) -> bool {
         self.mcap

@@ -2,7 +2,7 @@
 
 use super::file_plan::FilePlan;
 use super::files::{McapFile, find_identical};
-use crate::archive::pipeline::{McapSink, Pipeline};
+use crate::archive::pipeline::{Ended, McapSink, Pipeline};
 use crate::archive::publish::{Draft, Drafts};
 use crate::archive::recording::{Condition, Recording};
 use crate::archive::sink::Sink;
@@ -60,22 +60,24 @@ impl McapTarget {
         }
     }
 
-    /// Completes the recording. Also returns its content digest.
+    /// Completes the recording.
     pub(super) fn finish(
         self,
         files: &FilePlan,
         outcome: &Outcome,
         supplements: &Supplements<'_>,
-    ) -> Result<(McapFile, String), Error> {
+    ) -> Result<Ended<McapFile>, Error> {
         match self {
             Self::File { sink, earlier } => {
-                let (draft, digest) = sink.complete_with(&outcome.end, supplements)?;
-                Ok((finish_mcap(draft, files, &earlier, outcome)?, digest))
+                let ended = sink.complete_with(&outcome.end, supplements)?;
+                ended.try_map(|draft| finish_mcap(draft, files, &earlier, outcome))
             }
             Self::Stream(pipeline) => {
-                let (mut stream, digest) = pipeline.end(&outcome.end, supplements)?;
-                stream.flush()?;
-                Ok((McapFile::New(WrittenFile::new(Path::new("-"), 0)), digest))
+                let ended = pipeline.end(&outcome.end, supplements)?;
+                ended.try_map(|mut stream| {
+                    stream.flush()?;
+                    Ok(McapFile::New(WrittenFile::new(Path::new("-"), 0)))
+                })
             }
         }
     }
