@@ -87,6 +87,14 @@ impl Recording {
         found
     }
 
+    /// Whether it holds anything in addition to its run, be it damaged.
+    fn has_supplements(&self) -> bool {
+        let mut attachments = self.layout.attachments.iter();
+        self.channels().iter().any(FileChannel::is_supplement)
+            || attachments.any(|attachment| !is_reserved_attachment(&attachment.header.name))
+            || !self.supplementary_metadata().is_empty()
+    }
+
     fn supplementary_attachments(&self) -> impl Iterator<Item = &Attachment> {
         let attachments = self.layout.attachments.iter();
         attachments.filter(|attachment| is_supplementary(attachment))
@@ -137,7 +145,7 @@ impl Supplements<'_> {
     pub(super) fn write<W: Write + Seek>(&self, writer: &mut Writer<W>) -> McapResult<bool> {
         let mut is_whole = true;
         if let Some(source) = self.source {
-            is_whole = !source.is_damaged();
+            is_whole = !(source.is_damaged() && source.has_supplements());
             if source.channels().iter().any(FileChannel::is_supplement) {
                 is_whole &= copy_channels(source, FileChannel::is_supplement, writer)?;
             }
