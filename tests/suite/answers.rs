@@ -126,6 +126,9 @@ fn check_object(
 #[test]
 fn reports_match_their_schemas() {
     let folder = recorded();
+    let about =
+        "title = \"T\"\nlicence = \"MIT\"\ndate = 2026-11-29\ncreators = [{ name = \"A\" }]\n";
+    folder.write("about.toml", about);
     let schemas = Path::new(env!("CARGO_MANIFEST_DIR")).join("schemas");
     let mut used = BTreeMap::new();
     for (name, line, code) in [
@@ -171,6 +174,17 @@ fn reports_match_their_schemas() {
             2,
         ),
         ("RunReport", "run cut.mcap -o again.mcap", 0),
+        (
+            "AnnotateReport",
+            "annotate a.mcap about.toml -o annotated.mcap",
+            0,
+        ),
+        (
+            "ArchiveReport",
+            "archive a.mcap --about about.toml -o packed",
+            0,
+        ),
+        ("VerifyReport", "verify packed", 0),
         ("PresetsReport", "presets", 0),
         ("PresetsReport", "presets paper", 0),
         ("LawsReport", "laws", 0),
