@@ -95,7 +95,7 @@ function findingTable(findings, last) {
 /** Shows the program's comparison of A and B, or a note instead: the differences first, equal numbers at the end. */
 export function showComparison(place, { error, headline, agreement, findings = [], remarks = [], equal = [] }) {
   const paragraphs = (sentences) => sentences.map((textContent) => element("p", { textContent }));
-  const lead = error ? [error] : [headline, agreement].filter(Boolean).map((sentence) => `${sentenceText(sentence).replace(/[.]$/, "")}.`);
+  const lead = error ? [error] : [headline, agreement].filter(Boolean).map(sentenceText).map((text) => (text.endsWith(".") ? text : `${text}.`));
   place.replaceChildren(
     ...paragraphs(lead),
     ...findingTable(findings, "B − A"),
