@@ -207,7 +207,13 @@ fn foreign(path: &Path, library: &str, topics: &[(&str, &str, serde_json::Value)
     let options = mcap::WriteOptions::new().library(library);
     let mut writer = options.create(std::io::BufWriter::new(file)).unwrap();
     for (topic, schema, message) in topics {
-        let schema = writer.add_schema("a.Schema", "jsonschema", schema.as_bytes());
+        // The names of toprise's types are reserved, also for versions to come.
+        let name = if library.starts_with("toprise/") {
+            "toprise.Schema"
+        } else {
+            "a.Schema"
+        };
+        let schema = writer.add_schema(name, "jsonschema", schema.as_bytes());
         let metadata = BTreeMap::from([("made".to_owned(), topic.len().to_string())]);
         let channel = writer.add_channel(schema.unwrap(), topic, "json", &metadata);
         let header = mcap::records::MessageHeader {

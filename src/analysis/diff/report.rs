@@ -74,7 +74,7 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub matched: Option<Match>,
     /// The sensitivities of the findings, if they were asked for.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sensitivities: Vec<Sensitivity>,
     /// Notes on this comparison.
     pub notes: Vec<String>,
