@@ -105,12 +105,13 @@ impl Page {
                     .differing()
                     .map(|finding| finding.cells(Durations::Readable));
                 let equal = report.findings.iter().filter(|finding| !finding.differs());
+                let equal = equal.map(|finding| finding.cells_of_equal(Durations::Readable));
                 Ok(json!({
                     "headline": report.headline(),
                     "agreement": report.agreement.map(Agreement::sentence),
-                    "findings": Vec::from_iter(differing),
-                    "remarks": Vec::from_iter(report.remarks()),
-                    "equal": Vec::from_iter(equal.map(|finding| finding.cells_of_equal(Durations::Readable))),
+                    "findings": differing.collect::<Vec<_>>(),
+                    "remarks": report.remarks().collect::<Vec<_>>(),
+                    "equal": equal.collect::<Vec<_>>(),
                 }))
             }
             Request::Record { scenario, encoding } => {
