@@ -75,17 +75,8 @@ impl<W: Write + Send + 'static> Pipeline<W> {
         supplements: &Supplements<'_>,
     ) -> Result<Ended<W>, SinkError> {
         self.send_batch()?;
-        let mut chunks = self.join()?;
-        let finish = || {
-            let has_all_supplements = supplements.write(chunks.writer()?)?;
-            let (target, content_digest) = chunks.finish(end_entries(end))?;
-            Ok(Ended {
-                target,
-                content_digest,
-                has_all_supplements,
-            })
-        };
-        finish().map_err(|reason| mcap_error(&self.name, reason))
+        let ended = finish(self.join()?, end, supplements);
+        ended.map_err(|reason| mcap_error(&self.name, reason))
     }
 
     fn send_batch(&mut self) -> Result<(), SinkError> {
@@ -124,6 +115,21 @@ impl<W: Write> Drop for Pipeline<W> {
             let _ = chunks.flush();
         }
     }
+}
+
+/// Writes what follows the last message.
+fn finish<W: Write>(
+    mut chunks: ChunkWriter<W>,
+    end: &RunEnd,
+    supplements: &Supplements<'_>,
+) -> McapResult<Ended<W>> {
+    let has_all_supplements = supplements.write(chunks.writer()?)?;
+    let (target, content_digest) = chunks.finish(end_entries(end))?;
+    Ok(Ended {
+        target,
+        content_digest,
+        has_all_supplements,
+    })
 }
 
 /// The writer thread.

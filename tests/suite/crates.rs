@@ -208,6 +208,11 @@ fn any_altered_file_of_an_archive_is_found() {
         );
         fs::write(&path, original).unwrap();
     }
+    let sums = folder.read("crate/SHA256SUMS");
+    let no_text: Vec<u8> = sums.iter().map(|byte| byte | 0x80).collect();
+    folder.write("crate/SHA256SUMS", no_text);
+    try_code("sums that are no text".to_owned(), 1);
+    folder.write("crate/SHA256SUMS", sums);
     let added = folder.write("crate/reports/more.md", "more");
     try_code("an added file".to_owned(), 1);
     fs::remove_file(added).unwrap();

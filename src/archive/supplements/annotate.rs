@@ -2,7 +2,7 @@
 
 use super::{Supplements, copy_channels};
 use crate::archive::format::{
-    END_RECORD, RUN_RECORD, SCENARIO_ATTACHMENT, is_reserved, is_reserved_attachment,
+    END_RECORD, Entries, RUN_RECORD, SCENARIO_ATTACHMENT, is_reserved, is_reserved_attachment,
 };
 use crate::archive::recording::{Condition, Recording};
 use crate::archive::writer::{metadata, options};
@@ -37,7 +37,7 @@ pub enum AnnotateError {
 /// [`AnnotateError`].
 pub fn annotate<W: Write>(
     recording: &Recording,
-    supplements: &Supplements<'_>,
+    record: (&'static str, Entries),
     target: W,
 ) -> Result<W, AnnotateError> {
     if recording.condition() != Condition::Whole {
@@ -51,6 +51,10 @@ pub fn annotate<W: Write>(
         .profile(recording.profile());
     let mut writer = options.create(NoSeek::new(target))?;
     copy_run(recording, &mut writer)?;
+    let supplements = Supplements {
+        source: Some(recording),
+        metadata: Some(record),
+    };
     supplements.write(&mut writer)?;
     if let Some(end) = recording.end() {
         writer.write_metadata(&metadata(END_RECORD, end.clone()))?;

@@ -2,7 +2,7 @@
 
 use crate::archive::publish::{Draft, Drafts, Existing, check_not_an_input};
 use crate::archive::recording::Recording;
-use crate::archive::supplements::{Supplementary, Supplements, about, annotate as copy};
+use crate::archive::supplements::{Supplementary, about, annotate as copy};
 use crate::cli::arguments::OUTPUT;
 use crate::cli::file_kind::FileKind;
 use crate::cli::input::read_about;
@@ -57,11 +57,8 @@ pub(super) fn annotate(arguments: &AnnotateArguments, drafts: &Drafts) -> Result
     let existing = Existing::forced(arguments.force);
     let draft = Draft::new_in(drafts, output, existing)?;
     warn_of_link(output, arguments.force);
-    let supplements = Supplements {
-        source: Some(&recording),
-        metadata: Some((about::RECORD, about.to_entries())),
-    };
-    let written = copy(&recording, &supplements, BufWriter::new(draft)).with_context(name)?;
+    let record = (about::RECORD, about.to_entries());
+    let written = copy(&recording, record, BufWriter::new(draft)).with_context(name)?;
     // The rest of the buffer is written here; when dropped, an error would be lost.
     let draft = written
         .into_inner()

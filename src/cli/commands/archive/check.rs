@@ -122,7 +122,7 @@ pub(in crate::cli::commands) fn check_archive(
     for name in others.keys() {
         check.blame(name, FaultKind::NoFile);
     }
-    check.sums()?;
+    check.sums();
     let recordings = check.recordings();
     let made_by = check.rerun();
     let is_partial = made_by.is_some() || recordings.values().any(|v| *v == Verdict::Incomplete);
@@ -162,8 +162,14 @@ impl Check<'_> {
     }
 
     /// Compares all files with the sums.
-    fn sums(&mut self) -> Result<(), Error> {
-        let text = self.text(SUMS).context(SUMS)?;
+    fn sums(&mut self) {
+        let text = match self.text(SUMS) {
+            Ok(text) => text,
+            Err(error) => {
+                self.blame(SUMS, FaultKind::Unreadable(error.to_string()));
+                return;
+            }
+        };
         let sums: BTreeMap<&str, &str> = text
             .lines()
             .filter_map(|line| line.split_once("  "))
@@ -186,7 +192,6 @@ impl Check<'_> {
                 self.blame(&name, FaultKind::Unlisted);
             }
         }
-        Ok(())
     }
 
     /// Verifies the recordings.
@@ -248,7 +253,9 @@ impl Check<'_> {
         let mut entities = metadata["@graph"].as_array().into_iter().flatten();
         let maker = entities.find(|entity| entity["@id"] == MAKER);
         let maker = maker.context("it doesn't say which program made the archive")?;
-        let version = maker["softwareVersion"].as_str().unwrap_or_default();
+        let version = maker["softwareVersion"]
+            .as_str()
+            .context("it doesn't say which version made the archive")?;
         let commit = maker["identifier"].as_str();
         Ok(Build {
             version: version.to_owned(),

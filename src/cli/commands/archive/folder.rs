@@ -77,17 +77,21 @@ fn share(hidden: &Path) -> io::Result<()> {
 fn write_zip(path: &Path, files: &[ArchiveFile], drafts: &Drafts) -> Result<(), Error> {
     let draft = Draft::new_in(drafts, path, Existing::Keep)?;
     let mut zip = ZipWriter::new(BufWriter::new(draft.file()?));
-    let write = |zip: &mut ZipWriter<_>| -> Result<(), Error> {
-        for file in files {
-            zip.start_file(&file.name, options(file.bytes))?;
-            copy(file, zip)?;
-        }
-        Ok(())
-    };
-    write(&mut zip).with_context(|| cannot_write(path))?;
+    add_all(files, &mut zip).with_context(|| cannot_write(path))?;
     let finished = zip.finish().with_context(|| cannot_write(path));
     finished?.flush().with_context(|| cannot_write(path))?;
     draft.publish()?;
+    Ok(())
+}
+
+fn add_all(
+    files: &[ArchiveFile],
+    zip: &mut ZipWriter<impl io::Write + io::Seek>,
+) -> Result<(), Error> {
+    for file in files {
+        zip.start_file(&file.name, options(file.bytes))?;
+        copy(file, zip)?;
+    }
     Ok(())
 }
 
@@ -143,11 +147,15 @@ pub(super) struct Unpacked {
 
 /// Whether a path is that of a directory or a ZIP file.
 pub(in crate::cli::commands) fn is_archive(path: &Path) -> bool {
+    // Streams can be read only once.
+    path.is_dir() || path.is_file() && begins_as_zip(path).unwrap_or(false)
+}
+
+fn begins_as_zip(path: &Path) -> io::Result<bool> {
     const MAGIC: &[u8; 4] = b"PK\x03\x04";
     let mut start = [0; MAGIC.len()];
-    // Streams can be read only once.
-    let mut read = || File::open(path)?.read_exact(&mut start);
-    path.is_dir() || path.is_file() && read().is_ok() && start == *MAGIC
+    File::open(path)?.read_exact(&mut start)?;
+    Ok(start == *MAGIC)
 }
 
 impl Unpacked {

@@ -235,15 +235,18 @@ fn action(archive: &Archive, run: &ArchivedRecording) -> Value {
     entity
 }
 
+/// A path as a word of a shell. Names in archives have no quotes of their own.
+fn quoted(path: String) -> String {
+    let mut bytes = path.bytes();
+    if bytes.all(|byte| byte.is_ascii_alphanumeric() || b"-._/".contains(&byte)) {
+        path
+    } else {
+        format!("'{path}'")
+    }
+}
+
 /// The command that records the run; what else the recording holds doesn't come from it.
 fn command(run: &ArchivedRecording) -> String {
-    // Names have no quotes of their own.
-    let quoted = |path: String| {
-        let is_word = path
-            .bytes()
-            .all(|b| b.is_ascii_alphanumeric() || b"-._/".contains(&b));
-        if is_word { path } else { format!("'{path}'") }
-    };
     let mut words = vec![
         "toprise".to_owned(),
         "run".to_owned(),
