@@ -20,7 +20,6 @@ mod palette;
 mod plots;
 mod role;
 mod scene;
-mod snapshot;
 mod streams;
 mod style;
 

@@ -7,6 +7,7 @@
 //!
 //! [`RunMessages`] simulates a run and yields its messages. Sinks receive only [`Message`]s: rows of numbers and texts in the order of [`channels`].
 
+pub mod arrows;
 pub mod digest;
 pub mod encoding;
 mod event;

@@ -1,17 +1,15 @@
 //! Metadata of a run, needed before its messages.
 
 pub(super) mod magnitude;
-mod preview;
-pub(super) mod scale;
 
 use self::magnitude::Magnitudes;
-use self::scale::Scales;
 use super::measurement::Measurement;
 use super::output::message::store;
 use crate::physics::kinematics::Tilt;
 use crate::physics::top::Top;
 use crate::run::scenario::Scenario;
 use crate::telemetry::Topic;
+use crate::telemetry::arrows::Scales;
 use crate::telemetry::proportions::Proportions;
 use rerun::StoreId;
 use rerun::external::re_log_types::{ApplicationId, StoreKind};

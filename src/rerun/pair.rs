@@ -1,10 +1,10 @@
 //! Metadata of a comparison, needed before its messages.
 
 use crate::rerun::blueprint::charts::compares;
-use crate::rerun::identity::scale::per_centimetre;
 use crate::rerun::identity::{Geometry, Identity};
 use crate::rerun::output::message::store;
 use crate::rerun::plots::curves::Curves;
+use crate::telemetry::arrows::scale::per_centimetre;
 use crate::telemetry::fields::{NUTATION, POSE};
 use crate::telemetry::proportions::Proportions;
 use crate::telemetry::side::Side;

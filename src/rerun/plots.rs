@@ -13,10 +13,11 @@ use super::identity::Identity;
 use super::output::track::Track;
 use super::output::{ComponentColumns, Output};
 use super::role::Role;
-use super::snapshot::Snapshot;
 use crate::physics::math;
+use crate::telemetry::arrows::snapshot::Snapshot;
 use crate::telemetry::fields::{
-    FREE_PEG, NUTATION, NumberField, Plot, STATE, events, free_peg, nutation, precession, state,
+    FREE_PEG, NUTATION, NumberField, POSE, Plot, STATE, events, free_peg, nutation, pose,
+    precession, state,
 };
 use crate::telemetry::{Message, Quantity, Topic};
 
@@ -144,22 +145,31 @@ impl Plots {
         output: &mut Output,
     ) {
         if self.is_of_run {
-            match message.topic() {
-                STATE => self.is_upright = is_upright(state::THETA.of(message)),
-                NUTATION => {
-                    let extremes = [nutation::THETA_MIN, nutation::THETA_MAX];
-                    self.is_upright = extremes.iter().any(|angle| is_upright(angle.of(message)));
-                }
-                _ => {}
-            }
-        }
-        if message.topic() == FREE_PEG && self.is_of_run {
-            let jellett = free_peg::JELLETT.of(message);
-            let change = jellett / *self.jellett.get_or_insert(jellett) - 1.0;
-            self.write_derived(Derived::JellettChange, message.time_ns, &[change], output);
+            self.derive(message, output);
         }
         for plot in &mut self.fields[message.channel] {
             plot.write_fields(message, &value, self.is_upright, output);
+        }
+    }
+
+    /// Adds the curves that follow from a message of the run.
+    fn derive(&mut self, message: &Message<'_>, output: &mut Output) {
+        match message.topic() {
+            STATE => self.is_upright = is_upright(state::THETA.of(message)),
+            NUTATION => {
+                let extremes = [nutation::THETA_MIN, nutation::THETA_MAX];
+                self.is_upright = extremes.iter().any(|angle| is_upright(angle.of(message)));
+            }
+            POSE => {
+                let spin = [pose::OMEGA_BODY.z().of(message)];
+                self.write_derived(Derived::AxialRate, message.time_ns, &spin, output);
+            }
+            FREE_PEG => {
+                let jellett = free_peg::JELLETT.of(message);
+                let change = [jellett / *self.jellett.get_or_insert(jellett) - 1.0];
+                self.write_derived(Derived::JellettChange, message.time_ns, &change, output);
+            }
+            _ => {}
         }
     }
 
@@ -173,12 +183,10 @@ impl Plots {
     pub(super) fn write_snapshot(&mut self, snapshot: &Snapshot, output: &mut Output) {
         let horizontal = snapshot.horizontal_momentum().norm();
         let parts = [horizontal, snapshot.momentum.z];
-        let along = [snapshot.torque_along_horizontal()];
+        let along = [torque_along_horizontal(snapshot)];
         let time_ns = snapshot.time_ns;
         self.write_derived(Derived::MomentumParts, time_ns, &parts, output);
         self.write_derived(Derived::TorqueAlong, time_ns, &along, output);
-        let spin = [snapshot.axial_rate];
-        self.write_derived(Derived::AxialRate, time_ns, &spin, output);
     }
 
     /// Adds the means over a nutation.
@@ -194,6 +202,16 @@ impl Plots {
         if let Some(track) = tracks.find(|track| track.curves == Curves::Derived(derived)) {
             track.write(time_ns, row, output);
         }
+    }
+}
+
+/// The torque of friction along the horizontal part of the angular momentum, N m; 0 if that has no direction.
+pub(super) fn torque_along_horizontal(snapshot: &Snapshot) -> f64 {
+    let horizontal = snapshot.horizontal_momentum();
+    match horizontal.try_normalize(0.0) {
+        Some(direction) => direction.dot(&snapshot.friction_torque),
+        // NaN stays NaN.
+        None => 0.0 * snapshot.friction_torque.norm() * horizontal.norm(),
     }
 }
 

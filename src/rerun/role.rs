@@ -4,7 +4,7 @@
 //! each has one in the scene, the plots and the log of events, and their difference has a third.
 
 use super::entity::{FOCUS, STAGE};
-use super::palette;
+use crate::rerun::palette;
 use crate::telemetry::side::Side;
 
 /// Opacity (0 to 255) of a second top, so that the first one stays visible behind it.

@@ -15,8 +15,8 @@ use rerun::archetypes::Points3D;
 use rerun::datatypes::Rgba32;
 use rerun::{Color, Radius, ViewCoordinates};
 
+use self::arrow::ArrowTrack;
 pub(super) use self::arrow::arrow_columns;
-use self::arrow::{Arrow, DrawnMomentum};
 use self::body::{BodyPose, body_columns};
 use self::focus::Focus;
 use self::hodograph::Hodograph;
@@ -27,12 +27,13 @@ use super::entity::{CONTACT_PATHS, STAGE, TRAIL_ABOVE, TRAIL_BELOW};
 use super::identity::{Geometry, Identity};
 use super::output::track::Track;
 use super::output::{ComponentColumns, Output};
-use super::palette::{GREEN, GREY, PURPLE, SKY, VERMILION, WHITE};
 use super::role::Role;
-use super::snapshot::Snapshot;
+use crate::rerun::palette::{GREEN, GREY, PURPLE, SKY, VERMILION, WHITE};
 use crate::run::simulation::Regime;
 use crate::run::time::seconds;
 use crate::telemetry::Message;
+use crate::telemetry::arrows::SampleArrows;
+use crate::telemetry::arrows::snapshot::Snapshot;
 use crate::telemetry::fields::{CONTACT, POSE, contact, pose};
 use crate::telemetry::proportions::Proportions;
 
@@ -49,7 +50,7 @@ pub(super) struct Scene {
     /// The path of the contact point of a free peg: where it slides, where it rolls or sticks, and below the peg where it
     /// flies.
     contact_path: Option<Path>,
-    arrows: Vec<Arrow>,
+    arrows: Vec<ArrowTrack>,
     hodograph: Option<Hodograph>,
     next_arrows_ns: u64,
     geometry: Geometry,
@@ -89,7 +90,7 @@ impl Scene {
         let end = role.entity("scene/focus/end");
         output.send_static(end.as_str(), &note(&geometry));
         Self {
-            arrows: Arrow::all(identity, role, output),
+            arrows: ArrowTrack::all(identity, role, output),
             hodograph: Hodograph::new(identity, role, output),
             next_arrows_ns: 0,
             geometry,
@@ -139,9 +140,11 @@ impl Scene {
         }
         self.next_arrows_ns = snapshot.time_ns.saturating_add(ARROW_NS);
         let height = Proportions::new(&self.geometry.top).size();
-        let momentum = DrawnMomentum::new(snapshot, &self.geometry.scales, height);
-        for arrow in &mut self.arrows {
-            arrow.write(snapshot, &momentum, output);
+        let drawn = SampleArrows::new(snapshot, &self.geometry.scales, height);
+        for track in &mut self.arrows {
+            if let Some(arrow) = drawn.get(track.arrow) {
+                track.write(snapshot.time_ns, &arrow, output);
+            }
         }
         if let Some(hodograph) = &mut self.hodograph {
             hodograph.write(snapshot, output);

@@ -3,8 +3,8 @@
 use rerun::components::{AggregationPolicy, InterpolationMode, MarkerShape};
 use rerun::{AsComponents, Color, SeriesLines, SeriesPoints};
 
-use super::palette::{BLUE, GREEN, GREY, ORANGE, PALE, PURPLE, SKY, VERMILION, YELLOW};
 use super::role::Role;
+use crate::rerun::palette::{BLUE, GREEN, GREY, ORANGE, PALE, PURPLE, SKY, VERMILION, YELLOW};
 use crate::telemetry::fields::{
     NUTATION, NumberField, acceleration, contact, energy, momentum, nutation, precession, state,
     torque,

@@ -1,7 +1,7 @@
 //! ROS 2 channels for viewers.
 //!
 //! Rerun creates views automatically only for ROS 2 messages; Foxglove and Lichtblick support them, too. Some
-//! quantities are therefore duplicated in that form at 100 Hz: shape and pose of the top, two arrows, plots and the
+//! quantities are therefore duplicated in that form at 100 Hz: shape and pose of the top, arrows, plots and the
 //! event log. These channels are derived from the table and not part of the content digest.
 //!
 //! Nutating quantities are followed by their minimum and maximum in the last nutation, because viewers that average the
@@ -9,19 +9,21 @@
 //! `/top/nutation` nutating quantities have no ranges.
 //!
 //! Rerun creates one plot per array of a `JointState`, one per `Float64MultiArray` (named after its topic), and at most
-//! eight plots. It draws `MagneticField` as an arrow.
+//! eight plots. It draws `MagneticField` as an arrow, and no `MarkerArray`; Foxglove and Lichtblick draw that, and no
+//! `MagneticField`.
 
 mod cdr;
 mod envelope;
 mod foxglove;
-mod scales;
+mod markers;
 mod urdf;
 
 use self::cdr::Cdr;
 use self::envelope::Envelope;
 pub use self::foxglove::foxglove_layout;
-use self::scales::ViewScales;
 use self::urdf::urdf;
+use super::arrows::snapshot::{Snapshot, SnapshotReader};
+use super::arrows::{Arrow, SampleArrows, Scales};
 use super::event::recorded_sentence;
 use super::fields::{
     CONTACT, EVENTS, NUTATION, POSE, STATE, TORQUE, contact, events, pose, state, torque,
@@ -40,6 +42,9 @@ const INFO: u8 = 20;
 
 /// Minimum time between two messages of a view, ns.
 const PERIOD_NS: u64 = 10_000_000;
+
+/// Number of views from one message of all arrows to the next: they are large, and 20 Hz are enough to see them move.
+const ARROWS_STRIDE: u32 = 5;
 
 /// A channel for viewers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,24 +74,26 @@ enum ViewKind {
     SlipSpeed,
     SlipVelocity,
     FrictionTorque,
+    Arrows,
     NormalForce,
     Log,
 }
 
 impl ViewKind {
-    /// Whether there is a scale for the arrow of the view, if it is one.
-    fn has_scale(self, scales: &ViewScales) -> bool {
+    /// The arrow that the view shows, if it shows one.
+    fn arrow(self) -> Option<Arrow> {
         match self {
-            Self::SlipVelocity => scales.slip.is_some(),
-            Self::FrictionTorque => scales.torque.is_some(),
+            Self::SlipVelocity => Some(Arrow::SlipVelocity),
+            Self::FrictionTorque => Some(Arrow::FrictionTorque),
             Self::Description
             | Self::Transforms
             | Self::Inclination
             | Self::PrecessionRate
             | Self::SpinRate
             | Self::SlipSpeed
+            | Self::Arrows
             | Self::NormalForce
-            | Self::Log => true,
+            | Self::Log => None,
         }
     }
 }
@@ -109,6 +116,10 @@ const NUMBERS: (&str, &str) = (
 const FIELD: (&str, &str) = (
     "sensor_msgs/msg/MagneticField",
     include_str!("views/MagneticField.msg"),
+);
+const MARKERS: (&str, &str) = (
+    "visualization_msgs/msg/MarkerArray",
+    include_str!("views/MarkerArray.msg"),
 );
 const LOG: (&str, &str) = ("rcl_interfaces/msg/Log", include_str!("views/Log.msg"));
 
@@ -159,6 +170,8 @@ pub const VIEW_CHANNELS: &[ViewChannel] = &[
         "arrow of the slip velocity in frame `contact`; its scale is in the legend"),
     view(ViewKind::FrictionTorque, "/view/friction_torque", FIELD, &[TORQUE],
         "arrow of the friction torque in frame `top`; its scale is in the legend"),
+    view(ViewKind::Arrows, "/view/arrows", MARKERS, &[POSE],
+        "all arrows of a sample with their symbols, in frame `world`, 20 Hz; their scales are in the legend"),
     view(ViewKind::NormalForce, "/view/normal_force", NUMBERS, &[CONTACT],
         "normal force of a free peg, N; 0 in the air").free_peg_only(),
     view(ViewKind::Log, "/log", LOG, &[EVENTS], "events (without nutation extremes) as log lines"),
@@ -168,7 +181,12 @@ pub const VIEW_CHANNELS: &[ViewChannel] = &[
 #[derive(Clone, Debug)]
 pub struct Views {
     top: Top,
-    scales: ViewScales,
+    scales: Scales,
+    /// The arrows that are drawn.
+    arrows: Vec<Arrow>,
+    snapshots: SnapshotReader,
+    /// The sample whose arrows are due.
+    sample: Option<Snapshot>,
     /// Number of samples from one view to the next.
     stride: u32,
     /// For each view, the topic that triggers it; `None` if the view is not written.
@@ -190,19 +208,29 @@ impl Views {
         let top = scenario.model.top;
         let is_free = scenario.model.support.is_free();
         let proportions = Proportions::new(&top);
-        let scales = ViewScales::new(scenario, &proportions);
+        let scales = Scales::new(scenario);
+        let snapshots = SnapshotReader::new(top, is_free, &is_enabled);
+        let arrows: Vec<_> = Arrow::ALL
+            .into_iter()
+            .filter(|arrow| arrow.is_drawn(&scales, &is_enabled))
+            .collect();
         let mut sources = Vec::new();
         for view in VIEW_CHANNELS {
             let has_channel = is_free || !view.is_free_peg_only;
             let has_sources = view.sources.iter().all(|topic| is_enabled(*topic));
-            let is_written = has_channel && has_sources && view.kind.has_scale(&scales);
+            let has_scale = (view.kind.arrow()).is_none_or(|arrow| arrow.scale(&scales) > 0.0);
+            let is_written = has_channel && has_sources && has_scale;
             // The last source triggers the view: at one time, its message comes after those of the others.
-            sources.push(view.sources.last().copied().filter(|_| is_written));
+            let last = match view.kind {
+                ViewKind::Arrows => snapshots.last(),
+                _ => view.sources.last().copied(),
+            };
+            sources.push(last.filter(|_| is_written));
         }
         let period = scenario.sample_period_ns.max(1);
         Self {
             sources,
-            description: Some(urdf(&proportions, &scales, is_free)),
+            description: Some(urdf(&proportions, &arrows, &scales, is_free)),
             stride: u32::try_from(PERIOD_NS.div_ceil(period)).unwrap_or(u32::MAX),
             state: [f64::NAN; 2],
             envelope: Envelope::new(),
@@ -210,6 +238,9 @@ impl Views {
             cdr: Cdr::default(),
             top,
             scales,
+            arrows,
+            snapshots,
+            sample: None,
         }
     }
 
@@ -222,9 +253,14 @@ impl Views {
     /// bytes. The time is that of the message.
     pub fn process(&mut self, message: &Message<'_>, mut emit: impl FnMut(usize, u32, &[u8])) {
         self.envelope.update(message);
-        let is_due = message.sequence.is_multiple_of(self.stride);
-        if channels()[message.channel].is_sampled && !is_due {
-            return;
+        if channels()[message.channel].is_sampled {
+            if !message.sequence.is_multiple_of(self.stride) {
+                return;
+            }
+            let arrows_stride = self.stride.saturating_mul(ARROWS_STRIDE);
+            if message.sequence.is_multiple_of(arrows_stride) {
+                self.sample = self.snapshots.take(message).copied();
+            }
         }
         if message.topic() == STATE {
             self.state = [state::THETA, state::THETA_DOT].map(|field| field.of(message));
@@ -287,11 +323,22 @@ impl Views {
             ViewKind::NormalForce => plot(cdr, &[contact::NORMAL_FORCE.of(message)]),
             ViewKind::SlipVelocity => {
                 let slip = contact::SLIP_WORLD.of(message);
-                arrow(cdr.header(time, "contact"), slip, self.scales.slip);
+                arrow(cdr.header(time, "contact"), slip / self.scales.slip);
             }
             ViewKind::FrictionTorque => {
                 let torque = torque::FRICTION_BODY.of(message);
-                arrow(cdr.header(time, "top"), torque, self.scales.torque);
+                arrow(
+                    cdr.header(time, "top"),
+                    torque / self.scales.friction_torque,
+                );
+            }
+            ViewKind::Arrows => {
+                let Some(sample) = self.sample.take() else {
+                    return false;
+                };
+                let height = Proportions::new(&self.top).size();
+                let drawn = SampleArrows::new(&sample, &self.scales, height);
+                markers::write(cdr, time, &self.arrows, &drawn, height);
             }
             ViewKind::Log => {
                 let name = events::NAME.of(message);
@@ -315,8 +362,7 @@ fn plot(cdr: &mut Cdr, values: &[f64]) {
 }
 
 /// The rest of a `MagneticField`: the vector, and no covariance.
-fn arrow(cdr: &mut Cdr, vector: Vector3<f64>, scale: Option<f64>) {
-    let vector = scale.unwrap_or(0.0) * vector;
+fn arrow(cdr: &mut Cdr, vector: Vector3<f64>) {
     // By the definition of the message, a variance of 0 is unknown.
     cdr.f64s(vector.as_slice()).f64s(&[0.0; 9]);
 }

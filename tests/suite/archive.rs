@@ -55,10 +55,10 @@ fn mcap_crate_reads_everything() {
 
     let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
     let statistics = summary.stats.as_ref().unwrap();
-    // The views have six message types.
+    // The views have seven message types.
     assert_eq!(
         usize::from(statistics.schema_count),
-        topics_of_fixed_peg() + 6
+        topics_of_fixed_peg() + 7
     );
     assert_eq!(
         (statistics.attachment_count, statistics.metadata_count),

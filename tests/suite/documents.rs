@@ -6,7 +6,9 @@ use assert_cmd::Command;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
+use toprise::physics::dynamics::Support;
 use toprise::run::scenario::{KEYS, Kind};
+use toprise::telemetry::Topic;
 use toprise::telemetry::views::{VIEW_CHANNELS, foxglove_layout};
 
 /// What stands for any text within a line of output, and alone on a line for any lines.
@@ -200,27 +202,33 @@ fn format_page_shows_the_tested_program() {
 }
 
 #[test]
-fn foxglove_layout_shows_existing_panels_and_topics() {
-    let layout: Value = serde_json::from_str(&foxglove_layout()).unwrap();
-    let panels = layout["configById"].as_object().unwrap();
-    let mut shown = Vec::new();
-    shown_panels(&layout["layout"], &mut shown);
-    for tab in layout["configById"]["Tab!plots"]["tabs"]
-        .as_array()
-        .unwrap()
-    {
-        shown_panels(&tab["layout"], &mut shown);
+fn foxglove_layouts_show_existing_panels_and_topics() {
+    for support in [Support::FixedPeg, Support::FreePeg { restitution: 0.0 }] {
+        let layout: Value = serde_json::from_str(&foxglove_layout(support)).unwrap();
+        let panels = layout["configById"].as_object().unwrap();
+        let mut shown = Vec::new();
+        shown_panels(&layout["layout"], &mut shown);
+        for tab in panels["Tab!plots"]["tabs"].as_array().unwrap() {
+            shown_panels(&tab["layout"], &mut shown);
+        }
+        shown.sort_unstable();
+        let mut all: Vec<_> = panels.keys().cloned().collect();
+        all.sort_unstable();
+        assert_eq!(shown, all, "each panel is shown once");
+        let views = VIEW_CHANNELS.iter();
+        let mut topics: Vec<_> = views.map(|view| view.topic).collect();
+        topics.extend(Topic::all_with(support).map(|topic| topic.info().topic));
+        let scene = panels["3D!top"]["topics"].as_object().unwrap();
+        let log = panels["RosOut!events"]["topicToRender"].as_str().unwrap();
+        let paths = panels
+            .values()
+            .filter_map(|panel| panel["paths"].as_array());
+        let paths = paths.flatten().map(|path| path["value"].as_str().unwrap());
+        let plotted = paths.map(|path| path.split_once('.').unwrap().0);
+        for topic in scene.keys().map(String::as_str).chain([log]).chain(plotted) {
+            assert!(topics.contains(&topic), "{topic}");
+        }
     }
-    shown.sort_unstable();
-    let mut all: Vec<_> = panels.keys().cloned().collect();
-    all.sort_unstable();
-    assert_eq!(shown, all, "each panel is shown once");
-    let views: Vec<_> = VIEW_CHANNELS.iter().map(|view| view.topic).collect();
-    for topic in panels["3D!top"]["topics"].as_object().unwrap().keys() {
-        assert!(views.contains(&topic.as_str()), "{topic}");
-    }
-    let log = panels["RosOut!events"]["topicToRender"].as_str().unwrap();
-    assert!(views.contains(&log), "{log}");
 }
 
 /// The panels in a tree of rows and columns.

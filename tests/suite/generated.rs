@@ -3,16 +3,24 @@
 
 use std::fs;
 use std::path::Path;
+use toprise::physics::dynamics::Support;
 use toprise::run::scenario::{KEYS, Presence, Preset};
 use toprise::telemetry::views::foxglove_layout;
 use toprise::telemetry::{Leaf, Quantity, channels};
 
 /// The path of each page in the repository, and its text.
-pub fn pages() -> [(&'static str, String); 3] {
+pub fn pages() -> [(&'static str, String); 4] {
     [
         ("docs/keys.md", keys_page()),
         ("docs/format.md", format_page()),
-        ("docs/foxglove-layout.json", foxglove_layout()),
+        (
+            "docs/foxglove-layout.json",
+            foxglove_layout(Support::FixedPeg),
+        ),
+        (
+            "docs/foxglove-layout-free-peg.json",
+            foxglove_layout(Support::FreePeg { restitution: 0.0 }),
+        ),
     ]
 }
 

@@ -60,6 +60,62 @@ fn views_have_the_range_of_the_last_nutation() {
     }
 }
 
+/// The texts in a message in CDR: aligned lengths before letters and a zero byte.
+fn texts(bytes: &[u8]) -> Vec<String> {
+    let mut texts = Vec::new();
+    for at in (4..bytes.len().saturating_sub(4)).step_by(4) {
+        let length = u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
+        let text = bytes.get(at + 4..(at + 4).saturating_add(length));
+        let Some([letters @ .., 0]) = text else {
+            continue;
+        };
+        if letters.len() > 1 && letters.iter().all(|letter| *letter >= b' ') {
+            texts.extend(String::from_utf8(letters.to_vec()));
+        }
+    }
+    texts
+}
+
+#[test]
+fn markers_name_the_arrows_that_are_drawn() {
+    for (preset, expected) in [
+        (
+            "paper",
+            &["slip velocity", "friction torque", "τ", "angular momentum"][..],
+        ),
+        (
+            "tippe-top",
+            &["slip velocity", "friction torque", "horizontal part of L"],
+        ),
+        (
+            "frictionless",
+            &["angular momentum", "gravity torque", "weight"],
+        ),
+    ] {
+        let scenario = scenario(preset, &[("stop.duration", "1")]);
+        let messages = in_memory(&scenario).0.messages;
+        let mut views = Views::new(&scenario, |_| true);
+        let (mut count, mut named) = (0, Vec::new());
+        for message in &messages {
+            views.process(&message.as_message(), |view, _, bytes| {
+                if VIEW_CHANNELS[view].topic == "/view/arrows" {
+                    count += 1;
+                    named = texts(bytes);
+                }
+            });
+        }
+        assert_eq!(count, 21, "{preset}: 20 Hz");
+        for name in expected {
+            assert!(
+                named.iter().any(|text| text == name),
+                "{preset}: {name}, {named:?}"
+            );
+        }
+        let has_friction = named.iter().any(|text| text == "friction force");
+        assert_eq!(has_friction, preset != "frictionless");
+    }
+}
+
 /// The next number of four bytes, which is aligned.
 fn next_number(body: &[u8], at: &mut usize) -> usize {
     *at = at.next_multiple_of(4) + 4;

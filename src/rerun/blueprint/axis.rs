@@ -2,9 +2,9 @@
 
 use crate::physics::math;
 use crate::rerun::identity::magnitude::Magnitudes;
-use crate::rerun::identity::scale::power_of_ten;
 use crate::rerun::plots::Plots;
 use crate::rerun::plots::curves::Curves;
+use crate::telemetry::arrows::scale::power_of_ten;
 
 /// Shortest value axis, relative to the typical magnitude of its quantity.
 pub(super) const MIN_SPAN: f64 = 1e-6;

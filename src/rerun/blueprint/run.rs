@@ -319,9 +319,9 @@ mod tests {
     use crate::rerun::identity::Geometry;
     use crate::rerun::output::{Destinations, Output};
     use crate::rerun::plots::curves::Curves;
-    use crate::rerun::snapshot::SnapshotReader;
     use crate::run::scenario::{Preset, Scenario};
     use crate::run::simulation::Simulation;
+    use crate::telemetry::arrows::snapshot::SnapshotReader;
     use crate::telemetry::fields::energy;
     use crate::telemetry::{Telemetry, TelemetryError, Topic, Topics};
 
@@ -336,7 +336,7 @@ mod tests {
         let mut plots = Plots::new(|plot| identity.has(plot.topic()), &Role::Alone, &mut output)
             .with_derived(&identity, &Role::Alone, &mut output);
         let Geometry { top, is_free, .. } = identity.geometry;
-        let mut snapshots = SnapshotReader::new(top, is_free, &identity.topics);
+        let mut snapshots = SnapshotReader::new(top, is_free, |topic| identity.has(topic));
         let mut telemetry = Telemetry::with_topics(&Topics::All);
         for record in Simulation::new(&scenario).unwrap() {
             let written = telemetry.messages(&record.unwrap(), |message| {

@@ -14,11 +14,11 @@ use super::builder::{BlueprintLayout, Child, column, row};
 use crate::rerun::entity::{
     EVENTS, HODOGRAPH, HODOGRAPH_PATH, REGIME, STAGE, Shown, WHY, WHY_GHOST, paths,
 };
-use crate::rerun::identity::scale::round;
 use crate::rerun::identity::{Geometry, Playback};
 use crate::rerun::output::message::TIMELINE;
 use crate::rerun::role::Role;
 use crate::rerun::scene::RADIUS;
+use crate::telemetry::arrows::scale::round;
 use crate::telemetry::proportions::Proportions;
 
 /// Approximate time in which a viewer plays a complete run, s.

@@ -11,12 +11,12 @@ use std::f64::consts::TAU;
 use crate::physics::math;
 use crate::rerun::entity::{HODOGRAPH, HODOGRAPH_PATH};
 use crate::rerun::identity::Identity;
-use crate::rerun::identity::scale::{Scales, round};
 use crate::rerun::output::track::Track;
 use crate::rerun::output::{ComponentColumns, Output};
 use crate::rerun::palette::{GREEN, PURPLE, VERMILION, YELLOW};
 use crate::rerun::role::Role;
-use crate::rerun::snapshot::Snapshot;
+use crate::telemetry::arrows::scale::{Scales, round};
+use crate::telemetry::arrows::snapshot::Snapshot;
 use crate::telemetry::fields::{MOMENTUM, POSE, TORQUE};
 
 /// The greatest horizontal part in the picture.

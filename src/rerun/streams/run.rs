@@ -18,10 +18,10 @@ use crate::rerun::plots::Plots;
 use crate::rerun::plots::means::MeanReader;
 use crate::rerun::role::Role;
 use crate::rerun::scene::{Scene, legend};
-use crate::rerun::snapshot::SnapshotReader;
 use crate::rerun::style::legible;
 use crate::run::outcome::Outcome;
 use crate::telemetry::Message;
+use crate::telemetry::arrows::snapshot::SnapshotReader;
 use crate::telemetry::fields::{EVENTS, POSE, Plot};
 
 /// A sink that makes a Rerun recording of a run.
@@ -112,7 +112,9 @@ impl Entities {
         Self {
             measured: measurement.map(|measurement| Measured::new(measurement, output)),
             plots: plots(identity, role, output),
-            snapshots: SnapshotReader::new(top, identity.geometry.is_free, &identity.topics),
+            snapshots: SnapshotReader::new(top, identity.geometry.is_free, |topic| {
+                identity.has(topic)
+            }),
             means: MeanReader::default(),
             events: identity.has(EVENTS).then(|| Events::new(top, role, output)),
             regimes: (role.is_alone() && has_regimes(identity)).then(|| Regimes::new(output)),

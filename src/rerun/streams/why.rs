@@ -9,8 +9,9 @@ use crate::rerun::entity::{WHY, WHY_GHOST};
 use crate::rerun::identity::{Geometry, Identity};
 use crate::rerun::output::track::Track;
 use crate::rerun::output::{ComponentColumns, Output};
+use crate::rerun::plots::torque_along_horizontal;
 use crate::rerun::scene::arrow_columns;
-use crate::rerun::snapshot::Snapshot;
+use crate::telemetry::arrows::snapshot::Snapshot;
 use crate::telemetry::fields::{CONTACT, MOMENTUM, POSE, TORQUE};
 use crate::telemetry::proportions::Proportions;
 use crate::words::number::{pair, significant};
@@ -81,7 +82,7 @@ impl Why {
         } else {
             "centre of the peg"
         };
-        let along = snapshot.torque_along_horizontal();
+        let along = torque_along_horizontal(snapshot);
         let effect = if along < 0.0 {
             "against the horizontal part of L, which it shortens"
         } else {

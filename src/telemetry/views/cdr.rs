@@ -50,6 +50,14 @@ impl Cdr {
         self
     }
 
+    /// Single-precision numbers without a length.
+    pub(super) fn f32s(&mut self, values: &[f32]) -> &mut Self {
+        for value in values {
+            self.u32(value.to_bits());
+        }
+        self
+    }
+
     /// A sequence of numbers, with its length.
     pub(super) fn sequence(&mut self, values: &[f64]) -> &mut Self {
         self.u32(values.len() as u32).f64s(values)

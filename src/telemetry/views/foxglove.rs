@@ -5,6 +5,7 @@
 
 use serde_json::{Map, Value, json};
 
+use crate::physics::dynamics::Support;
 use crate::telemetry::fields::{
     NumberField, contact, energy, free_peg, momentum, nutation, precession, state, torque,
 };
@@ -80,19 +81,25 @@ const SCENE: &str = "3D!top";
 const LOG: &str = "RosOut!events";
 const PLOTS: &str = "Tab!plots";
 
-/// The layout as JSON.
-pub fn foxglove_layout() -> String {
+/// The layout for tops with this support, as JSON.
+pub fn foxglove_layout(support: Support) -> String {
+    let mut tabs = vec![("Motion", &MOTION[..])];
+    if support.is_free() {
+        tabs.push(("On the table", &TABLE));
+    }
     let mut panels = Map::new();
     panels.insert(SCENE.to_owned(), scene());
     panels.insert(
         LOG.to_owned(),
         json!({ "topicToRender": "/log", "minLogLevel": 1, "searchTerms": [] }),
     );
-    for plot in MOTION.iter().chain(&TABLE) {
+    for plot in tabs.iter().flat_map(|(_, plots)| *plots) {
         panels.insert(identifier(plot), settings(plot));
     }
-    let tabs = [("Motion", &MOTION[..]), ("On the table", &TABLE)]
-        .map(|(title, plots)| json!({ "title": title, "layout": grid(plots) }));
+    let tabs: Vec<_> = tabs
+        .into_iter()
+        .map(|(title, plots)| json!({ "title": title, "layout": grid(plots) }))
+        .collect();
     panels.insert(PLOTS.to_owned(), json!({ "activeTabIdx": 0, "tabs": tabs }));
     let left = split("column", &json!(SCENE), &json!(LOG), 75);
     let layout = json!({
@@ -108,11 +115,7 @@ pub fn foxglove_layout() -> String {
 /// The 3D panel: the camera goes along with a top that travels.
 fn scene() -> Value {
     let mut topics = Map::new();
-    for topic in [
-        "/robot_description",
-        "/view/slip_velocity",
-        "/view/friction_torque",
-    ] {
+    for topic in ["/robot_description", "/view/arrows"] {
         topics.insert(topic.to_owned(), json!({ "visible": true }));
     }
     json!({

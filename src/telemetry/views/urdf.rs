@@ -3,8 +3,9 @@
 //! Rerun draws primitives with 25 % opacity, so each part is a stack of thin cylinders or nested spheres, which look
 //! solid. Other viewers support only boxes, cylinders and spheres, and require single spaces.
 
-use super::scales::ViewScales;
 use crate::physics::math;
+use crate::telemetry::arrows::scale::per_centimetre;
+use crate::telemetry::arrows::{Arrow, Scales, palette};
 use crate::telemetry::proportions::Proportions;
 use std::f64::consts::FRAC_PI_3;
 
@@ -23,8 +24,13 @@ const DISC_LAYERS: u32 = 9;
 
 /// The description of a robot that is a top, with the link `top`. `is_free`: whether the peg is
 /// free.
-pub(super) fn urdf(proportions: &Proportions, scales: &ViewScales, is_free: bool) -> String {
-    let legend = legend(scales, is_free);
+pub(super) fn urdf(
+    proportions: &Proportions,
+    arrows: &[Arrow],
+    scales: &Scales,
+    is_free: bool,
+) -> String {
+    let legend = legend(arrows, scales, is_free);
     let mut text = format!("<robot name=\"toprise\"><!--\n{legend}-->\n");
     for (name, color) in MATERIALS {
         text.push_str(&format!(
@@ -39,19 +45,13 @@ pub(super) fn urdf(proportions: &Proportions, scales: &ViewScales, is_free: bool
     text
 }
 
-fn legend(scales: &ViewScales, is_free: bool) -> String {
+fn legend(arrows: &[Arrow], scales: &Scales, is_free: bool) -> String {
     let mut text = "Heavy top with slipping friction\nArrows:\n".to_owned();
-    if let Some(scale) = scales.slip {
-        text.push_str(&format!(
-            "- slip_velocity of the contact point, {:.0} cm for 1 m/s\n",
-            100.0 * scale
-        ));
-    }
-    if let Some(scale) = scales.torque {
-        text.push_str(&format!(
-            "- friction_torque, {:.0} cm for 1 mN m\n",
-            0.1 * scale
-        ));
+    for arrow in arrows {
+        let scale = per_centimetre(arrow.scale(scales), arrow.quantity().unit());
+        let style = arrow.style();
+        let color = palette::name(style.color);
+        text.push_str(&format!("- {}, {color}, 1 cm is {scale}\n", style.name));
     }
     text.push_str(
         "Plots, [1] and [2]: minimum and maximum in the last nutation\n\

@@ -2,9 +2,10 @@
 
 use nalgebra::Vector3;
 
-use crate::rerun::snapshot::{Snapshot, SnapshotReader};
+use super::snapshot::{Snapshot, SnapshotReader};
 use crate::run::scenario::Scenario;
-use crate::telemetry::{RunError, RunMessages, Topic, Topics};
+use crate::telemetry::stream::{RunError, RunMessages};
+use crate::telemetry::topic::Topics;
 
 /// Time between two samples, ns: several per nutation of a toy top.
 const PERIOD_NS: u64 = 5_000_000;
@@ -60,8 +61,7 @@ fn simulate(scenario: &Scenario) -> Vec<Snapshot> {
     let mut sparse = scenario.clone();
     sparse.sample_period_ns = sparse.sample_period_ns.max(PERIOD_NS);
     let model = &scenario.model;
-    let topics: Vec<_> = Topic::all_with(model.support).collect();
-    let mut reader = SnapshotReader::new(model.top, model.support.is_free(), &topics);
+    let mut reader = SnapshotReader::new(model.top, model.support.is_free(), |_| true);
     let mut snapshots = Vec::new();
     let Ok(run) = RunMessages::new(&sparse, &Topics::All) else {
         return snapshots;

@@ -11,7 +11,7 @@ use crate::telemetry::proportions::Proportions;
 use crate::words::number::with_power;
 
 /// Maximum length of an arrow, in heights of the top: from every side of the top, the tip is in the view.
-const MAX_LENGTH: f64 = 1.25;
+pub(super) const MAX_LENGTH: f64 = 1.25;
 /// Lengths of the arrow for the usual magnitude of a quantity, in heights of the top. Their ratio is greater than that of
 /// neighbours in the series 1, 2, 5, so that each magnitude has a scale.
 const MAX_USUAL: f64 = 1.15;
@@ -56,7 +56,7 @@ pub struct Scales {
 
 impl Scales {
     /// The scales for the runs of a scenario.
-    pub(super) fn new(scenario: &Scenario) -> Self {
+    pub(crate) fn new(scenario: &Scenario) -> Self {
         let top = &scenario.model.top;
         let height = Proportions::new(top).size();
         let tilt = Tilt::from_rates(scenario.angles.theta, scenario.rates);
@@ -98,7 +98,7 @@ impl Scales {
 
     /// The scale of friction forces for two runs in one picture: the smallest round number at which the usual forces of
     /// both fit the view.
-    pub(in crate::rerun) fn common_force(&self, other: &Self) -> f64 {
+    pub fn common_force(&self, other: &Self) -> f64 {
         round_up(self.min_force.max(other.min_force))
     }
 }
@@ -119,11 +119,6 @@ fn momentum(top: &Top, tilt: &Tilt) -> f64 {
     let axial = tilt.omega_lean.dot(&axis);
     let across: Vector3<f64> = tilt.omega_lean - axial * axis;
     (top.transverse_moment * across + top.axial_moment * axial * axis).norm()
-}
-
-/// Maximum length of any arrow, m, given the height of the top.
-pub(in crate::rerun) fn max_length(height: f64) -> f64 {
-    MAX_LENGTH * height
 }
 
 /// The scale for a quantity with a `usual` magnitude. Its digit is that of a `reference` scale, and its power of ten the
@@ -155,7 +150,7 @@ fn round_up(value: f64) -> f64 {
 }
 
 /// The nearest of 1, 2 and 5 times a power of ten; 0 for what is neither positive nor finite.
-pub(in crate::rerun) fn round(value: f64) -> f64 {
+pub(crate) fn round(value: f64) -> f64 {
     round_by(value, 0.0)
 }
 
@@ -177,12 +172,12 @@ fn round_by(value: f64, decades: f64) -> f64 {
 }
 
 /// Ten to the power of a whole number, exactly rounded.
-pub(in crate::rerun) fn power_of_ten(exponent: f64) -> f64 {
+pub(crate) fn power_of_ten(exponent: f64) -> f64 {
     format!("1e{exponent}").parse().unwrap_or(0.0)
 }
 
 /// A scale as text, the quantity of a centimetre, e.g. `20 µN m`.
-pub(in crate::rerun) fn per_centimetre(per_metre: f64, unit: &str) -> String {
+pub(crate) fn per_centimetre(per_metre: f64, unit: &str) -> String {
     const PREFIXES: [(f64, &str); 5] = [
         (1.0, ""),
         (1e-3, "m"),
@@ -268,41 +263,6 @@ mod tests {
             (0.0, 0.0),
         ] {
             assert_eq!(round_up(value), expected, "{value}");
-        }
-    }
-
-    #[test]
-    fn scales_of_presets_are_round() {
-        for preset in crate::run::scenario::PRESETS.iter() {
-            let scenario = preset.scenario().unwrap();
-            let scales = Scales::new(&scenario);
-            let Scales {
-                slip,
-                force,
-                gravity_torque,
-                friction_torque,
-                momentum,
-                weight,
-                // These are not scales.
-                min_force: _,
-                horizontal_momentum: _,
-                usual_torques: _,
-            } = scales;
-            for scale in [
-                slip,
-                force,
-                gravity_torque,
-                friction_torque,
-                momentum,
-                weight,
-            ] {
-                let digits = format!("{scale:e}");
-                let is_round = ["1e", "2e", "5e"]
-                    .iter()
-                    .any(|start| digits.starts_with(start));
-                let is_absent = scale == 0.0 && (scenario.is_frictionless() || scale == slip);
-                assert!(is_round || is_absent, "{}: {digits}", preset.name);
-            }
         }
     }
 

@@ -17,35 +17,33 @@ const TOPICS: [Topic; 5] = [POSE, TORQUE, CONTACT, MOMENTUM, CENTER_OF_MASS];
 /// Angular momentum and torques are about the centre of a fixed peg, or about the centre of mass of a top with a free
 /// one. About these points the sum of the torques is the rate of change of the angular momentum.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Snapshot {
+pub(crate) struct Snapshot {
     /// Time, ns.
-    pub(super) time_ns: u64,
+    pub(crate) time_ns: u64,
     /// Orientation (world from body).
-    pub(super) orientation: UnitQuaternion<f64>,
+    pub(crate) orientation: UnitQuaternion<f64>,
     /// Direction of the symmetry axis.
-    pub(super) axis: Vector3<f64>,
-    /// Angular velocity about the symmetry axis, rad/s.
-    pub(super) axial_rate: f64,
+    pub(crate) axis: Vector3<f64>,
     /// Centre of the peg, m.
-    pub(super) peg: Vector3<f64>,
+    pub(crate) peg: Vector3<f64>,
     /// Point of contact, or the lowest point of a peg in the air, m.
-    pub(super) contact: Vector3<f64>,
+    pub(crate) contact: Vector3<f64>,
     /// Centre of mass, m.
-    pub(super) center: Vector3<f64>,
+    pub(crate) center: Vector3<f64>,
     /// The point that angular momentum and torques are about, m.
-    pub(super) origin: Vector3<f64>,
+    pub(crate) origin: Vector3<f64>,
     /// Slip velocity, m/s.
-    pub(super) slip: Vector3<f64>,
+    pub(crate) slip: Vector3<f64>,
     /// Friction force, N.
-    pub(super) friction: Vector3<f64>,
+    pub(crate) friction: Vector3<f64>,
     /// Weight, N.
-    pub(super) weight: f64,
+    pub(crate) weight: f64,
     /// Angular momentum, kg m²/s.
-    pub(super) momentum: Vector3<f64>,
+    pub(crate) momentum: Vector3<f64>,
     /// Torque of friction and air drag, N m.
-    pub(super) friction_torque: Vector3<f64>,
+    pub(crate) friction_torque: Vector3<f64>,
     /// Torque of gravity about a fixed peg, or of the normal force about the centre of mass, N m.
-    pub(super) weight_torque: Vector3<f64>,
+    pub(crate) weight_torque: Vector3<f64>,
 }
 
 impl Snapshot {
@@ -56,7 +54,6 @@ impl Snapshot {
             time_ns,
             orientation: UnitQuaternion::identity(),
             axis: missing,
-            axial_rate: f64::NAN,
             peg: missing,
             contact: missing,
             center: missing,
@@ -71,24 +68,14 @@ impl Snapshot {
     }
 
     /// The horizontal part of the angular momentum, kg m²/s.
-    pub(super) fn horizontal_momentum(&self) -> Vector3<f64> {
+    pub(crate) fn horizontal_momentum(&self) -> Vector3<f64> {
         Vector3::new(self.momentum.x, self.momentum.y, 0.0)
-    }
-
-    /// The torque of friction along the horizontal part of the angular momentum, N m; 0 if that has no direction.
-    pub(super) fn torque_along_horizontal(&self) -> f64 {
-        let horizontal = self.horizontal_momentum();
-        match horizontal.try_normalize(0.0) {
-            Some(direction) => direction.dot(&self.friction_torque),
-            // NaN stays NaN.
-            None => 0.0 * self.friction_torque.norm() * horizontal.norm(),
-        }
     }
 }
 
 /// Collects the messages of each sample.
 #[derive(Clone, Debug)]
-pub(super) struct SnapshotReader {
+pub(crate) struct SnapshotReader {
     top: Top,
     is_free: bool,
     /// The topic whose message completes a snapshot.
@@ -98,21 +85,25 @@ pub(super) struct SnapshotReader {
 }
 
 impl SnapshotReader {
-    /// A reader of the messages of these topics.
-    pub(super) fn new(top: Top, is_free: bool, topics: &[Topic]) -> Self {
+    /// A reader of a recording that has some topics.
+    pub(crate) fn new(top: Top, is_free: bool, has: impl Fn(Topic) -> bool) -> Self {
         let mut recorded = TOPICS.into_iter();
         Self {
             top,
             is_free,
-            last: recorded
-                .rfind(|topic| topics.contains(topic) && (is_free || *topic != CENTER_OF_MASS)),
+            last: recorded.rfind(|topic| has(*topic) && (is_free || *topic != CENTER_OF_MASS)),
             current: Snapshot::empty(0, top.weight()),
             normal_force: f64::NAN,
         }
     }
 
+    /// The topic whose message completes a snapshot; `None` if nothing of one is recorded.
+    pub(crate) fn last(&self) -> Option<Topic> {
+        self.last
+    }
+
     /// Takes a message. Returns the snapshot of its sample if it is the last one of it.
-    pub(super) fn take(&mut self, message: &Message<'_>) -> Option<&Snapshot> {
+    pub(crate) fn take(&mut self, message: &Message<'_>) -> Option<&Snapshot> {
         if message.time_ns != self.current.time_ns {
             // Files with gaps lack messages: they must not be completed with those of another sample.
             self.current = Snapshot::empty(message.time_ns, self.top.weight());
@@ -136,7 +127,6 @@ impl SnapshotReader {
                 // A unit quaternion when it was recorded: normalising would only add a rounding error.
                 snapshot.orientation = UnitQuaternion::new_unchecked(pose::ORIENTATION.of(message));
                 snapshot.axis = pose::AXIS.of(message);
-                snapshot.axial_rate = pose::OMEGA_BODY.z().of(message);
                 snapshot.peg = pose::PEG_POSITION.of(message);
                 snapshot.center = snapshot.peg + self.top.center_distance * snapshot.axis;
                 snapshot.origin = if self.is_free {
