@@ -523,7 +523,8 @@ fn programs_read_findings_as_csv() {
         String::from_utf8(output).unwrap()
     };
     let report: Value = serde_json::from_str(&print("json")).unwrap();
-    assert_eq!(report["$schema"], "urn:toprise:1.0.0:DiffReport");
+    let id = concat!("urn:toprise:", env!("CARGO_PKG_VERSION"), ":DiffReport");
+    assert_eq!(report["$schema"], id);
     assert_eq!(report["a"]["scenario"]["friction"]["k"], 0.03);
     let csv = print("csv");
     let mut lines = csv.lines();
