@@ -100,7 +100,7 @@ impl PairIdentity {
             String::new()
         };
         format!(
-            "**A** is `{}`: blue, the solid top. **B** is `{}`: orange, the translucent top. \
+            "**A** is `{}`: blue, and the top in its own colours. **B** is `{}`: orange, and the orange top. \
              Differences are B − A.{arrows}\n\n",
             self.a.name, self.b.name
         )

@@ -109,14 +109,12 @@ impl Role {
         if self.is_of_b() { 1.015 } else { 1.0 }
     }
 
-    /// The colour that the top's colours are multiplied by. Where a top is alone, the arrows in its body are visible.
+    /// The colour that the top's colours are multiplied by; the arrows in its body are visible.
     pub(super) fn albedo(&self) -> u32 {
         if self.is_of_b() {
             palette::ORANGE & !0xFF | GHOST
-        } else if self.is_alone() {
-            TRANSLUCENT
         } else {
-            u32::MAX
+            TRANSLUCENT
         }
     }
 }

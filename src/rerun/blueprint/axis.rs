@@ -13,13 +13,12 @@ pub(super) const MIN_SPAN: f64 = 1e-6;
 const MAX_STRETCH: f64 = 1.6;
 
 /// The range of an axis for the values of these curves in some runs, at least `least` times as long as the quantity's typical
-/// magnitude. None if the viewer's choice, the range of the values, is as good. The chart has room for `max_ticks`.
+/// magnitude. None if the viewer's choice, the range of the values, is as good.
 pub(super) fn axis_range(
     curves: &[Curves],
     runs: &[&Plots],
     magnitudes: &Magnitudes,
     least: f64,
-    max_ticks: f64,
 ) -> Option<[f64; 2]> {
     let mut values = [f64::INFINITY, f64::NEG_INFINITY];
     let mut typical = 0.0_f64;
@@ -33,18 +32,18 @@ pub(super) fn axis_range(
         values = [values[0].min(0.0), values[1].max(0.0)];
     }
     let shown = range_of_values(values, least * typical);
-    let range = value_range(shown, max_ticks)?;
+    let range = value_range(shown)?;
     (values != range).then_some(range)
 }
 
 /// A range that contains these values, with three labelled ticks if they are near, otherwise with two; `None` if the values
 /// are equal.
-pub(super) fn value_range(values: [f64; 2], max_ticks: f64) -> Option<[f64; 2]> {
-    let [first, last] = with_ticks(values, 3.0, max_ticks)?;
+pub(super) fn value_range(values: [f64; 2]) -> Option<[f64; 2]> {
+    let [first, last] = with_ticks(values, 3.0)?;
     if last - first <= MAX_STRETCH * (values[1] - values[0]) {
         Some([first, last])
     } else {
-        with_ticks(values, 2.0, max_ticks)
+        with_ticks(values, 2.0)
     }
 }
 
@@ -62,23 +61,21 @@ fn range_of_values([low, high]: [f64; 2], least: f64) -> [f64; 2] {
     [middle - 0.5 * span, middle + 0.5 * span]
 }
 
-/// Maximum number of labelled ticks of a chart in four rows, in a window of 1366 × 850 points: the viewer labels powers of ten
-/// if they are at least 20 points apart.
-pub(super) const MAX_TICKS: f64 = 7.0;
-/// The same in five rows, where charts are 110 points high.
-pub(super) const MAX_TICKS_IN_LOW_CHART: f64 = 4.8;
+/// Maximum number of labelled ticks of a chart in four rows, in a window of 1366 × 768 points: the viewer labels powers of ten
+/// if they are at least 20 points apart, and the chart is 125 points high.
+const MAX_TICKS: f64 = 5.5;
 
 /// Ranges below this fraction of the values are rounding errors.
 const ROUNDING: f64 = 1e-12;
 
 /// A range that contains these values and at least `least_ticks` labelled ticks; `None` if the values are equal.
-fn with_ticks([low, high]: [f64; 2], least_ticks: f64, max_ticks: f64) -> Option<[f64; 2]> {
+fn with_ticks([low, high]: [f64; 2], least_ticks: f64) -> Option<[f64; 2]> {
     let size = high - low;
     let is_rounding = size <= ROUNDING * low.abs().max(high.abs());
     if is_rounding || !size.is_finite() {
         return None;
     }
-    let step = power_of_ten(math::log10(size / max_ticks).ceil());
+    let step = power_of_ten(math::log10(size / MAX_TICKS).ceil());
     let [mut first, mut last] = [(low / step).ceil(), (high / step).floor()];
     while last - first < least_ticks - 1.0 {
         if high / step - last > first - low / step {
@@ -100,28 +97,25 @@ mod tests {
 
     proptest! {
         #[test]
-        fn every_range_has_two_ticks(low in -1e3..1e3, size in 1e-9..1e3, max_ticks in 4.0..8.0) {
-            let [least, most] = value_range([low, low + size], max_ticks).unwrap();
+        fn every_range_has_two_ticks(low in -1e3..1e3, size in 1e-9..1e3) {
+            let [least, most] = value_range([low, low + size]).unwrap();
             prop_assert!(least <= low && low + size <= most);
-            let step = power_of_ten(math::log10(size / max_ticks).ceil());
+            let step = power_of_ten(math::log10(size / MAX_TICKS).ceil());
             let ticks = (most / step).floor() - (least / step).ceil() + 1.0;
-            prop_assert!((2.0..=max_ticks + 3.0).contains(&ticks), "{ticks} from {least} to {most}");
-            // At worst, a tick is in the middle of values that span a tenth of `max_ticks` steps, so that the next tick is
+            prop_assert!((2.0..=MAX_TICKS + 3.0).contains(&ticks), "{ticks} from {least} to {most}");
+            // At worst, a tick is in the middle of values that span a tenth of `MAX_TICKS` steps, so that the next tick is
             // a whole step away from it: half of the values and a step, and 5 % at both ends.
-            let longest = 1.1 * (0.5 + 10.0 / max_ticks) * size;
+            let longest = 1.1 * (0.5 + 10.0 / MAX_TICKS) * size;
             prop_assert!(most - least <= 1.001 * longest, "{least} to {most}");
         }
     }
 
     #[test]
     fn equal_values_have_no_range() {
-        assert_eq!(value_range([1.0, 1.0], MAX_TICKS), None);
-        assert_eq!(value_range([1.0, 1.0_f64.next_up()], MAX_TICKS), None);
-        assert_eq!(value_range([0.0, 0.0], MAX_TICKS), None);
-        assert_eq!(
-            value_range([f64::INFINITY, f64::NEG_INFINITY], MAX_TICKS),
-            None
-        );
+        assert_eq!(value_range([1.0, 1.0]), None);
+        assert_eq!(value_range([1.0, 1.0_f64.next_up()]), None);
+        assert_eq!(value_range([0.0, 0.0]), None);
+        assert_eq!(value_range([f64::INFINITY, f64::NEG_INFINITY]), None);
     }
 
     #[test]

@@ -207,9 +207,13 @@ pub(super) const TRAVEL_CONTRASTS: [Chart; 3] = [
 pub(super) const RATE_CONTRASTS: [Chart; 3] =
     [THETA_DOT_CONTRAST, PHI_DOT_CONTRAST, PSI_DOT_CONTRAST];
 
-/// Effects of friction, in one row of charts.
-pub(super) const FRICTION_CONTRASTS: [Chart; 3] = [
-    contrast("Slip speed", SLIP_SPEED, &[]),
+/// Effects of friction, on a page of their own.
+pub(super) const FRICTION_CONTRASTS: [Chart; 4] = [
+    contrast("Slip speed", SLIP_SPEED, SLIP_SPEED),
+    Chart {
+        differences: TORQUE,
+        ..FRICTION_TORQUE
+    },
     contrast("Power of friction", POWER, &[]),
     contrast("Work of friction", WORK, &[]),
 ];
@@ -221,13 +225,8 @@ pub(super) const TABLE_CONTRASTS: [Chart; 3] = [
     contrast(REGIME_NAME, REGIME, &[]),
 ];
 
-/// Further quantities, on the second page.
-pub(super) const MORE_CONTRASTS: [Chart; 5] = [
-    contrast("Slip speed", SLIP_SPEED, SLIP_SPEED),
-    Chart {
-        differences: TORQUE,
-        ..FRICTION_TORQUE
-    },
+/// Further quantities, on the last page.
+pub(super) const MORE_CONTRASTS: [Chart; 3] = [
     Chart {
         legend: Some(LeftBottom),
         ..contrast(ENERGY_NAME, ENERGY, ENERGY)
@@ -258,10 +257,11 @@ pub(crate) fn shows(plot: Plot, role: &Role, is_free: bool) -> bool {
 
 /// Whether the layout of two runs shows differences of these curves.
 pub(crate) fn compares(curves: Curves) -> bool {
-    // The rates of a free peg are among the contrasts of motion, and the effects of friction have no differences.
+    // The rates of a free peg are among the contrasts of motion.
     let mut shown = MOTION_CONTRASTS
         .iter()
         .chain(&TRAVEL_CONTRASTS)
+        .chain(&FRICTION_CONTRASTS)
         .chain(&TABLE_CONTRASTS)
         .chain(&MORE_CONTRASTS);
     shown.any(|contrast| contrast.differences.contains(&curves))

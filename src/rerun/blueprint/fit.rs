@@ -4,7 +4,7 @@ use rerun::blueprint::components::{ContainerKind, Corner2D};
 use rerun::components::Name;
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
-use super::axis::{MAX_TICKS, value_range};
+use super::axis::value_range;
 use super::builder::{BlueprintLayout, Child, column};
 use super::views::{set_value_range, time_series, titled};
 use crate::rerun::measurement::plots::Series;
@@ -62,7 +62,7 @@ fn values(
                 range = [range[0].min(of_run[0]), range[1].max(of_run[1])];
             }
         }
-        if let Some(range) = value_range(range, MAX_TICKS) {
+        if let Some(range) = value_range(range) {
             set_value_range(layout, &view, range);
         }
     }

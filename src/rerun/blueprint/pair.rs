@@ -4,7 +4,7 @@
 use rerun::blueprint::components::Corner2D;
 use rerun::components::Name;
 
-use super::axis::{MAX_TICKS_IN_LOW_CHART, MIN_SPAN, axis_range};
+use super::axis::{MIN_SPAN, axis_range};
 use super::builder::{BlueprintLayout, Child, Messages, column, row, tabs};
 use super::charts::{
     Chart, FRICTION_CONTRASTS, MORE_CONTRASTS, MOTION_CONTRASTS, RATE_CONTRASTS, TABLE_CONTRASTS,
@@ -193,22 +193,17 @@ impl Charts<'_> {
     /// Pages of charts. Those without data are left out.
     fn pages(&mut self) -> Option<Child> {
         let is_free = self.identity.is_any_free();
-        let mut motion = if is_free {
+        let motion = if is_free {
             self.rows(&TRAVEL_CONTRASTS)
         } else {
             self.rows(&MOTION_CONTRASTS)
         };
-        let friction: Vec<_> = FRICTION_CONTRASTS
-            .iter()
-            .filter_map(|chart| self.overlay(chart))
-            .collect();
-        let effects = self.layout.contain_any(row(&[]), &friction);
-        motion.extend(effects.map(|row| (row, 1.0)));
         let mut named_pages = vec![("Differences", motion)];
         if is_free {
             named_pages.push(("On the table", self.rows(&TABLE_CONTRASTS)));
             named_pages.push(("Rates", self.rows(&RATE_CONTRASTS)));
         }
+        named_pages.push(("Friction", self.rows(&FRICTION_CONTRASTS)));
         named_pages.push(("More", self.rows(&MORE_CONTRASTS)));
         let mut pages = Vec::new();
         for (name, rows) in named_pages {
@@ -245,13 +240,7 @@ impl Charts<'_> {
         });
         let range = self.extent.and_then(|extent| {
             let magnitudes = &identity.a.magnitudes;
-            axis_range(
-                contrast.curves,
-                &extent.runs,
-                magnitudes,
-                MIN_SPAN,
-                MAX_TICKS_IN_LOW_CHART,
-            )
+            axis_range(contrast.curves, &extent.runs, magnitudes, MIN_SPAN)
         });
         let mut legend = contrast.legend.or_else(|| legend_of_parts(contrast.curves));
         if let (Some(preferred), Some(extent)) = (legend, self.extent) {
@@ -327,7 +316,7 @@ impl Charts<'_> {
     /// Sets the value range of a chart of these values, at least `least` times as long as the quantity's typical magnitude.
     fn fit_axis(&mut self, view: &Child, plots: &[Curves], values: &Plots, least: f64) {
         let magnitudes = &self.identity.a.magnitudes;
-        let range = axis_range(plots, &[values], magnitudes, least, MAX_TICKS_IN_LOW_CHART);
+        let range = axis_range(plots, &[values], magnitudes, least);
         if let Some(range) = range {
             set_value_range(self.layout, view, range);
         }

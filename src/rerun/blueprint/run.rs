@@ -5,7 +5,7 @@ use rerun::blueprint::components::{ContainerKind, Corner2D, PanelState};
 use rerun::components::Name;
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
-use super::axis::{MAX_TICKS, MIN_SPAN, axis_range};
+use super::axis::{MIN_SPAN, axis_range};
 use super::builder::{BlueprintLayout, Child, Messages, column, row, tabs};
 use super::charts::{Chart, MORE, RATES, RISE, TABLE, TERMS, TRAVEL};
 use super::corner::corner_for;
@@ -82,7 +82,7 @@ fn complete(
     let right = right_side(layout, identity, ended);
     // Without a scene the left side has only text.
     let shares = if identity.has(POSE) {
-        [42.0, 58.0]
+        [44.0, 56.0]
     } else {
         [25.0, 75.0]
     };
@@ -128,8 +128,8 @@ fn left_side(layout: &mut BlueprintLayout, identity: &Identity, has_story: bool)
     };
     let scene = scene(layout, &stage);
     let pictures = if has_hodograph(identity) {
-        let above = hodograph(layout);
-        layout.contain(row(&[68.0, 32.0]), &[scene, above])
+        let above = hodograph(layout, &identity.geometry);
+        layout.contain(row(&[64.0, 36.0]), &[scene, above])
     } else {
         scene
     };
@@ -141,7 +141,8 @@ fn left_side(layout: &mut BlueprintLayout, identity: &Identity, has_story: bool)
     layout.contain(column(&heights), &[pictures, words])
 }
 
-/// The first page of a top that is not a tippe top.
+/// The first page: of a tippe top, and of others.
+const INVERSION_PAGE: &str = "How it inverts";
 const RISE_PAGE: &str = "Rise";
 /// The page of a peg on the table.
 const TABLE_PAGE: &str = "On the table";
@@ -167,7 +168,7 @@ fn pages(identity: &Identity, plots: Option<&Plots>) -> Vec<RunPage> {
     let mut pages = vec![match (is_free, is_ball) {
         (false, _) => page(RISE_PAGE, &RISE, identity),
         (true, false) => page(RISE_PAGE, &TRAVEL, identity),
-        (true, true) => page("How it inverts", &TRAVEL, identity),
+        (true, true) => page(INVERSION_PAGE, &TRAVEL, identity),
     }];
     if is_free {
         pages.push(page(TABLE_PAGE, &TABLE, identity));
@@ -268,7 +269,7 @@ fn right_side(
             .with_grid_columns(page.columns)
             .with_display_name(Name(page.name.into()));
         grids.extend(layout.contain_any(grid, &views));
-        if page.name == RISE_PAGE && has_why(identity) {
+        if [RISE_PAGE, INVERSION_PAGE].contains(&page.name) && has_why(identity) {
             grids.push(why(layout, &identity.geometry));
         }
     }
@@ -277,13 +278,7 @@ fn right_side(
 
 /// The range of a chart's axis; `None` if the viewer's choice is as good.
 fn value_range(chart: &Chart, identity: &Identity, plots: Option<&Plots>) -> Option<[f64; 2]> {
-    axis_range(
-        chart.curves,
-        &[plots?],
-        &identity.magnitudes,
-        MIN_SPAN,
-        MAX_TICKS,
-    )
+    axis_range(chart.curves, &[plots?], &identity.magnitudes, MIN_SPAN)
 }
 
 /// The corner of a chart's legend, where the curves of a run that has ended are not. The title names a single curve.
@@ -404,24 +399,12 @@ mod tests {
         assert!(high - low < 1e-12, "energy is conserved");
         let torque = &MORE[0];
         assert!(is_constant(torque, &plots, &identity.magnitudes));
-        let [low, high] = axis_range(
-            torque.curves,
-            &[&plots],
-            &identity.magnitudes,
-            MIN_SPAN,
-            MAX_TICKS,
-        )
-        .unwrap();
+        let [low, high] =
+            axis_range(torque.curves, &[&plots], &identity.magnitudes, MIN_SPAN).unwrap();
         assert!(high - low > 0.0);
         let (_, values) = plots.ranges(RISE[1].curves[0]).next().unwrap();
-        let [low, high] = axis_range(
-            RISE[1].curves,
-            &[&plots],
-            &identity.magnitudes,
-            MIN_SPAN,
-            MAX_TICKS,
-        )
-        .unwrap_or(values);
+        let [low, high] =
+            axis_range(RISE[1].curves, &[&plots], &identity.magnitudes, MIN_SPAN).unwrap_or(values);
         assert!(
             high - low < 2.0 * (values[1] - values[0]),
             "the top nutates"

@@ -69,14 +69,7 @@ pub(super) fn scene(layout: &mut BlueprintLayout, stage: &SceneView<'_>) -> Chil
     layout.property(&view, "SpatialInformation", &surroundings);
     for (role, geometry) in stage.runs {
         for (path, shown) in paths(geometry.is_free) {
-            let start = match shown {
-                Shown::Past => TimeRangeBoundary::Infinite,
-                Shown::Latest(times) => {
-                    let span = (times * geometry.trail_time * 1e9) as i64;
-                    TimeRangeBoundary::CursorRelative(TimeInt(-span))
-                }
-            };
-            show_past(layout, &view, &role.entity(path), start);
+            show_past(layout, &view, &role.entity(path), shown, geometry);
         }
     }
     view
@@ -171,7 +164,7 @@ pub(super) fn set_time_range(layout: &mut BlueprintLayout, duration: f64) {
 }
 
 /// A view from above of the horizontal part of the angular momentum.
-pub(super) fn hodograph(layout: &mut BlueprintLayout) -> Child {
+pub(super) fn hodograph(layout: &mut BlueprintLayout, geometry: &Geometry) -> Child {
     let contents = ["$origin/**"];
     let view = layout.view("2D", "L from above", HODOGRAPH, &contents);
     let size = 1.15 * RADIUS;
@@ -183,11 +176,17 @@ pub(super) fn hodograph(layout: &mut BlueprintLayout) -> Child {
     let background =
         parts::Background::new(BackgroundKind::SolidColor).with_color(Color::from_u32(BACKGROUND));
     layout.property(&view, "Background", &background);
-    show_past(layout, &view, HODOGRAPH_PATH, TimeRangeBoundary::Infinite);
+    let shown = if Proportions::new(&geometry.top).is_ball {
+        // The axis of a tippe top goes around so often that its whole path would fill the picture.
+        Shown::Latest(4.0)
+    } else {
+        Shown::Past
+    };
+    show_past(layout, &view, HODOGRAPH_PATH, shown, geometry);
     view
 }
 
-/// The argument for the rise: its text, and a scene with just the arrows that it names.
+/// The argument: its text, and a scene with just the arrows that it names.
 pub(super) fn why(layout: &mut BlueprintLayout, geometry: &Geometry) -> Child {
     let mut contents = vec![WHY_GHOST.to_owned()];
     for name in [
@@ -203,7 +202,7 @@ pub(super) fn why(layout: &mut BlueprintLayout, geometry: &Geometry) -> Child {
         contents.push(format!("{STAGE}/{name}"));
     }
     let stage = SceneView {
-        name: "From the slip to the rise",
+        name: "From the slip to the axis",
         contents: &contents,
         runs: &[],
         geometry,
@@ -216,8 +215,21 @@ pub(super) fn why(layout: &mut BlueprintLayout, geometry: &Geometry) -> Child {
     layout.contain(page, &[picture, text])
 }
 
-/// Shows all pieces of a path from a time up to the time cursor: they are at their times.
-fn show_past(layout: &mut BlueprintLayout, view: &Child, path: &str, start: TimeRangeBoundary) {
+/// Shows the pieces of a path up to the time cursor: they are at their times.
+fn show_past(
+    layout: &mut BlueprintLayout,
+    view: &Child,
+    path: &str,
+    shown: Shown,
+    geometry: &Geometry,
+) {
+    let start = match shown {
+        Shown::Past => TimeRangeBoundary::Infinite,
+        Shown::Latest(times) => {
+            let span = (times * geometry.trail_time * 1e9) as i64;
+            TimeRangeBoundary::CursorRelative(TimeInt(-span))
+        }
+    };
     let property = format!("ViewContents/overrides{path}/visualizers");
     let now = TimeRangeBoundary::CursorRelative(TimeInt(0));
     layout.property(view, &property, &time_range(start, now));

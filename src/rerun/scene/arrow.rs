@@ -12,6 +12,7 @@ use crate::telemetry::Quantity;
 use crate::telemetry::arrows::scale::per_centimetre;
 use crate::telemetry::arrows::{Arrow, DrawnArrow};
 use crate::telemetry::proportions::Proportions;
+use crate::telemetry::side::Side;
 
 /// The only arrow drawn in a comparison: all arrows of both runs would hide the tops.
 const COMPARED: Arrow = Arrow::FrictionForce;
@@ -26,16 +27,23 @@ fn drawn(identity: &Identity, role: &Role) -> Vec<Arrow> {
         .collect()
 }
 
-/// The label of an arrow in the scene.
-fn label(arrow: Arrow) -> &'static str {
-    match arrow {
-        // Two at one place: each leaves its line to the other.
+/// The label of an arrow in the scene. Of two that may be at one place, each leaves its line to the other.
+fn label(arrow: Arrow, role: &Role) -> String {
+    let label = match arrow {
         Arrow::FrictionTorque => "\nfriction torque τ",
         Arrow::HorizontalMomentum => "horizontal part\n",
         Arrow::VerticalMomentum => "vertical part",
         other => other.style().symbol,
+    };
+    match role {
+        Role::Compared(Side::A) => format!("A: {label}\n"),
+        Role::Compared(Side::B) => format!("\nB: {label}"),
+        Role::Alone | Role::Difference | Role::Magnitude => label.to_owned(),
     }
 }
+
+/// Length of the shortest arrow with a label, in heights of the top: a label is about as large.
+const LABELLED: f64 = 0.15;
 
 /// The arrows with their scales, in Markdown.
 pub(super) fn legend(identity: &Identity) -> String {
@@ -67,8 +75,10 @@ pub(super) struct ArrowTrack {
     arrows: Track<[[f32; 3]; 2]>,
     label: String,
     labels: Track<String>,
-    /// Whether the arrow was cut off at its last row.
-    was_cut: Option<bool>,
+    /// The label of the last row.
+    shown: Option<String>,
+    /// Length of the shortest arrow with a label, m.
+    labelled: f64,
 }
 
 impl ArrowTrack {
@@ -88,9 +98,10 @@ impl ArrowTrack {
             arrows.push(Self {
                 arrow,
                 arrows: Track::new(entity.as_str(), arrow_columns, output),
-                label: role.short_name(label(arrow)),
+                label: label(arrow, role),
                 labels: Track::new(entity, label_columns, output),
-                was_cut: None,
+                shown: None,
+                labelled: LABELLED * height,
             });
         }
         arrows
@@ -106,13 +117,16 @@ impl ArrowTrack {
     pub(super) fn write(&mut self, time_ns: u64, drawn: &DrawnArrow, output: &mut Output) {
         let row = [drawn.start, drawn.vector].map(|part| part.cast::<f32>().into());
         self.arrows.push(output, time_ns, [row]);
-        if self.was_cut.replace(drawn.is_cut) != Some(drawn.is_cut) {
-            let label = if drawn.is_cut {
-                format!("{} (longer than drawn)", self.label)
-            } else {
-                self.label.clone()
-            };
-            self.labels.push(output, time_ns, [label]);
+        let label = if drawn.is_cut {
+            format!("{} (longer than drawn)", self.label)
+        } else if drawn.vector.norm() < self.labelled {
+            String::new()
+        } else {
+            self.label.clone()
+        };
+        if self.shown.as_ref() != Some(&label) {
+            self.labels.push(output, time_ns, [label.clone()]);
+            self.shown = Some(label);
         }
     }
 }

@@ -58,12 +58,14 @@ impl Hodograph {
             .with_radii([Radius::new_ui_points(0.8)]);
         output.send_static(HODOGRAPH_PATH, &path);
         let mut torques = Vec::new();
-        for ((name, color), time) in [("friction", VERMILION), ("gravity", GREEN)]
-            .into_iter()
-            .zip(times(scales))
-        {
+        // Both begin at one place: each label leaves its line to the other.
+        let kinds = [
+            ("friction", "\nτ × ", "", VERMILION),
+            ("gravity", "Mg × ", "\n", GREEN),
+        ];
+        for ((name, before, after, color), time) in kinds.into_iter().zip(times(scales)) {
             if time > 0.0 {
-                let label = format!("{name} × {time} s");
+                let label = format!("{before}{time} s{after}");
                 torques.push((arrow(name, &label, color, 2.2, output), time));
             }
         }

@@ -1,4 +1,5 @@
-//! The argument for the rise at the time cursor, step by step, with the numbers of the run.
+//! The argument for the rise, or for the inversion of a tippe top, at the time cursor: step by step, with the numbers of the
+//! run.
 
 use nalgebra::Vector3;
 use rerun::archetypes::Arrows3D;
@@ -25,13 +26,10 @@ const LATER: u32 = 0xF8F2_A0FF;
 /// Time for which the torque of friction acts in the argument, s.
 const LATER_TIME: f64 = 1.0;
 
-/// Whether a run has the argument: friction slips below a top that stays above its peg. A tippe top inverts for another
-/// reason.
+/// Whether a run has the argument: friction acts on the contact point.
 pub(in crate::rerun) fn has_why(identity: &Identity) -> bool {
     let topics = [POSE, TORQUE, CONTACT, MOMENTUM];
-    topics.into_iter().all(|topic| identity.has(topic))
-        && identity.geometry.scales.force > 0.0
-        && !Proportions::new(&identity.geometry.top).is_ball
+    topics.into_iter().all(|topic| identity.has(topic)) && identity.geometry.scales.force > 0.0
 }
 
 /// The argument.
@@ -39,6 +37,9 @@ pub(super) struct Why {
     texts: Track<String>,
     ghost: Track<[[f32; 3]; 2]>,
     geometry: Geometry,
+    is_ball: bool,
+    /// The first sample of the argument.
+    first: Option<Snapshot>,
     next_ns: u64,
 }
 
@@ -57,6 +58,8 @@ impl Why {
             texts: Track::new(WHY, text_columns, output),
             ghost: Track::new(WHY_GHOST, arrow_columns, output),
             geometry,
+            is_ball: Proportions::new(&geometry.top).is_ball,
+            first: None,
             next_ns: 0,
         }
     }
@@ -68,50 +71,87 @@ impl Why {
             return;
         }
         self.next_ns = snapshot.time_ns.saturating_add(STEP_NS);
-        let text = self.argument(snapshot, later);
+        let first = *self.first.get_or_insert(*snapshot);
+        let mut text = self.torque(snapshot);
+        text += &if self.is_ball {
+            inversion(&first, snapshot, later)
+        } else {
+            rise(snapshot, later)
+        };
         self.texts.push(output, snapshot.time_ns, [text]);
         let arrow = later / self.geometry.scales.momentum;
         let row = [snapshot.origin, arrow].map(|part| part.cast::<f32>().into());
         self.ghost.push(output, snapshot.time_ns, [row]);
     }
 
-    /// The steps in Markdown.
-    fn argument(&self, snapshot: &Snapshot, later: Vector3<f64>) -> String {
+    /// The steps to the torque, in Markdown.
+    fn torque(&self, snapshot: &Snapshot) -> String {
         let point = if self.geometry.is_free {
             "centre of mass"
         } else {
             "centre of the peg"
         };
-        let along = torque_along_horizontal(snapshot);
-        let effect = if along < 0.0 {
-            "against the horizontal part of L, which it shortens"
-        } else {
-            "along the horizontal part of L, which it does not shorten"
-        };
-        let axis = snapshot.axis;
-        let theta = math::atan2(math::hypot(axis.x, axis.y), axis.z);
-        let angle = math::atan2(
-            axis.cross(&snapshot.momentum).norm(),
-            axis.dot(&snapshot.momentum),
-        );
         format!(
             "1. **v**: the contact point slips at {} m/s.\n\
              2. **F**: friction acts against the slip, with {} mN.\n\
-             3. **r × F = τ**: about the {point}, r is {} mm long and the torque of friction {} mN m. {} mN m of it act \
-             {effect}.\n\
-             4. **L + τ · 1 s**: L is {} (yellow). Friction alone would make it {} in a second (pale).\n\
-             5. **The axis** is {} rad from L, and inclined by θ = {} rad. The axis of a fast top follows L.\n",
+             3. **r × F = τ**: about the {point}, r is {} mm long and the torque of friction {} mN m.",
             three(snapshot.slip.norm()),
             three(1e3 * snapshot.friction.norm()),
             three(1e3 * (snapshot.contact - snapshot.origin).norm()),
             three(1e3 * snapshot.friction_torque.norm()),
-            three(1e3 * along.abs()),
-            parts(snapshot.momentum),
-            parts(later),
-            three(angle),
-            three(theta),
         )
     }
+}
+
+/// The steps from the torque to the rise.
+fn rise(snapshot: &Snapshot, later: Vector3<f64>) -> String {
+    let along = torque_along_horizontal(snapshot);
+    let effect = if along < 0.0 {
+        "against the horizontal part of L, which it shortens"
+    } else {
+        "along the horizontal part of L, which it does not shorten"
+    };
+    let axis = snapshot.axis;
+    let theta = math::atan2(math::hypot(axis.x, axis.y), axis.z);
+    let angle = math::atan2(
+        axis.cross(&snapshot.momentum).norm(),
+        axis.dot(&snapshot.momentum),
+    );
+    format!(
+        " {} mN m of it act {effect}.\n\
+         4. **L + τ · 1 s**: L is {} (yellow). Friction alone would make it {} in a second (pale).\n\
+         5. **The axis** is {} rad from L, and inclined by θ = {} rad. The axis of a fast top follows L.\n",
+        three(1e3 * along.abs()),
+        parts(snapshot.momentum),
+        parts(later),
+        three(angle),
+        three(theta),
+    )
+}
+
+/// The steps from the torque to the inversion of a tippe top. Jellett's integral is L · r.
+fn inversion(first: &Snapshot, snapshot: &Snapshot, later: Vector3<f64>) -> String {
+    let [jellett_at_start, jellett] =
+        [first, snapshot].map(|sample| sample.momentum.dot(&(sample.contact - sample.origin)));
+    let [axial_at_start, axial] =
+        [first, snapshot].map(|sample| 1e6 * sample.momentum.dot(&sample.axis));
+    let horizontal = snapshot.horizontal_momentum().norm();
+    let height = 1e3 * (snapshot.center.z - snapshot.peg.z);
+    let side = if height < 0.0 { "below" } else { "above" };
+    format!(
+        " It is perpendicular to r, so **L · r** (Jellett's integral) stays: {} % of that at the start.\n\
+         4. **L + τ · 1 s**: L is {} (yellow). Friction alone would make it {} in a second (pale). But τ goes around with \
+         the axis: L stays near the vertical, from which it is {} rad now.\n\
+         5. **The axis** turns over: the part of L along it was {} µN m s at the start and is {} µN m s now. The centre \
+         of mass (grey) is {} mm {side} the centre of the ball (white), and the energy for its rise comes from the rotation.\n",
+        three(1e2 * jellett / jellett_at_start),
+        parts(snapshot.momentum),
+        parts(later),
+        three(math::atan2(horizontal, snapshot.momentum.z)),
+        three(axial_at_start),
+        three(axial),
+        three(height.abs()),
+    )
 }
 
 /// A number with three significant digits.
