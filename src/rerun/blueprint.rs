@@ -7,11 +7,10 @@
 //! views. A `Page` is a container of charts, one tab among others. A `Chart` is a view of curves. A `Plot` is the group
 //! of fields of one topic that share the axis of a chart, as the table of channels names it.
 
-mod axis;
-mod builder;
+pub(super) mod axis;
+pub(super) mod builder;
 pub(super) mod charts;
 mod corner;
-mod fit;
 pub(super) mod pair;
 pub(super) mod run;
-pub(crate) mod views;
+pub(super) mod views;

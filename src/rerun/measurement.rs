@@ -1,7 +1,9 @@
 //! Measured values that a run was fitted to.
 
+pub(super) mod page;
 pub(super) mod plots;
 mod recorded;
+pub(super) mod top;
 
 use rerun::TextDocument;
 

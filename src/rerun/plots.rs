@@ -29,11 +29,9 @@ const NO_VALUES: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 const UPRIGHT: f64 = 0.02;
 
 /// Numbers that are left out near the vertical.
-const UNDEFINED_UPRIGHT: [NumberField; 8] = [
+const UNDEFINED_UPRIGHT: [NumberField; 6] = [
     state::PHI_DOT,
     state::PSI_DOT,
-    state::PHI_DDOT,
-    state::PSI_DDOT,
     nutation::PHI_DOT_MEAN,
     nutation::PSI_DOT_MEAN,
     precession::EXCESS,

@@ -63,14 +63,6 @@ impl Role {
         }
     }
 
-    /// The name of a quantity in the scene, where the title names A.
-    pub(super) fn short_name(&self, own: &str) -> String {
-        match self {
-            Self::Compared(side) => format!("{}: {own}", side.name()),
-            Self::Alone | Self::Difference | Self::Magnitude => self.name(own),
-        }
-    }
-
     /// The colour of the number with index `place` in a plot, or of an arrow, whose colour in a recording of one run is
     /// `own`.
     pub(super) fn color(&self, own: u32, place: usize) -> u32 {

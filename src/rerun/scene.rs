@@ -3,12 +3,11 @@
 //! World frame: z up, the table at z = 0, metres.
 
 mod arrow;
-mod body;
+pub(super) mod body;
 mod focus;
 mod hodograph;
-mod measured;
 mod path;
-mod shape;
+pub(super) mod shape;
 
 use nalgebra::Vector3;
 use rerun::archetypes::Points3D;
@@ -21,10 +20,10 @@ use self::body::{BodyPose, body_columns};
 use self::focus::Focus;
 use self::hodograph::Hodograph;
 pub(super) use self::hodograph::{RADIUS, is_shown as has_hodograph};
-use self::measured::MeasuredTop;
 use self::path::Path;
 use super::entity::{CONTACT_PATHS, STAGE, TRAIL_ABOVE, TRAIL_BELOW};
 use super::identity::{Geometry, Identity};
+use super::measurement::top::MeasuredTop;
 use super::output::track::Track;
 use super::output::{ComponentColumns, Output};
 use super::role::Role;
@@ -159,7 +158,7 @@ impl Scene {
         }
         let text = self
             .role
-            .short_name(&format!("ended at {:.4} s", seconds(time_ns)));
+            .name(&format!("ended at {:.4} s", seconds(time_ns)));
         self.end_note.push(output, after_ns, [text]);
     }
 

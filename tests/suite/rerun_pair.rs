@@ -405,7 +405,7 @@ fn shorter_run_is_marked_as_ended() {
         }
         assert_eq!(last == [0.0; 3], ends_first, "{run}: {last:?}");
         let expected: &[&str] = if ends_first {
-            &["B: ended at 0.2000 s"]
+            &["B ended at 0.2000 s"]
         } else {
             &[]
         };

@@ -7,14 +7,14 @@ use crate::rerun::plots::curves::Curves;
 use crate::telemetry::arrows::scale::power_of_ten;
 
 /// Shortest value axis, relative to the typical magnitude of its quantity.
-pub(super) const MIN_SPAN: f64 = 1e-6;
+pub(in crate::rerun) const MIN_SPAN: f64 = 1e-6;
 
 /// Maximum length of an axis relative to the range of its values, for three labelled ticks instead of two.
 const MAX_STRETCH: f64 = 1.6;
 
 /// The range of an axis for the values of these curves in some runs, at least `least` times as long as the quantity's typical
 /// magnitude. None if the viewer's choice, the range of the values, is as good.
-pub(super) fn axis_range(
+pub(in crate::rerun) fn axis_range(
     curves: &[Curves],
     runs: &[&Plots],
     magnitudes: &Magnitudes,
@@ -38,7 +38,7 @@ pub(super) fn axis_range(
 
 /// A range that contains these values, with three labelled ticks if they are near, otherwise with two; `None` if the values
 /// are equal.
-pub(super) fn value_range(values: [f64; 2]) -> Option<[f64; 2]> {
+pub(in crate::rerun) fn value_range(values: [f64; 2]) -> Option<[f64; 2]> {
     let [first, last] = with_ticks(values, 3.0)?;
     if last - first <= MAX_STRETCH * (values[1] - values[0]) {
         Some([first, last])

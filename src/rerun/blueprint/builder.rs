@@ -16,7 +16,7 @@ use crate::rerun::output::message::{Ids, opening, single_row};
 pub(crate) type Messages = Vec<Result<LogMsg, RerunError>>;
 
 /// A view or a container: a part of a layout.
-pub(super) struct Child {
+pub(in crate::rerun) struct Child {
     id: datatypes::Uuid,
     path: String,
 }
@@ -25,7 +25,7 @@ pub(super) struct Child {
 const REPLACEMENT: u64 = 1 << 16;
 
 /// A blueprint under construction.
-pub(super) struct BlueprintLayout {
+pub(in crate::rerun) struct BlueprintLayout {
     store: StoreId,
     ids: Ids,
     children: u64,
@@ -36,7 +36,7 @@ pub(super) struct BlueprintLayout {
 
 impl BlueprintLayout {
     /// An empty layout for a recording.
-    pub(super) fn new(recording: &StoreId) -> Self {
+    pub(in crate::rerun) fn new(recording: &StoreId) -> Self {
         let mut layout = Self {
             ids: Ids::BLUEPRINT,
             ..Self::changes(recording)
@@ -47,7 +47,7 @@ impl BlueprintLayout {
     }
 
     /// Changes to the layout of a recording, which has been sent before.
-    pub(super) fn changes(recording: &StoreId) -> Self {
+    pub(in crate::rerun) fn changes(recording: &StoreId) -> Self {
         let application = recording.application_id().clone();
         let id = recording.recording_id().as_str();
         Self {
@@ -60,12 +60,12 @@ impl BlueprintLayout {
     }
 
     /// Makes the following parts new ones, which inherit no properties of the parts that were sent before.
-    pub(super) fn start_new_parts(&mut self) {
+    pub(in crate::rerun) fn start_new_parts(&mut self) {
         self.children = REPLACEMENT;
     }
 
     /// Sets components of a part of the layout.
-    pub(super) fn log(&mut self, path: &str, components: &dyn AsComponents) {
+    pub(in crate::rerun) fn log(&mut self, path: &str, components: &dyn AsComponents) {
         // The timeline on which viewers keep the history of a layout.
         let time = TimePoint::default().with(Timeline::new_sequence("blueprint"), 0);
         let row = single_row(&self.store, &mut self.ids, path, time, components);
@@ -89,7 +89,7 @@ impl BlueprintLayout {
     }
 
     /// A view of these entities.
-    pub(super) fn view(
+    pub(in crate::rerun) fn view(
         &mut self,
         class: &str,
         name: &str,
@@ -109,12 +109,17 @@ impl BlueprintLayout {
     }
 
     /// Sets a property of a view.
-    pub(super) fn property(&mut self, view: &Child, name: &str, components: &dyn AsComponents) {
+    pub(in crate::rerun) fn property(
+        &mut self,
+        view: &Child,
+        name: &str,
+        components: &dyn AsComponents,
+    ) {
         self.log(&format!("{}/{name}", view.path), components);
     }
 
     /// Puts parts into a container, which shows the first of them if they are tabs.
-    pub(super) fn contain(
+    pub(in crate::rerun) fn contain(
         &mut self,
         container: parts::ContainerBlueprint,
         children: &[Child],
@@ -132,7 +137,7 @@ impl BlueprintLayout {
     }
 
     /// Puts parts into a container, if there are any.
-    pub(super) fn contain_any(
+    pub(in crate::rerun) fn contain_any(
         &mut self,
         container: parts::ContainerBlueprint,
         children: &[Child],
@@ -141,7 +146,7 @@ impl BlueprintLayout {
     }
 
     /// Fills the window with a container.
-    pub(super) fn fill(&mut self, root: &Child) {
+    pub(in crate::rerun) fn fill(&mut self, root: &Child) {
         let viewport = parts::ViewportBlueprint::new()
             .with_root_container(components::RootContainer(root.id))
             // Otherwise the viewer adds views of its own.
@@ -152,7 +157,7 @@ impl BlueprintLayout {
 
     /// Removes the parts of the layout that was sent before which this one has not. Otherwise they would still name parts
     /// of this one as theirs, and a part has one container.
-    pub(super) fn remove_missing(&mut self, before: &Self) {
+    pub(in crate::rerun) fn remove_missing(&mut self, before: &Self) {
         for path in &before.paths {
             if !self.paths.contains(path) {
                 self.log(path, &Clear::recursive());
@@ -161,7 +166,7 @@ impl BlueprintLayout {
     }
 
     /// All messages of the layout.
-    pub(super) fn finish(mut self) -> Messages {
+    pub(in crate::rerun) fn finish(mut self) -> Messages {
         let activation = BlueprintActivationCommand {
             blueprint_id: self.store,
             // Not only the default: a viewer that has made a layout of its own before keeps that one.
@@ -175,18 +180,18 @@ impl BlueprintLayout {
 }
 
 /// A row with these shares of its width; equal shares if none are specified.
-pub(super) fn row(shares: &[f32]) -> parts::ContainerBlueprint {
+pub(in crate::rerun) fn row(shares: &[f32]) -> parts::ContainerBlueprint {
     let row = parts::ContainerBlueprint::new(ContainerKind::Horizontal);
     row.with_col_shares(shares.iter().copied())
 }
 
 /// A column with these shares of its height; equal shares if none are specified.
-pub(super) fn column(shares: &[f32]) -> parts::ContainerBlueprint {
+pub(in crate::rerun) fn column(shares: &[f32]) -> parts::ContainerBlueprint {
     let column = parts::ContainerBlueprint::new(ContainerKind::Vertical);
     column.with_row_shares(shares.iter().copied())
 }
 
 /// Tabs.
-pub(super) fn tabs() -> parts::ContainerBlueprint {
+pub(in crate::rerun) fn tabs() -> parts::ContainerBlueprint {
     parts::ContainerBlueprint::new(ContainerKind::Tabs)
 }

@@ -1,7 +1,5 @@
 //! The charts of the layouts, page by page.
 
-use rerun::blueprint::components::Corner2D::{self, LeftBottom, LeftTop, RightBottom, RightTop};
-
 use super::views::titled;
 use crate::rerun::plots::curves::{Curves, Derived};
 use crate::rerun::role::Role;
@@ -14,8 +12,6 @@ pub(super) struct Chart {
     pub(super) name: &'static str,
     /// The curves that are shown of each run.
     pub(super) curves: &'static [Curves],
-    /// The corner of the legend until the run has ended. Comparisons have few legends, because colours mean the same everywhere.
-    pub(super) legend: Option<Corner2D>,
     /// The plots that are subtracted.
     pub(super) differences: &'static [Curves],
 }
@@ -28,11 +24,8 @@ impl Chart {
 }
 
 /// A chart of one run.
-const fn chart(name: &'static str, curves: &'static [Curves], corner: Corner2D) -> Chart {
-    Chart {
-        legend: Some(corner),
-        ..contrast(name, curves, &[])
-    }
+const fn chart(name: &'static str, curves: &'static [Curves]) -> Chart {
+    contrast(name, curves, &[])
 }
 
 /// A quantity of two runs.
@@ -44,7 +37,6 @@ const fn contrast(
     Chart {
         name,
         curves,
-        legend: None,
         differences,
     }
 }
@@ -99,18 +91,18 @@ const PHI_DOT_NAME: &str = "dφ/dt, precession";
 const ENERGY_NAME: &str = "Energy, 0 at the peg's centre";
 const TORQUE_NAME: &str = "Friction torque";
 
-const INCLINATION: Chart = chart("θ, inclination", INCLINATION_CURVES, RightTop);
-const THETA_RATE: Chart = chart("dθ/dt", THETA_DOT, LeftTop);
-const PHI_RATE: Chart = chart(PHI_DOT_NAME, PHI_DOT_AND_ROOT, LeftTop);
-const PSI_RATE: Chart = chart("Spin, dψ/dt and ω·n", SPIN, RightTop);
-const FRICTION_TORQUE: Chart = chart(TORQUE_NAME, TORQUE, LeftBottom);
-const SLIP_VELOCITY: Chart = chart("Slip velocity, world axes", SLIP, RightTop);
+const INCLINATION: Chart = chart("θ, inclination", INCLINATION_CURVES);
+const THETA_RATE: Chart = chart("dθ/dt", THETA_DOT);
+const PHI_RATE: Chart = chart(PHI_DOT_NAME, PHI_DOT_AND_ROOT);
+const PSI_RATE: Chart = chart("Spin, dψ/dt and ω·n", SPIN);
+const FRICTION_TORQUE: Chart = chart(TORQUE_NAME, TORQUE);
+const SLIP_VELOCITY: Chart = chart("Slip velocity, world axes", SLIP);
 // The components oscillate, and would fill the chart behind its legend.
-const SLIDING: Chart = chart("Slip speed", SLIP_SPEED, RightTop);
-const ENERGIES: Chart = chart(ENERGY_NAME, ENERGY_PARTS, LeftBottom);
-const ANGULAR_MOMENTUM: Chart = chart(MOMENTUM_NAME, MOMENTUM, RightTop);
-const PARTS: Chart = chart("Parts of L", MOMENTUM_PARTS, RightTop);
-const SHORTENING: Chart = chart("τ along horizontal L", TORQUE_ALONG, RightTop);
+const SLIDING: Chart = chart("Slip speed", SLIP_SPEED);
+const ENERGIES: Chart = chart(ENERGY_NAME, ENERGY_PARTS);
+const ANGULAR_MOMENTUM: Chart = chart(MOMENTUM_NAME, MOMENTUM);
+const PARTS: Chart = chart("Parts of L", MOMENTUM_PARTS);
+const SHORTENING: Chart = chart("τ along horizontal L", TORQUE_ALONG);
 
 /// The rise of a top with a fixed peg.
 pub(super) const RISE: [Chart; 8] = [
@@ -130,20 +122,20 @@ pub(super) const TRAVEL: [Chart; 8] = [
     INCLINATION,
     ANGULAR_MOMENTUM,
     SLIDING,
-    chart("Centre of mass", CENTER, LeftTop),
+    chart("Centre of mass", CENTER),
     PARTS,
-    chart(GAP_NAME, GAP, RightTop),
+    chart(GAP_NAME, GAP),
     SHORTENING,
     ENERGIES,
 ];
 
 /// Events of a free peg on the table and above it.
 pub(super) const TABLE: [Chart; 5] = [
-    chart("Normal force", NORMAL_FORCE, RightTop),
-    chart("Energy lost since the start", LOST, LeftTop),
-    chart("Velocity of the peg", PEG_VELOCITY, RightTop),
-    chart("Velocity, centre of mass", CENTER_VELOCITY, RightTop),
-    chart("Jellett's integral, change", JELLETT, RightTop),
+    chart("Normal force", NORMAL_FORCE),
+    chart("Energy lost since the start", LOST),
+    chart("Velocity of the peg", PEG_VELOCITY),
+    chart("Velocity, centre of mass", CENTER_VELOCITY),
+    chart("Jellett's integral, change", JELLETT),
 ];
 
 /// The Euler rates of a top with a free peg.
@@ -154,17 +146,14 @@ pub(super) const TERMS: [Chart; 3] = [
     chart(
         "d²θ/dt², nutation means",
         &[Curves::Derived(Derived::ThetaTerms)],
-        RightBottom,
     ),
     chart(
         "d²φ/dt², nutation means",
         &[Curves::Derived(Derived::PhiTerms)],
-        LeftTop,
     ),
     chart(
         "d²ψ/dt², nutation means",
         &[Curves::Derived(Derived::PsiTerms)],
-        LeftTop,
     ),
 ];
 
@@ -172,18 +161,15 @@ pub(super) const TERMS: [Chart; 3] = [
 pub(super) const MORE: [Chart; 8] = [
     FRICTION_TORQUE,
     ANGULAR_MOMENTUM,
-    chart("dφ/dt − slow rate", EXCESS, LeftTop),
-    chart("Nutation period", PERIOD, LeftTop),
-    chart("Gravity torque", GRAVITY, RightTop),
+    chart("dφ/dt − slow rate", EXCESS),
+    chart("Nutation period", PERIOD),
+    chart("Gravity torque", GRAVITY),
     SLIP_VELOCITY,
-    chart("Work of friction", WORK, RightTop),
-    chart("Power of friction", POWER, RightBottom),
+    chart("Work of friction", WORK),
+    chart("Power of friction", POWER),
 ];
 
-const THETA_CONTRAST: Chart = Chart {
-    legend: Some(RightTop),
-    ..contrast("θ", THETA_ALONE, THETA)
-};
+const THETA_CONTRAST: Chart = contrast("θ", THETA_ALONE, THETA);
 const THETA_DOT_CONTRAST: Chart = contrast("dθ/dt", THETA_DOT, THETA_DOT);
 const PHI_DOT_CONTRAST: Chart = contrast("dφ/dt", PHI_DOT, PHI_DOT);
 const PSI_DOT_CONTRAST: Chart = contrast("dψ/dt", PSI_DOT_ALONE, PSI_DOT_ALONE);
@@ -210,10 +196,7 @@ pub(super) const RATE_CONTRASTS: [Chart; 3] =
 /// Effects of friction, on a page of their own.
 pub(super) const FRICTION_CONTRASTS: [Chart; 4] = [
     contrast("Slip speed", SLIP_SPEED, SLIP_SPEED),
-    Chart {
-        differences: TORQUE,
-        ..FRICTION_TORQUE
-    },
+    contrast(TORQUE_NAME, TORQUE, TORQUE),
     contrast("Power of friction", POWER, &[]),
     contrast("Work of friction", WORK, &[]),
 ];
@@ -227,10 +210,7 @@ pub(super) const TABLE_CONTRASTS: [Chart; 3] = [
 
 /// Further quantities, on the last page.
 pub(super) const MORE_CONTRASTS: [Chart; 3] = [
-    Chart {
-        legend: Some(LeftBottom),
-        ..contrast(ENERGY_NAME, ENERGY, ENERGY)
-    },
+    contrast(ENERGY_NAME, ENERGY, ENERGY),
     contrast("dφ/dt − slow rate", EXCESS, EXCESS),
     contrast("Nutation period", PERIOD, PERIOD),
 ];

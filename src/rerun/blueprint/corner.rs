@@ -12,29 +12,34 @@ const WIDTH: f64 = 0.38;
 const FRAME: f64 = 0.06;
 const LINE: f64 = 0.175;
 
-/// The corners with their places: whether they are at the right, and whether at the top.
+/// The corners, the preferred one first, with their places: whether they are at the right, and whether at the top.
 const CORNERS: [(Corner2D, bool, bool); 4] = [
-    (Corner2D::LeftTop, false, true),
     (Corner2D::RightTop, true, true),
+    (Corner2D::LeftTop, false, true),
     (Corner2D::LeftBottom, false, false),
     (Corner2D::RightBottom, true, false),
 ];
 
-/// The corner in which the legend of a chart of these plots covers least of the curves of runs that have ended.
-///
-/// The value axis has this range, or that of the values; the time axis has this duration in s.
-pub(super) fn corner_for(
-    preferred: Corner2D,
-    shown: &[Curves],
-    runs: &[&Plots],
-    range: Option<[f64; 2]>,
-    duration: f64,
-) -> Corner2D {
+/// A chart of runs that have ended.
+pub(super) struct EndedChart<'c> {
+    pub(super) curves: &'c [Curves],
+    pub(super) runs: &'c [&'c Plots],
+    /// The range of the value axis, if it is not that of the values.
+    pub(super) range: Option<[f64; 2]>,
+    /// Length of the time axis, s.
+    pub(super) duration: f64,
+}
+
+/// The corner in which the legend of a chart covers least of the curves, as far as they are known.
+pub(super) fn corner_for(ended: Option<&EndedChart<'_>>) -> Corner2D {
+    let Some(chart) = ended else {
+        return CORNERS[0].0;
+    };
     let mut curves = Vec::new();
     let mut lines = 0;
     let mut values = [f64::INFINITY, f64::NEG_INFINITY];
-    for run in runs {
-        for plot in shown {
+    for run in chart.runs {
+        for plot in chart.curves {
             curves.extend(run.outline(*plot));
             for (_, [low, high]) in run.ranges(*plot) {
                 lines += 1;
@@ -43,51 +48,39 @@ pub(super) fn corner_for(
         }
     }
     free_corner(
-        preferred,
         &curves,
         lines,
-        range.unwrap_or(values),
-        1e9 * duration,
+        chart.range.unwrap_or(values),
+        1e9 * chart.duration,
     )
 }
 
-/// The corner in which a legend covers curves least; the preferred one, if no other is better.
+/// The corner in which a legend covers curves least.
 ///
 /// The chart shows these values over the time up to `end_ns`. The legend has as many lines as there are curves.
-fn free_corner(
-    preferred: Corner2D,
-    curves: &[&Outline],
-    lines: usize,
-    values: [f64; 2],
-    end_ns: f64,
-) -> Corner2D {
+fn free_corner(curves: &[&Outline], lines: usize, values: [f64; 2], end_ns: f64) -> Corner2D {
     let height = (FRAME + LINE * lines as f64) * (values[1] - values[0]);
     let [low, high] = [values[0] + height, values[1] - height];
-    let mut best = (preferred, f64::INFINITY);
+    let mut best = (CORNERS[0].0, f64::INFINITY);
     for (corner, is_right, is_top) in CORNERS {
+        let band = if is_top {
+            [high, values[1]]
+        } else {
+            [values[0], low]
+        };
         let mut covered = 0.0;
         for outline in curves {
-            let near = outline.ranges().filter(|(time, _)| {
-                let time = time / end_ns;
-                if is_right {
-                    time > 1.0 - WIDTH
-                } else {
-                    time < WIDTH
-                }
-            });
             let (mut count, mut sum) = (0, 0.0);
-            for (_, range) in near {
-                count += 1;
-                let band = if is_top {
-                    [high, values[1]]
-                } else {
-                    [values[0], low]
-                };
-                sum += hidden_part(range, band, values[1] - values[0]);
+            for (time_ns, range) in outline.ranges() {
+                let distance = if is_right { end_ns - time_ns } else { time_ns };
+                if distance < WIDTH * end_ns {
+                    count += 1;
+                    sum += hidden_part(range, band, values[1] - values[0]);
+                }
             }
             covered += sum / f64::from(count.max(1));
         }
-        if covered < best.1 || (covered <= best.1 && corner == preferred) {
+        if covered < best.1 {
             best = (corner, covered);
         }
     }
@@ -111,30 +104,24 @@ mod tests {
     use Corner2D::{LeftBottom, LeftTop, RightBottom, RightTop};
 
     /// The corner for a curve over 10 s in a chart of values from 0 to 1.
-    fn corner(curve: impl Fn(f64) -> f64, preferred: Corner2D) -> Corner2D {
+    fn corner(curve: impl Fn(f64) -> f64) -> Corner2D {
         let mut outline = Outline::new();
         for step in 0..1000 {
             let time = f64::from(step) / 1000.0;
             outline.add((time * 1e10) as u64, curve(time));
         }
-        free_corner(preferred, &[&outline], 2, [0.0, 1.0], 1e10)
+        free_corner(&[&outline], 2, [0.0, 1.0], 1e10)
     }
 
     #[test]
     fn legends_avoid_curves() {
         for (curve, expected) in [
-            (rising as fn(f64) -> f64, [LeftTop, RightBottom]),
-            (falling, [RightTop, LeftBottom]),
-            (low, [LeftTop, RightTop]),
-            (high, [LeftBottom, RightBottom]),
+            (rising as fn(f64) -> f64, LeftTop),
+            (falling, RightTop),
+            (low, RightTop),
+            (high, LeftBottom),
         ] {
-            for preferred in [LeftTop, RightTop, LeftBottom, RightBottom] {
-                let found = corner(curve, preferred);
-                assert!(expected.contains(&found), "{found:?}, not {expected:?}");
-                if expected.contains(&preferred) {
-                    assert_eq!(found, preferred);
-                }
-            }
+            assert_eq!(corner(curve), expected);
         }
     }
 
@@ -157,7 +144,7 @@ mod tests {
     #[test]
     fn bursts_are_avoided() {
         let burst = |time: f64| if time > 0.9 { 1.0 } else { 0.0 };
-        assert_eq!(corner(burst, RightTop), LeftTop);
+        assert_eq!(corner(burst), LeftTop);
     }
 
     /// Where every corner hides a curve, one that fills the chart counts more than a line.
@@ -170,7 +157,7 @@ mod tests {
             let sign = if step % 2 == 0 { 1.0 } else { -1.0 };
             outline.add((time * 1e10) as u64, 0.5 + sign * swing);
         }
-        let corner = free_corner(LeftTop, &[&outline], 4, [0.0, 1.0], 1e10);
+        let corner = free_corner(&[&outline], 4, [0.0, 1.0], 1e10);
         assert!([RightTop, RightBottom].contains(&corner), "{corner:?}");
     }
 }

@@ -10,10 +10,10 @@ use super::charts::{
     Chart, FRICTION_CONTRASTS, MORE_CONTRASTS, MOTION_CONTRASTS, RATE_CONTRASTS, TABLE_CONTRASTS,
     TRAVEL_CONTRASTS,
 };
-use super::corner::corner_for;
+use super::corner::{EndedChart, corner_for};
 use super::views::{
-    SceneView, events, playback_speed, scene, set_time_range, set_value_range, time_panel,
-    time_series, titled, window,
+    SceneView, events, playback_speed, scene, set_time_range, time_panel, time_series, titled,
+    window,
 };
 use crate::rerun::entity::{self, ABOUT, STAGE, SUMMARY};
 use crate::rerun::identity::{Geometry, Playback};
@@ -219,7 +219,8 @@ impl Charts<'_> {
     fn rows(&mut self, contrasts: &[Chart]) -> Vec<(Child, f32)> {
         let mut rows = Vec::new();
         for contrast in contrasts {
-            let mut charts: Vec<_> = self.overlay(contrast).into_iter().collect();
+            let overlay = self.overlay(contrast, rows.is_empty());
+            let mut charts: Vec<_> = overlay.into_iter().collect();
             charts.extend(self.difference(contrast));
             charts.extend(self.magnitude(contrast));
             let row = self.layout.contain_any(row(&[]), &charts);
@@ -228,8 +229,8 @@ impl Charts<'_> {
         rows
     }
 
-    /// The curves of both runs.
-    fn overlay(&mut self, contrast: &Chart) -> Option<Child> {
+    /// The curves of both runs. The first chart of a page explains the colours, which mean the same in all.
+    fn overlay(&mut self, contrast: &Chart, is_first: bool) -> Option<Child> {
         let identity = self.identity;
         let contents = Side::BOTH.map(|side| {
             entities(
@@ -238,26 +239,18 @@ impl Charts<'_> {
                 &Role::Compared(side),
             )
         });
-        let range = self.extent.and_then(|extent| {
-            let magnitudes = &identity.a.magnitudes;
-            axis_range(contrast.curves, &extent.runs, magnitudes, MIN_SPAN)
+        let range = self
+            .extent
+            .and_then(|extent| self.range(contrast.curves, &extent.runs, MIN_SPAN));
+        let chart = self.extent.map(|extent| EndedChart {
+            curves: contrast.curves,
+            runs: &extent.runs,
+            range,
+            duration: extent.duration,
         });
-        let mut legend = contrast.legend.or_else(|| legend_of_parts(contrast.curves));
-        if let (Some(preferred), Some(extent)) = (legend, self.extent) {
-            let corner = corner_for(
-                preferred,
-                contrast.curves,
-                &extent.runs,
-                range,
-                extent.duration,
-            );
-            legend = Some(corner);
-        }
-        let view = self.curves(&contrast.title(), &contents.concat(), legend)?;
-        if let Some(range) = range {
-            set_value_range(self.layout, &view, range);
-        }
-        Some(view)
+        let has_legend = is_first || has_parts(contrast.curves);
+        let legend = has_legend.then(|| corner_for(chart.as_ref()));
+        self.curves(&contrast.title(), &contents.concat(), legend, range)
     }
 
     /// The difference of the curves, if both runs have them.
@@ -276,11 +269,11 @@ impl Charts<'_> {
                 contrast.curves[0].unit(),
             )
         };
-        let view = self.curves(&name, &contents, legend_of_parts(plots))?;
-        if let Some(extent) = self.extent {
-            self.fit_axis(&view, plots, extent.differences, MIN_DIFFERENCE);
-        }
-        Some(view)
+        let range = self
+            .extent
+            .and_then(|extent| self.range(plots, &[extent.differences], MIN_DIFFERENCE));
+        let legend = has_parts(plots).then_some(Corner2D::RightTop);
+        self.curves(&name, &contents, legend, range)
     }
 
     /// Whether the runs are equal in these plots as long as both run.
@@ -306,20 +299,15 @@ impl Charts<'_> {
             &Role::Magnitude,
         );
         let name = format!("{}: log₁₀ |B − A|", contrast.name);
-        let view = self.curves(&name, &contents, None)?;
-        if let Some(extent) = self.extent {
-            self.fit_axis(&view, contrast.differences, extent.logarithms, 0.0);
-        }
-        Some(view)
+        let range = self
+            .extent
+            .and_then(|extent| self.range(contrast.differences, &[extent.logarithms], 0.0));
+        self.curves(&name, &contents, None, range)
     }
 
-    /// Sets the value range of a chart of these values, at least `least` times as long as the quantity's typical magnitude.
-    fn fit_axis(&mut self, view: &Child, plots: &[Curves], values: &Plots, least: f64) {
-        let magnitudes = &self.identity.a.magnitudes;
-        let range = axis_range(plots, &[values], magnitudes, least);
-        if let Some(range) = range {
-            set_value_range(self.layout, view, range);
-        }
+    /// The range of a chart of these values, at least `least` times as long as the quantity's typical magnitude.
+    fn range(&self, plots: &[Curves], values: &[&Plots], least: f64) -> Option<[f64; 2]> {
+        axis_range(plots, values, &self.identity.a.magnitudes, least)
     }
 
     /// A chart whose time axis moves with those of all others, if it has contents.
@@ -328,8 +316,9 @@ impl Charts<'_> {
         name: &str,
         contents: &[String],
         legend: Option<Corner2D>,
+        range: Option<[f64; 2]>,
     ) -> Option<Child> {
-        (!contents.is_empty()).then(|| time_series(self.layout, name, contents, legend))
+        (!contents.is_empty()).then(|| time_series(self.layout, name, contents, legend, range))
     }
 }
 
@@ -343,14 +332,14 @@ fn height(contrast: &Chart) -> f32 {
     if numbers > 2 { 1.35 } else { 1.0 }
 }
 
-/// The corner of a legend that names several numbers of a run, if a chart shows more than one. The colours of runs mean the
-/// same in all charts, and nutation means lie on the curves that they belong to.
-fn legend_of_parts(curves: &[Curves]) -> Option<Corner2D> {
+/// Whether a chart shows more than one number of a run, which a legend names. Nutation means lie on the curves that they
+/// belong to.
+fn has_parts(curves: &[Curves]) -> bool {
     let numbers = curves
         .iter()
         .filter(|curves| !curves.are_means())
         .flat_map(|curves| curves.quantities());
-    (numbers.count() > 1).then_some(Corner2D::RightTop)
+    numbers.count() > 1
 }
 
 /// The entities of the existing curves.

@@ -8,15 +8,15 @@ use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 use super::axis::{MIN_SPAN, axis_range};
 use super::builder::{BlueprintLayout, Child, Messages, column, row, tabs};
 use super::charts::{Chart, MORE, RATES, RISE, TABLE, TERMS, TRAVEL};
-use super::corner::corner_for;
-use super::fit;
+use super::corner::{EndedChart, corner_for};
 use super::views::{
-    SceneView, events, hodograph, playback_speed, regimes, scene, set_time_range, set_value_range,
-    time_panel, time_series, why, window,
+    SceneView, events, hodograph, playback_speed, regimes, scene, set_time_range, time_panel,
+    time_series, why, window,
 };
 use crate::rerun::entity::{self, ABOUT, EACH_EVENT, FIT_REPORT, LEGEND, STAGE};
 use crate::rerun::identity::magnitude::Magnitudes;
 use crate::rerun::identity::{Identity, Playback};
+use crate::rerun::measurement::page;
 use crate::rerun::plots::Plots;
 use crate::rerun::role::Role;
 use crate::rerun::scene::has_hodograph;
@@ -248,7 +248,7 @@ fn right_side(
     let plots = ended.map(|ended| ended.plots);
     let mut grids = Vec::new();
     if let Some(measurement) = &identity.measurement {
-        grids.push(fit::page(layout, measurement, plots));
+        grids.push(page::page(layout, measurement, plots));
     }
     for page in pages(identity, plots) {
         let mut views = Vec::new();
@@ -256,11 +256,13 @@ fn right_side(
             let contents: Vec<_> = chart.curves.iter().map(|curves| curves.path()).collect();
             let range = value_range(chart, identity, plots);
             let corner = legend(chart, identity, ended, range);
-            let view = time_series(layout, &chart.title(), &contents, corner);
-            if let Some(range) = range {
-                set_value_range(layout, &view, range);
-            }
-            views.push(view);
+            views.push(time_series(
+                layout,
+                &chart.title(),
+                &contents,
+                corner,
+                range,
+            ));
         }
         if page.name == TABLE_PAGE && has_regimes(identity) {
             views.push(regimes(layout));
@@ -290,21 +292,13 @@ fn legend(
 ) -> Option<Corner2D> {
     let shown = chart.curves.iter().filter(|curves| curves.is_in(identity));
     let lines = shown.flat_map(|curves| curves.quantities()).count();
-    if lines < 2 {
-        return None;
-    }
-    match ended {
-        Some(EndedRun {
-            plots, duration, ..
-        }) => Some(corner_for(
-            chart.legend?,
-            chart.curves,
-            &[plots],
-            range,
-            *duration,
-        )),
-        None => chart.legend,
-    }
+    let chart = ended.map(|ended| EndedChart {
+        curves: chart.curves,
+        runs: std::slice::from_ref(&ended.plots),
+        range,
+        duration: ended.duration,
+    });
+    (lines > 1).then(|| corner_for(chart.as_ref()))
 }
 
 #[cfg(test)]

@@ -27,23 +27,23 @@ const PLAYING_TIME: f64 = 25.0;
 const BACKGROUND: u32 = 0x1215_1BFF;
 
 /// Content of a view of the scene.
-pub(super) struct SceneView<'a> {
+pub(in crate::rerun) struct SceneView<'a> {
     /// The title.
-    pub(super) name: &'a str,
+    pub(in crate::rerun) name: &'a str,
     /// Entities.
-    pub(super) contents: &'a [String],
+    pub(in crate::rerun) contents: &'a [String],
     /// Runs whose paths are shown up to the time cursor.
-    pub(super) runs: &'a [(Role, &'a Geometry)],
+    pub(in crate::rerun) runs: &'a [(Role, &'a Geometry)],
     /// The top whose height is the unit of the camera position.
-    pub(super) geometry: &'a Geometry,
+    pub(in crate::rerun) geometry: &'a Geometry,
     /// The entity that the camera is at rest with.
-    pub(super) origin: String,
+    pub(in crate::rerun) origin: String,
     /// Distance of the camera, relative to the usual distance.
-    pub(super) distance: f64,
+    pub(in crate::rerun) distance: f64,
 }
 
 /// A view of the scene.
-pub(super) fn scene(layout: &mut BlueprintLayout, stage: &SceneView<'_>) -> Child {
+pub(in crate::rerun) fn scene(layout: &mut BlueprintLayout, stage: &SceneView<'_>) -> Child {
     let view = layout.view("3D", stage.name, &stage.origin, stage.contents);
     let proportions = Proportions::new(&stage.geometry.top);
     // In heights of the top: the middle of the scene, and the place of the camera as seen from there.
@@ -84,7 +84,11 @@ fn time_range(start: TimeRangeBoundary, end: TimeRangeBoundary) -> parts::Visibl
 }
 
 /// A list of the events of these entities: time, a click on which moves the time cursor, level and text.
-pub(super) fn events(layout: &mut BlueprintLayout, name: &str, contents: &[String]) -> Child {
+pub(in crate::rerun) fn events(
+    layout: &mut BlueprintLayout,
+    name: &str,
+    contents: &[String],
+) -> Child {
     let view = layout.view("TextLog", name, EVENTS, contents);
     let times = TimelineColumn(blueprint_data::TimelineColumn {
         visible: true.into(),
@@ -107,7 +111,7 @@ pub(super) fn events(layout: &mut BlueprintLayout, name: &str, contents: &[Strin
 }
 
 /// What a free peg does, as states over time.
-pub(super) fn regimes(layout: &mut BlueprintLayout) -> Child {
+pub(in crate::rerun) fn regimes(layout: &mut BlueprintLayout) -> Child {
     let view = layout.view("StateTimeline", "The peg", REGIME, &["$origin"]);
     let axis = parts::TimeAxis::new().with_link(LinkAxis::LinkToGlobal);
     layout.property(&view, "TimeAxis", &axis);
@@ -115,20 +119,21 @@ pub(super) fn regimes(layout: &mut BlueprintLayout) -> Child {
 }
 
 /// The title of a chart: its quantity, with the unit if there is one.
-pub(super) fn titled(name: &str, unit: &str) -> String {
+pub(in crate::rerun) fn titled(name: &str, unit: &str) -> String {
     match unit {
         "" => name.to_owned(),
         unit => format!("{name} ({unit})"),
     }
 }
 
-/// A chart of these entities over the whole time, with a legend in a corner or without one. The time axes of all charts
-/// move together.
-pub(super) fn time_series(
+/// A chart of these entities over the whole time, with a legend in a corner or without one. Its value axis has this range at
+/// first, or that of the values. The time axes of all charts move together.
+pub(in crate::rerun) fn time_series(
     layout: &mut BlueprintLayout,
     name: &str,
     contents: &[impl AsRef<str>],
     legend: Option<Corner2D>,
+    range: Option<[f64; 2]>,
 ) -> Child {
     let view = layout.view("TimeSeries", name, "/", contents);
     let mut shown = parts::PlotLegend::new().with_visible(legend.is_some());
@@ -146,6 +151,10 @@ pub(super) fn time_series(
         "VisibleTimeRanges",
         &time_range(TimeRangeBoundary::Infinite, TimeRangeBoundary::Infinite),
     );
+    if let Some(range) = range {
+        let axis = parts::ScalarAxis::new().with_range(range);
+        layout.property(&view, "ScalarAxis", &axis);
+    }
     view
 }
 
@@ -153,7 +162,7 @@ pub(super) fn time_series(
 const LINKED_TIME_AXIS: &str = "view/5c0dca6a-e63f-9cf7-f657-2602590474cc/TimeAxis";
 
 /// Shows the whole of a run of this duration, in s, in all charts. Otherwise viewers show about a minute.
-pub(super) fn set_time_range(layout: &mut BlueprintLayout, duration: f64) {
+pub(in crate::rerun) fn set_time_range(layout: &mut BlueprintLayout, duration: f64) {
     let absolute = |seconds: f64| TimeRangeBoundary::Absolute(TimeInt((1e9 * seconds) as i64));
     let range = TimeRange {
         start: absolute(0.0),
@@ -164,7 +173,7 @@ pub(super) fn set_time_range(layout: &mut BlueprintLayout, duration: f64) {
 }
 
 /// A view from above of the horizontal part of the angular momentum.
-pub(super) fn hodograph(layout: &mut BlueprintLayout, geometry: &Geometry) -> Child {
+pub(in crate::rerun) fn hodograph(layout: &mut BlueprintLayout, geometry: &Geometry) -> Child {
     let contents = ["$origin/**"];
     let view = layout.view("2D", "L from above", HODOGRAPH, &contents);
     let size = 1.15 * RADIUS;
@@ -187,7 +196,7 @@ pub(super) fn hodograph(layout: &mut BlueprintLayout, geometry: &Geometry) -> Ch
 }
 
 /// The argument: its text, and a scene with just the arrows that it names.
-pub(super) fn why(layout: &mut BlueprintLayout, geometry: &Geometry) -> Child {
+pub(in crate::rerun) fn why(layout: &mut BlueprintLayout, geometry: &Geometry) -> Child {
     let mut contents = vec![WHY_GHOST.to_owned()];
     for name in [
         "table/**",
@@ -235,14 +244,8 @@ fn show_past(
     layout.property(view, &property, &time_range(start, now));
 }
 
-/// Sets the initial value range of a chart.
-pub(super) fn set_value_range(layout: &mut BlueprintLayout, view: &Child, range: [f64; 2]) {
-    let axis = parts::ScalarAxis::new().with_range(range);
-    layout.property(view, "ScalarAxis", &axis);
-}
-
 /// Fills the window with two sides, which have these shares of its width, and sets the panels around them.
-pub(super) fn window(
+pub(in crate::rerun) fn window(
     layout: &mut BlueprintLayout,
     left: Child,
     right: Option<Child>,
@@ -263,7 +266,7 @@ pub(super) fn window(
 }
 
 /// The time panel, with the playback speed.
-pub(super) fn time_panel(playback: Playback, speed: f64) -> parts::TimePanelBlueprint {
+pub(in crate::rerun) fn time_panel(playback: Playback, speed: f64) -> parts::TimePanelBlueprint {
     parts::TimePanelBlueprint::new()
         .with_state(PanelState::Collapsed)
         .with_timeline(TIMELINE)
@@ -276,7 +279,7 @@ pub(super) fn time_panel(playback: Playback, speed: f64) -> parts::TimePanelBlue
 }
 
 /// The speed at which a run of this duration, in s, plays in about [`PLAYING_TIME`]; 1 if it has none.
-pub(super) fn playback_speed(duration: f64) -> f64 {
+pub(in crate::rerun) fn playback_speed(duration: f64) -> f64 {
     let speed = round(duration / PLAYING_TIME);
     if speed > 0.0 { speed } else { 1.0 }
 }

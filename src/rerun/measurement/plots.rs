@@ -59,23 +59,29 @@ impl Series {
     /// Sends names and colours for a signal with this number of values, and opens the rows.
     fn open(self, path: &str, count: usize, output: &mut Output) -> Track<f64> {
         let entity = self.entity(path);
+        // Viewers list equal names once.
+        let styles: &[LineStyle] = match self {
+            Self::Measured => &[("measured", ORANGE, 0.0)],
+            Self::Residual => &[("fitted", ORANGE, 0.0)],
+            Self::HeldOut | Self::HeldOutResidual => &[("held out", GREEN, 0.0)],
+            Self::Fitted => &[("best fit", SKY, 1.8)],
+            Self::Band => &[("±2σ", PALE, 1.0), ("±2σ", PALE, 1.0)],
+            Self::Bounds => &[("±2σ", SKY, 1.2), ("0", GREY, 0.7), ("±2σ", SKY, 1.2)],
+        };
         match self {
-            Self::Measured => points(&entity, "measured", ORANGE, count, output),
-            Self::HeldOut | Self::HeldOutResidual => {
-                points(&entity, "held out", GREEN, count, output)
+            Self::Fitted | Self::Band | Self::Bounds => {
+                output.send_static(entity.as_str(), &style::lines(styles));
             }
-            Self::Residual => points(&entity, "fitted", ORANGE, count, output),
-            Self::Fitted => lines(&entity, &[("best fit", SKY, 1.8)], output),
-            Self::Band => {
-                // Viewers list equal names once.
-                let names = [("±2σ", PALE, 1.0), ("±2σ", PALE, 1.0)];
-                lines(&entity, &names, output)
-            }
-            Self::Bounds => {
-                let names = [("±2σ", SKY, 1.2), ("0", GREY, 0.7), ("±2σ", SKY, 1.2)];
-                lines(&entity, &names, output)
+            Self::Measured | Self::HeldOut | Self::Residual | Self::HeldOutResidual => {
+                let points = points(styles[0], count);
+                output.send_static(
+                    entity.as_str(),
+                    &style::marks(&[points], MarkerShape::Circle),
+                );
             }
         }
+        let width = styles.len();
+        Track::new(entity, move |rows| columns(rows, width), output)
     }
 }
 
@@ -88,31 +94,13 @@ const SIZES: [f32; 2] = [2.2, 1.4];
 /// Opacity of many values (0 to 255).
 const FAINT: u32 = 0xA0;
 
-/// Points for a signal with this number of values. Many small ones leave the curve behind them visible.
-fn points(
-    entity: &str,
-    name: &'static str,
-    color: u32,
-    count: usize,
-    output: &mut Output,
-) -> Track<f64> {
-    let is_many = count > FEW;
-    let size = SIZES[usize::from(is_many)];
-    // Viewers draw points over lines: many of them would hide the curve.
-    let color = if is_many {
-        color & !0xFF | FAINT
+/// The points of a signal with this number of values. Viewers draw points over lines: many large ones would hide the curve.
+fn points((name, color, _): LineStyle, count: usize) -> LineStyle {
+    if count > FEW {
+        (name, color & !0xFF | FAINT, SIZES[1])
     } else {
-        color
-    };
-    let style = style::marks(&[(name, color, size)], MarkerShape::Circle);
-    output.send_static(entity, &style);
-    Track::new(entity.to_owned(), |rows| columns(rows, 1), output)
-}
-
-fn lines(entity: &str, series: &[LineStyle], output: &mut Output) -> Track<f64> {
-    output.send_static(entity, &style::lines(series));
-    let width = series.len();
-    Track::new(entity.to_owned(), move |rows| columns(rows, width), output)
+        (name, color, SIZES[0])
+    }
 }
 
 /// The curves of the run, as far as it was measured.

@@ -42,12 +42,17 @@ pub(in crate::rerun) enum Derived {
     PsiTerms,
 }
 
-const AXIAL_RATE: [LineStyle; 1] = [("ω·n", GREEN, 1.2)];
-const TORQUE_ALONG: [LineStyle; 1] = [("τ along the horizontal part of L", VERMILION, 1.5)];
-const MOMENTUM_PARTS: [LineStyle; 2] = [("horizontal", YELLOW, 2.0), ("vertical", SKY, 1.5)];
-const JELLETT_CHANGE: [LineStyle; 1] = [("relative change", SKY, 1.2)];
-const EVENT_MARKS: [LineStyle; 1] = [("event", WHITE, 3.5)];
-const TERMS: [LineStyle; 3] = [
+/// What is known of derived curves.
+struct DerivedInfo {
+    /// The name of the entity.
+    name: &'static str,
+    quantity: Quantity,
+    styles: &'static [LineStyle],
+    /// The topics that the curves are made from.
+    topics: &'static [Topic],
+}
+
+const TERMS: &[LineStyle] = &[
     ("friction", VERMILION, 1.8),
     ("all other terms", YELLOW, 1.2),
     ("sum", GREY, 1.2),
@@ -66,60 +71,66 @@ impl Derived {
         Self::PsiTerms,
     ];
 
-    fn name(self) -> &'static str {
-        match self {
-            Self::MomentumParts => "momentum_parts",
-            Self::TorqueAlong => "torque_along_horizontal_momentum",
-            Self::AxialRate => "axial_rate",
-            Self::EventMarks => "event_marks",
-            Self::JellettChange => "jellett_change",
-            Self::ThetaTerms => "mean_terms/theta_ddot",
-            Self::PhiTerms => "mean_terms/phi_ddot",
-            Self::PsiTerms => "mean_terms/psi_ddot",
-        }
-    }
-
-    fn quantity(self) -> Quantity {
-        match self {
-            Self::MomentumParts => Quantity::Momentum,
-            Self::TorqueAlong => Quantity::Torque,
-            Self::AxialRate => Quantity::Rate,
-            Self::EventMarks => Quantity::Angle,
-            // Relative, as a component of a direction: its typical magnitude is 1.
-            Self::JellettChange => Quantity::Direction,
-            Self::ThetaTerms | Self::PhiTerms | Self::PsiTerms => Quantity::Acceleration,
-        }
-    }
-
-    fn styles(self) -> &'static [LineStyle] {
-        match self {
-            Self::MomentumParts => &MOMENTUM_PARTS,
-            Self::TorqueAlong => &TORQUE_ALONG,
-            Self::AxialRate => &AXIAL_RATE,
-            Self::EventMarks => &EVENT_MARKS,
-            Self::JellettChange => &JELLETT_CHANGE,
-            Self::ThetaTerms | Self::PhiTerms | Self::PsiTerms => &TERMS,
-        }
-    }
-
-    fn topics(self) -> &'static [Topic] {
-        match self {
-            Self::MomentumParts => &[POSE, MOMENTUM],
-            Self::TorqueAlong => &[POSE, MOMENTUM, TORQUE],
-            Self::AxialRate => &[POSE],
-            Self::EventMarks => &[EVENTS],
-            Self::JellettChange => &[FREE_PEG],
-            Self::ThetaTerms | Self::PhiTerms | Self::PsiTerms => &[STATE, ACCELERATION, NUTATION],
+    fn info(self) -> DerivedInfo {
+        let (name, quantity, styles, topics): (_, _, &[LineStyle], &[Topic]) = match self {
+            Self::MomentumParts => (
+                "momentum_parts",
+                Quantity::Momentum,
+                &[("horizontal", YELLOW, 2.0), ("vertical", SKY, 1.5)],
+                &[POSE, MOMENTUM],
+            ),
+            Self::TorqueAlong => (
+                "torque_along_horizontal_momentum",
+                Quantity::Torque,
+                &[("τ along the horizontal part of L", VERMILION, 1.5)],
+                &[POSE, MOMENTUM, TORQUE],
+            ),
+            Self::AxialRate => (
+                "axial_rate",
+                Quantity::Rate,
+                &[("ω·n", GREEN, 1.2)],
+                &[POSE],
+            ),
+            Self::EventMarks => (
+                "event_marks",
+                Quantity::Angle,
+                &[("event", WHITE, 3.5)],
+                &[EVENTS],
+            ),
+            Self::JellettChange => (
+                "jellett_change",
+                // Relative, as a component of a direction: its typical magnitude is 1.
+                Quantity::Direction,
+                &[("relative change", SKY, 1.2)],
+                &[FREE_PEG],
+            ),
+            Self::ThetaTerms => (
+                "mean_terms/theta_ddot",
+                Quantity::Acceleration,
+                TERMS,
+                MEANS,
+            ),
+            Self::PhiTerms => ("mean_terms/phi_ddot", Quantity::Acceleration, TERMS, MEANS),
+            Self::PsiTerms => ("mean_terms/psi_ddot", Quantity::Acceleration, TERMS, MEANS),
+        };
+        DerivedInfo {
+            name,
+            quantity,
+            styles,
+            topics,
         }
     }
 }
+
+/// The topics that means over a nutation are made from.
+const MEANS: &[Topic] = &[STATE, ACCELERATION, NUTATION];
 
 impl Curves {
     /// The path of the entity, without the run.
     pub(in crate::rerun) fn path(self) -> String {
         match self {
             Self::Field(plot) => plot.to_string(),
-            Self::Derived(derived) => format!("/derived/{}", derived.name()),
+            Self::Derived(derived) => format!("/derived/{}", derived.info().name),
         }
     }
 
@@ -127,7 +138,7 @@ impl Curves {
     pub(in crate::rerun) fn unit(self) -> &'static str {
         match self {
             Self::Field(plot) => plot.unit(),
-            Self::Derived(derived) => derived.quantity().unit(),
+            Self::Derived(derived) => derived.info().quantity.unit(),
         }
     }
 
@@ -138,7 +149,12 @@ impl Curves {
                 .numbers()
                 .map(|number| number.leaf().quantity)
                 .collect(),
-            Self::Derived(derived) => vec![derived.quantity(); derived.styles().len()],
+            Self::Derived(derived) => {
+                let DerivedInfo {
+                    quantity, styles, ..
+                } = derived.info();
+                vec![quantity; styles.len()]
+            }
         }
     }
 
@@ -146,7 +162,11 @@ impl Curves {
     pub(in crate::rerun) fn is_in(self, identity: &Identity) -> bool {
         match self {
             Self::Field(plot) => identity.has(plot.topic()),
-            Self::Derived(derived) => derived.topics().iter().all(|topic| identity.has(*topic)),
+            Self::Derived(derived) => derived
+                .info()
+                .topics
+                .iter()
+                .all(|topic| identity.has(*topic)),
         }
     }
 
@@ -167,10 +187,13 @@ impl Curves {
                 let numbers: Vec<NumberField> = plot.numbers().collect();
                 style::series(&numbers, role)
             }
-            Self::Derived(Derived::EventMarks) => {
-                Box::new(style::marks(&EVENT_MARKS, MarkerShape::Diamond))
+            Self::Derived(derived) => {
+                let styles = derived.info().styles;
+                match derived {
+                    Derived::EventMarks => Box::new(style::marks(styles, MarkerShape::Diamond)),
+                    _ => Box::new(style::lines(styles)),
+                }
             }
-            Self::Derived(derived) => Box::new(style::lines(derived.styles())),
         }
     }
 }

@@ -5,10 +5,10 @@ use rerun::archetypes::Transform3D;
 use crate::rerun::output::ComponentColumns;
 
 /// Translation and quaternion, from body to world.
-pub(super) type BodyPose = ([f32; 3], [f32; 4]);
+pub(in crate::rerun) type BodyPose = ([f32; 3], [f32; 4]);
 
 /// The transforms of a body.
-pub(super) fn body_columns(rows: &[BodyPose]) -> ComponentColumns {
+pub(in crate::rerun) fn body_columns(rows: &[BodyPose]) -> ComponentColumns {
     let quaternions = rows.iter().map(|(_, quaternion)| *quaternion);
     let transform = Transform3D::update_fields()
         .with_many_translation(rows.iter().map(|(translation, _)| *translation))

@@ -19,7 +19,7 @@ const SECTORS: usize = 6;
 type ProfilePoint = [[f64; 2]; 2];
 
 /// The surface of the top in body axes.
-pub(super) fn top(proportions: &Proportions) -> Mesh3D {
+pub(in crate::rerun) fn top(proportions: &Proportions) -> Mesh3D {
     let mut surface = Surface::default();
     for (part, palette) in parts(proportions) {
         surface.turn(&part, palette);
@@ -160,7 +160,7 @@ fn around([distance, height]: [f64; 2], (sin, cos): (f64, f64)) -> [f32; 3] {
 }
 
 /// A round table top of the given radius, just below z = 0.
-pub(super) fn table(radius: f64) -> Mesh3D {
+pub(in crate::rerun) fn table(radius: f64) -> Mesh3D {
     let depth = 0.03 * radius;
     let mut surface = Surface::default();
     let color = [0x2B30_3AFF; SECTORS];
@@ -172,7 +172,7 @@ pub(super) fn table(radius: f64) -> Mesh3D {
 }
 
 /// Circles, as many as `rings`, and rays on a table of the given radius.
-pub(super) fn table_marks(radius: f64, rings: u32) -> LineStrips3D {
+pub(in crate::rerun) fn table_marks(radius: f64, rings: u32) -> LineStrips3D {
     let circles = (1..=rings).map(|ring| circle(radius * f64::from(ring) / f64::from(rings)));
     let rays = (0..6).map(|ray| {
         let direction = math::sin_cos(PI * f64::from(ray) / 6.0);

@@ -4,11 +4,11 @@ use rerun::blueprint::components::{ContainerKind, Corner2D};
 use rerun::components::Name;
 use rerun::external::re_sdk_types::blueprint::archetypes as parts;
 
-use super::axis::value_range;
-use super::builder::{BlueprintLayout, Child, column};
-use super::views::{set_value_range, time_series, titled};
-use crate::rerun::measurement::plots::Series;
-use crate::rerun::measurement::{MeasuredSignal, Measurement};
+use super::plots::Series;
+use super::{MeasuredSignal, Measurement};
+use crate::rerun::blueprint::axis::value_range;
+use crate::rerun::blueprint::builder::{BlueprintLayout, Child, column};
+use crate::rerun::blueprint::views::{time_series, titled};
 use crate::rerun::plots::Plots;
 use crate::rerun::plots::curves::Curves;
 
@@ -19,7 +19,7 @@ const HEIGHTS: [f32; 2] = [62.0, 38.0];
 const MAX_IN_COLUMN: usize = 2;
 
 /// The page of a measurement. Its axes fit the run, too, if that is known.
-pub(super) fn page(
+pub(in crate::rerun) fn page(
     layout: &mut BlueprintLayout,
     measurement: &Measurement,
     plots: Option<&Plots>,
@@ -52,21 +52,22 @@ fn values(
     } else {
         Corner2D::RightTop
     };
-    let view = chart(layout, &title, &Series::VALUES, path, Some(corner));
+    let contents = Series::VALUES.map(|series| series.entity(path));
     // Without the run the axis would cut off the curve between the values.
-    if let Some(plots) = plots {
-        let mut range = signal.range(signal.residual_limit());
-        let fields = signal.field.plot().numbers();
-        for (field, (_, of_run)) in fields.zip(plots.ranges(Curves::Field(signal.field.plot()))) {
-            if field == signal.field {
-                range = [range[0].min(of_run[0]), range[1].max(of_run[1])];
-            }
-        }
-        if let Some(range) = value_range(range) {
-            set_value_range(layout, &view, range);
+    let range = plots.and_then(|plots| value_range(with_run(signal, plots)));
+    time_series(layout, &title, &contents, Some(corner), range)
+}
+
+/// The range of the values of a signal that are no outliers, and of the run.
+fn with_run(signal: &MeasuredSignal, plots: &Plots) -> [f64; 2] {
+    let mut range = signal.range(signal.residual_limit());
+    let plot = signal.field.plot();
+    for (field, (_, of_run)) in plot.numbers().zip(plots.ranges(Curves::Field(plot))) {
+        if field == signal.field {
+            range = [range[0].min(of_run[0]), range[1].max(of_run[1])];
         }
     }
-    view
+    range
 }
 
 fn residuals(
@@ -81,20 +82,7 @@ fn residuals(
     if beyond > 0 {
         title += &format!(", {beyond} beyond ±{limit:.0}");
     }
+    let contents = Series::RESIDUALS.map(|series| series.entity(path));
     // Colours are those of the chart above.
-    let view = chart(layout, &title, &Series::RESIDUALS, path, None);
-    set_value_range(layout, &view, [-limit, limit]);
-    view
-}
-
-/// A chart whose time axis moves with those of the other charts of the page.
-fn chart(
-    layout: &mut BlueprintLayout,
-    title: &str,
-    series: &[Series],
-    path: &str,
-    legend: Option<Corner2D>,
-) -> Child {
-    let contents: Vec<String> = series.iter().map(|series| series.entity(path)).collect();
-    time_series(layout, title, &contents, legend)
+    time_series(layout, &title, &contents, None, Some([-limit, limit]))
 }

@@ -3,16 +3,16 @@
 use nalgebra::Vector3;
 use rerun::datatypes::Rgba32;
 
-use super::body::{BodyPose, body_columns};
-use super::shape;
+use super::{MeasuredPose, Measurement};
 use crate::physics::kinematics::{Euler, world_from_body};
 use crate::rerun::entity::MEASURED_TOP;
 use crate::rerun::identity::Geometry;
-use crate::rerun::measurement::{MeasuredPose, Measurement};
 use crate::rerun::output::Output;
 use crate::rerun::output::track::Track;
 use crate::rerun::palette::ORANGE;
 use crate::rerun::role::GHOST;
+use crate::rerun::scene::body::{BodyPose, body_columns};
+use crate::rerun::scene::shape;
 use crate::telemetry::Message;
 use crate::telemetry::fields::{STATE, state};
 use crate::telemetry::proportions::Proportions;
@@ -21,7 +21,7 @@ use crate::telemetry::proportions::Proportions;
 const SIZE: f64 = 1.015;
 
 /// The measured top.
-pub(super) struct MeasuredTop {
+pub(in crate::rerun) struct MeasuredTop {
     track: Track<BodyPose>,
     poses: Vec<MeasuredPose>,
     /// Number of poses that have been written.
@@ -32,7 +32,7 @@ pub(super) struct MeasuredTop {
 
 impl MeasuredTop {
     /// Sends the body; `None` if θ and φ were not measured together.
-    pub(super) fn new(
+    pub(in crate::rerun) fn new(
         measurement: &Measurement,
         geometry: &Geometry,
         output: &mut Output,
@@ -53,7 +53,12 @@ impl MeasuredTop {
     }
 
     /// Adds the poses up to the time of a state of the run, around a peg at this place, m.
-    pub(super) fn write(&mut self, message: &Message<'_>, peg: Vector3<f64>, output: &mut Output) {
+    pub(in crate::rerun) fn write(
+        &mut self,
+        message: &Message<'_>,
+        peg: Vector3<f64>,
+        output: &mut Output,
+    ) {
         if message.topic() != STATE {
             return;
         }
