@@ -14,7 +14,6 @@ mod extension;
 mod file_kind;
 mod input;
 mod interrupt;
-mod losses;
 mod output;
 mod progress;
 mod report;

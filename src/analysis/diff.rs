@@ -225,8 +225,10 @@ fn compare_bytes(
     compared: &[String],
     options: &Options,
 ) -> Vec<TopicBytes> {
-    // Another version may word its schemas, and draw in its channels for viewers, what it likes.
-    let is_one_form = a.library() == b.library() && a.encoding() == b.encoding();
+    // Another version may word its schemas, and draw in its channels for viewers, what it likes. Messages for viewers that
+    // were logged at other times have lost theirs.
+    let is_one_form =
+        a.library() == b.library() && a.encoding() == b.encoding() && a.relogged() == b.relogged();
     let is_identical = is_one_form && paired.is_identical();
     let [mut topics, of_b] =
         [a, b].map(|recording| foreign_topics(Subject::Recording(recording), is_identical));

@@ -1,4 +1,5 @@
 //! Two-threaded MCAP writing: the caller encodes messages; a worker thread hashes, compresses and writes them in order.
+//! WebAssembly has no threads: there the caller writes, too.
 //! The bytes equal those of [`crate::archive::writer::McapWriter`].
 
 use crate::archive::format::end_entries;
@@ -49,9 +50,17 @@ pub struct Pipeline<W: Write> {
     /// Name of the file in error messages.
     name: PathBuf,
     encoder: RunEncoder,
-    /// The channel to the writer thread.
-    batches: Option<SyncSender<Batch>>,
-    thread: Option<JoinHandle<McapResult<ChunkWriter<W>>>>,
+    /// Taken when the thread is joined.
+    target: Option<Target<W>>,
+}
+
+/// Where batches are written.
+#[derive(Debug)]
+enum Target<W: Write> {
+    /// By a thread, over a channel.
+    Thread(SyncSender<Batch>, JoinHandle<McapResult<ChunkWriter<W>>>),
+    /// By the caller.
+    Here(ChunkWriter<W>),
 }
 
 impl<W: Write + Send + 'static> Pipeline<W> {
@@ -59,12 +68,16 @@ impl<W: Write + Send + 'static> Pipeline<W> {
     pub(crate) fn start(target: W, name: PathBuf, header: &Header) -> Result<Self, SinkError> {
         let (chunks, ids) =
             ChunkWriter::open(target, header).map_err(|reason| mcap_error(&name, reason))?;
-        let (batches, received) = sync_channel(BATCHES);
+        let target = if cfg!(target_family = "wasm") {
+            Target::Here(chunks)
+        } else {
+            let (batches, received) = sync_channel(BATCHES);
+            Target::Thread(batches, thread::spawn(move || work(chunks, &received)))
+        };
         Ok(Self {
             name,
             encoder: RunEncoder::new(header, &ids),
-            batches: Some(batches),
-            thread: Some(thread::spawn(move || work(chunks, &received))),
+            target: Some(target),
         })
     }
 
@@ -82,21 +95,30 @@ impl<W: Write + Send + 'static> Pipeline<W> {
     fn send_batch(&mut self) -> Result<(), SinkError> {
         // The thread keeps the buffers: a new batch is cheaper than a channel that returns them.
         let batch = std::mem::take(&mut self.encoder.batch);
-        let batches = self.batches.as_ref();
-        if batches.is_some_and(|batches| batches.send(batch).is_ok()) {
-            return Ok(());
+        match &mut self.target {
+            Some(Target::Here(chunks)) => {
+                let written = chunks.write(&batch);
+                written.map_err(|reason| mcap_error(&self.name, reason))
+            }
+            Some(Target::Thread(batches, _)) if batches.send(batch).is_ok() => Ok(()),
+            // The channel is closed early only if the thread has failed.
+            Some(Target::Thread(..)) | None => {
+                self.join()?;
+                Err(self.died())
+            }
         }
-        // The channel is closed early only if the thread has failed.
-        self.join()?;
-        Err(self.died())
     }
 }
 
 impl<W: Write> Pipeline<W> {
     /// Waits until the thread has written everything.
     fn join(&mut self) -> Result<ChunkWriter<W>, SinkError> {
-        self.batches = None;
-        let thread = self.thread.take().ok_or_else(|| self.died())?;
+        let (batches, thread) = match self.target.take().ok_or_else(|| self.died())? {
+            Target::Here(chunks) => return Ok(chunks),
+            Target::Thread(batches, thread) => (batches, thread),
+        };
+        // Ends the thread.
+        drop(batches);
         let chunks = thread.join().map_err(|_| self.died())?;
         chunks.map_err(|reason| mcap_error(&self.name, reason))
     }

@@ -18,6 +18,7 @@
 //! ```
 
 mod batch;
+mod clock;
 mod condition;
 mod content;
 mod contradiction;
@@ -32,6 +33,7 @@ mod selection;
 mod statistics;
 mod windows;
 
+pub use self::clock::Relogged;
 pub use self::condition::Condition;
 pub(crate) use self::content::ContentCheck;
 pub use self::content::Undecodable;

@@ -16,9 +16,10 @@ mod readings;
 mod releases;
 mod rerun;
 mod scope;
+mod words;
 
 use crate::archive::format::{FORMER_WORDS, TELEMETRY, VERSION};
-use crate::archive::recording::{Condition, Loss, Recording, RecordingError};
+use crate::archive::recording::{Condition, Loss, Recording, RecordingError, Relogged};
 pub use crate::archive::supplements::Supplementary;
 use crate::archive::writer::{Form, Header};
 use crate::run::scenario::Scenario;
@@ -84,8 +85,13 @@ pub struct Report {
     /// Number of equal messages; absent if the files are byte-identical.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub equal: Option<u64>,
-    /// Number of missing messages, up to the first difference; for an interrupted run, only gaps.
+    /// Number of missing messages; for an interrupted run, only gaps. 0 if there is a difference, after which nothing is
+    /// compared.
     pub missing: u64,
+    /// How the log times differ from the time stamps of the messages, which are compared then; absent if they are equal.
+    /// Channels for viewers are not compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub relogged: Option<Relogged>,
     /// Parts that can't be read, at most 1000.
     pub losses: Vec<Loss>,
     /// Number of further parts that can't be read; absent if all are listed.
@@ -133,6 +139,7 @@ fn verify_with(
         difference: None,
         equal: None,
         missing: 0,
+        relogged: recording.relogged(),
         losses: recording.losses().to_vec(),
         more_losses: recording.layout.losses.unlisted(),
         without: Vec::new(),
@@ -214,7 +221,7 @@ fn compare(
         report.state = Condition::Altered;
     }
     let is_part = report.state != Condition::Whole;
-    let is_exact = scope == Scope::Bytes && !is_part;
+    let is_exact = scope == Scope::Bytes && !is_part && report.relogged.is_none();
     report.difference = compared
         .difference
         .or_else(|| container::difference(recording, header, &end, is_part, scope))

@@ -58,6 +58,7 @@ mod raw;
 mod readers;
 mod recordings;
 mod reference;
+mod relogged;
 mod report_strings;
 #[cfg(feature = "rerun")]
 mod rerun;

@@ -203,7 +203,7 @@ fn messages<'r>(
     std::iter::from_fn(move || {
         if let Some(raw) = reader.next_undecoded() {
             return Some(Foreign {
-                time_ns: raw.log_time,
+                time_ns: raw.time_ns,
                 topic: topics.binary_search(&raw.channel.topic).ok()?,
                 publish_time: raw.publish_time,
                 sequence: raw.sequence,

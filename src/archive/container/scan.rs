@@ -225,13 +225,14 @@ impl<'a> Scanner<'a> {
         while start < self.source.length() {
             self.source.read(start, size + HEAD, &mut window)?;
             // The window overlaps the next one by a head, so that a head on the border is found, too.
-            for at in 0..window.len().min(size as usize) {
+            let opcodes = window.iter().take(size as usize).enumerate();
+            for (at, opcode) in opcodes.filter(|(_, opcode)| is_specified(**opcode)) {
                 let position = start + at as u64;
                 let room = self.source.length() - position;
-                let plausible = head(&window[at..])
-                    .is_some_and(|(opcode, length)| is_specified(opcode) && length + HEAD <= room);
-                let is_message = window[at] == op::MESSAGE;
-                let is_wanted = plausible && (accepts_messages || !is_message);
+                let is_possible =
+                    head(&window[at..]).is_some_and(|(_, length)| length + HEAD <= room);
+                let is_message = *opcode == op::MESSAGE;
+                let is_wanted = is_possible && (accepts_messages || !is_message);
                 if is_wanted && self.searched < SEARCH_LIMIT {
                     // A single message could be random data.
                     let count = if is_message { 3 } else { 1 };
@@ -239,14 +240,12 @@ impl<'a> Scanner<'a> {
                         return Ok(Some(position));
                     }
                 }
-                if self.at_end_magic(position)? {
-                    return Ok(Some(position));
-                }
             }
             start += size;
             size = SEARCH_WINDOW;
         }
-        Ok(None)
+        let end = self.source.length().saturating_sub(MAGIC.len() as u64);
+        Ok((from <= end && self.at_end_magic(end)?).then_some(end))
     }
 
     /// Whether this many consistent records follow each other from a position on, as far as the file goes.

@@ -254,6 +254,8 @@ pub(crate) struct MessageRecord<'a> {
     pub(crate) sequence: u32,
     pub(crate) log_time: u64,
     pub(crate) publish_time: u64,
+    /// The time by which it is read, ns: its log time, unless a reader knows better.
+    pub(crate) time_ns: u64,
     pub(crate) data: &'a [u8],
 }
 
@@ -268,10 +270,12 @@ impl<'a> MessageRecord<'a> {
         let (sequence, rest) = rest.split_first_chunk()?;
         let (log_time, rest) = rest.split_first_chunk()?;
         let (publish_time, data) = rest.split_first_chunk()?;
+        let log_time = u64::from_le_bytes(*log_time);
         Some(Self {
             channel_id: u16::from_le_bytes(*channel_id),
             sequence: u32::from_le_bytes(*sequence),
-            log_time: u64::from_le_bytes(*log_time),
+            log_time,
+            time_ns: log_time,
             publish_time: u64::from_le_bytes(*publish_time),
             data,
         })

@@ -1,4 +1,4 @@
-//! Random-access file shared between threads.
+//! Random-access bytes shared between threads: a file, or a file's content in memory.
 //!
 //! The file is not memory-mapped: truncating a mapped file would kill the process, and reading is equally fast.
 
@@ -7,6 +7,7 @@ use mcap::MAGIC;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Opens a file for reading. Pipes and devices are rejected, because opening a pipe could block.
 ///
@@ -51,11 +52,17 @@ fn spool(path: &Path) -> io::Result<File> {
     })
 }
 
-/// An open file.
+/// An open file, or its content.
 #[derive(Debug)]
 pub(crate) struct Source {
-    file: File,
+    content: Content,
     length: u64,
+}
+
+#[derive(Debug)]
+enum Content {
+    File(File),
+    Memory(Arc<[u8]>),
 }
 
 impl Source {
@@ -70,10 +77,20 @@ impl Source {
         if metadata.is_dir() {
             return Err(RecordingError::Directory);
         }
+        Self::new(Content::File(file), length)
+    }
+
+    /// The content of a file.
+    pub(crate) fn from_bytes(bytes: Vec<u8>) -> Result<Self, RecordingError> {
+        let length = bytes.len() as u64;
+        Self::new(Content::Memory(bytes.into()), length)
+    }
+
+    fn new(content: Content, length: u64) -> Result<Self, RecordingError> {
         if length == 0 {
             return Err(RecordingError::Empty);
         }
-        Ok(Self { file, length })
+        Ok(Self { content, length })
     }
 
     /// The CRC-32 of the bytes between two positions.
@@ -101,10 +118,11 @@ impl Source {
 
     /// The same file for another thread.
     pub(crate) fn try_clone(&self) -> io::Result<Self> {
-        Ok(Self {
-            file: self.file.try_clone()?,
-            length: self.length,
-        })
+        let content = match &self.content {
+            Content::File(file) => Content::File(file.try_clone()?),
+            Content::Memory(bytes) => Content::Memory(Arc::clone(bytes)),
+        };
+        Ok(Self { content, ..*self })
     }
 
     /// Length of the file when it was opened, bytes.
@@ -121,7 +139,10 @@ impl Source {
         buffer.resize(length, 0);
         let mut filled = 0;
         while filled < length {
-            match read_at(&self.file, &mut buffer[filled..], offset + filled as u64) {
+            match self
+                .content
+                .read_at(&mut buffer[filled..], offset + filled as u64)
+            {
                 Ok(0) => break,
                 Ok(count) => filled += count,
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
@@ -130,6 +151,19 @@ impl Source {
         }
         buffer.truncate(filled);
         Ok(())
+    }
+}
+
+impl Content {
+    fn read_at(&self, buffer: &mut [u8], offset: u64) -> io::Result<usize> {
+        match self {
+            Self::File(file) => read_at(file, buffer, offset),
+            Self::Memory(bytes) => {
+                let start = usize::try_from(offset).unwrap_or(usize::MAX);
+                let mut rest = bytes.get(start..).unwrap_or_default();
+                rest.read(buffer)
+            }
+        }
     }
 }
 

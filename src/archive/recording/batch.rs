@@ -14,7 +14,7 @@ pub(super) struct LoadedMessages {
 /// A message of a batch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct BatchEntry {
-    /// Log time, ns.
+    /// The time by which it is read, ns: see [`Relogged`](super::clock::Relogged).
     pub(super) time_ns: u64,
     /// Index of the section.
     pub(super) section: u32,
@@ -77,6 +77,10 @@ impl LoadedMessages {
     /// Head and data of a message.
     pub(super) fn message(&self, entry: &BatchEntry) -> Option<MessageRecord<'_>> {
         let (record, _) = record_at(&self.records, entry.start as usize)?.ok()?;
-        MessageRecord::parse(&record)
+        let message = MessageRecord::parse(&record)?;
+        Some(MessageRecord {
+            time_ns: entry.time_ns,
+            ..message
+        })
     }
 }

@@ -1,5 +1,6 @@
 //! A recording as an open file.
 
+use super::clock::Relogged;
 use super::condition::Condition;
 use crate::archive::container::attachment::Attachment;
 use crate::archive::container::channels::FileChannel;
@@ -17,6 +18,7 @@ use crate::telemetry::encoding::{Encoding, FieldDifferences};
 use crate::telemetry::{Topic, Topics, table};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 /// Maximum size of a scenario, bytes.
 const MAX_SCENARIO_SIZE: u64 = 1 << 20;
@@ -29,6 +31,7 @@ pub struct Recording {
     pub(crate) source: Source,
     pub(crate) layout: Layout,
     path: PathBuf,
+    relogged: OnceLock<Option<Relogged>>,
 }
 
 impl Recording {
@@ -40,6 +43,14 @@ impl Recording {
         Self::from_source(Source::open(path)?, path)
     }
 
+    /// Scans a file whose content is in memory; `path` is its name.
+    ///
+    /// # Errors
+    /// [`RecordingError`] if it is not an MCAP file. Damage is not an error.
+    pub fn from_bytes(bytes: Vec<u8>, path: &Path) -> Result<Self, RecordingError> {
+        Self::from_source(Source::from_bytes(bytes)?, path)
+    }
+
     /// Scans an open file; `path` is its name.
     pub(crate) fn from_source(source: Source, path: &Path) -> Result<Self, RecordingError> {
         let layout = Layout::read(&source)?;
@@ -47,6 +58,7 @@ impl Recording {
             source,
             layout,
             path: path.to_owned(),
+            relogged: OnceLock::new(),
         };
         let runs = recording.runs()?;
         if runs > 1 {
@@ -104,6 +116,11 @@ impl Recording {
     /// The path as it was given.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// How log times differ from the time stamps of the messages, if they do. Messages are then read by their stamps.
+    pub fn relogged(&self) -> Option<Relogged> {
+        *self.relogged.get_or_init(|| Relogged::find(self))
     }
 
     /// Size of the file, bytes.

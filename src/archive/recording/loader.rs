@@ -5,6 +5,7 @@ mod records;
 
 use self::position::Position;
 use super::batch::{BatchEntry, LoadedMessages};
+use super::clock::Stamps;
 use super::file::Recording;
 use super::order::MessageOrder;
 use super::selection::Selection;
@@ -29,7 +30,9 @@ pub(super) struct Loader<'r> {
     selection: Selection,
     /// For each channel of the file, whether its messages are selected.
     is_wanted: Vec<bool>,
-    /// Whether messages are sorted by their log times; otherwise they keep the order of the file.
+    /// Reads the time stamps of messages that were logged at other times.
+    stamps: Option<Stamps>,
+    /// Whether messages are sorted by their times; otherwise they keep the order of the file.
     is_sorted: bool,
     plan: Plan,
     buffers: Buffers,
@@ -94,6 +97,9 @@ impl<'r> Loader<'r> {
         Self {
             is_wanted: wanted_channels(recording, &selection.topics),
             plan: Plan::Sections(0..recording.layout.sections.len()),
+            stamps: recording
+                .relogged()
+                .map(|relogged| Stamps::new(recording, relogged)),
             recording,
             selection,
             is_sorted: false,
@@ -148,11 +154,16 @@ impl<'r> Loader<'r> {
         self.batch.message(&found.entry)
     }
 
+    /// The time span of a section's messages according to its header, which has log times.
+    fn span(&self, section: &FileSection) -> Option<(u64, u64)> {
+        section.span.filter(|_| self.stamps.is_none())
+    }
+
     /// Whether the time spans of the chunks, according to their headers, follow each other.
     fn are_sections_in_order(&self) -> bool {
         let mut last = 0;
         self.recording.layout.sections.iter().all(|section| {
-            section.span.is_some_and(|(start, end)| {
+            self.span(section).is_some_and(|(start, end)| {
                 let follows = last <= start;
                 last = end;
                 follows
@@ -212,8 +223,8 @@ impl<'r> Loader<'r> {
         // The memory of the last section is used again: with two of them, large chunks would take twice their size.
         mem::swap(&mut self.batch.records, &mut self.buffers.records);
         // The times in a chunk's header spare reading it.
-        if section
-            .span
+        if self
+            .span(section)
             .is_some_and(|span| !self.selection.wants_span(span))
             || !self.load(section)
         {

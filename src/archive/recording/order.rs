@@ -78,8 +78,8 @@ impl Simultaneous {
 
     /// Adds a message, which replaces earlier ones.
     fn add(&mut self, message: &MessageRecord<'_>) {
-        if self.time_ns != Some(message.log_time) {
-            self.time_ns = Some(message.log_time);
+        if self.time_ns != Some(message.time_ns) {
+            self.time_ns = Some(message.time_ns);
             self.messages.clear();
             self.data.clear();
         }
@@ -184,7 +184,7 @@ impl MessageOrder {
             messages: 0,
             repeated: 0,
             topic: channel.topic.clone(),
-            time_ns: message.log_time,
+            time_ns: message.time_ns,
         });
         misplaced.messages += 1;
         misplaced.repeated += u64::from(fault == Fault::Repeated);
@@ -210,11 +210,11 @@ impl OrderedChannel {
     fn fault(&self, message: &MessageRecord<'_>) -> Option<Fault> {
         let last = self.latest.time_ns?;
         let is_disordered = match self.rule {
-            Rule::Time => message.log_time <= last,
-            Rule::Events => message.log_time < last,
+            Rule::Time => message.time_ns <= last,
+            Rule::Events => message.time_ns < last,
             Rule::Nothing => return None,
         };
-        if message.log_time == last && self.latest.contains(message) {
+        if message.time_ns == last && self.latest.contains(message) {
             return Some(Fault::Repeated);
         }
         is_disordered.then_some(Fault::Disordered)
@@ -246,6 +246,7 @@ mod tests {
                 sequence: *sequence,
                 log_time: *log_time,
                 publish_time: *log_time,
+                time_ns: *log_time,
                 data: &[*data],
             };
             accepted.push(order.accepts(0, &message));
@@ -313,6 +314,7 @@ mod tests {
                 channel_id: 0,
                 sequence,
                 log_time: 0,
+                time_ns: 0,
                 publish_time: 0,
                 data: &data,
             });

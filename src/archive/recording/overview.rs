@@ -1,5 +1,6 @@
 //! Content of a file.
 
+use super::clock::Relogged;
 use super::condition::Condition;
 use super::content::ContentCheck;
 use super::file::Recording;
@@ -46,6 +47,9 @@ pub struct Overview {
     /// nothing is.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub faults: Vec<String>,
+    /// How the log times differ from the time stamps of the messages; absent if they are equal.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub relogged: Option<Relogged>,
     /// A number in the file's statistics that contradicts its content; absent if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub statistics_fault: Option<StatisticsFault>,
@@ -203,6 +207,7 @@ impl Overview {
             channels,
             events,
             faults,
+            relogged: recording.relogged(),
             statistics_fault,
             supplements: if is_ours {
                 recording.supplements()

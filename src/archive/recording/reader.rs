@@ -22,6 +22,9 @@ pub struct Undecoded<'a> {
     pub position: usize,
     /// Sequence number.
     pub sequence: u32,
+    /// The time by which it is read, ns: its log time, or the time stamp in it if the recording was
+    /// [logged at other times](Recording::relogged).
+    pub time_ns: u64,
     /// Time of logging, ns.
     pub log_time: u64,
     /// Time of publishing, ns.
@@ -36,6 +39,7 @@ impl<'a> Undecoded<'a> {
             channel: &recording.channels()[found.channel],
             position: found.channel,
             sequence: message.sequence,
+            time_ns: message.time_ns,
             log_time: message.log_time,
             publish_time: message.publish_time,
             data: message.data,
@@ -92,12 +96,12 @@ impl Treatment {
         let Self::Decode { topic, decoder } = self else {
             return None;
         };
-        let (sequence, time_ns) = (message.sequence, message.log_time);
+        let (sequence, time_ns) = (message.sequence, message.time_ns);
         let mut decoded = match decoder {
             Ok(decoder) => decoder.decode(message.data, row),
             Err(error) => Err(error.clone()),
         };
-        // The time is in the message and in its head. If they differ, neither can be trusted.
+        // The time is in the message and in its head. If only some differ, neither can be trusted.
         let stamp = row.time_ns;
         if decoded.is_ok() && stamp != time_ns {
             decoded = Err(DecodeError::Timestamp(stamp));

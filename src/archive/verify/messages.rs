@@ -15,7 +15,7 @@ use std::collections::VecDeque;
 #[derive(Default)]
 pub(super) struct Compared {
     pub(super) equal: u64,
-    /// Missing messages, up to the first difference.
+    /// Missing messages; none after a difference, as the rest is not compared.
     pub(super) missing: u64,
     /// Parts of the file that can't be read.
     pub(super) losses: Losses,
@@ -30,6 +30,8 @@ pub(super) struct RerunComparison<'r> {
     rerun: Rerun<'r>,
     /// Whether encoded bytes are compared, or only values.
     scope: Scope,
+    /// Whether the messages were logged at other times than those in them.
+    is_relogged: bool,
     /// For each channel of the file, the index of the run's channel, if it has one.
     places: Vec<Option<usize>>,
     /// The decoder of each file channel that is in the table.
@@ -53,6 +55,7 @@ impl<'r> RerunComparison<'r> {
         }
         Self {
             decoders,
+            is_relogged: recording.relogged().is_some(),
             recording,
             rerun,
             scope,
@@ -79,8 +82,9 @@ impl<'r> RerunComparison<'r> {
         }
         // Also after a difference: what was lost until then may explain it.
         self.compared.losses = reader.all_losses();
-        // After a difference the rest is not compared, so nothing of it is missing.
-        if !self.recording.is_interrupted() && self.compared.difference.is_none() {
+        if self.compared.difference.is_some() {
+            self.compared.missing = 0;
+        } else if !self.recording.is_interrupted() {
             self.finish_run();
         }
         (self.compared, self.rerun.end())
@@ -96,7 +100,7 @@ impl<'r> RerunComparison<'r> {
             }
             return;
         };
-        if self.scope == Scope::Values && recorded.channel.is_view() {
+        if !self.compares_views() && recorded.channel.is_view() {
             return;
         }
         let found = self
@@ -123,7 +127,7 @@ impl<'r> RerunComparison<'r> {
             ("publish time (ns)", recorded.publish_time),
         ];
         for (name, time) in times {
-            if time != expected.time_ns {
+            if time != expected.time_ns && !self.is_relogged {
                 let values = [time, expected.time_ns].map(|ns| Some(ns.to_string()));
                 return Some(at(recorded, name, values));
             }
@@ -148,13 +152,13 @@ impl<'r> RerunComparison<'r> {
     /// Finds the expected message for a recorded one, simulating only as far as necessary.
     fn find(&mut self, channel: usize, recorded: &Undecoded<'_>) -> Option<usize> {
         loop {
-            self.skip_until(recorded.log_time);
+            self.skip_until(recorded.time_ns);
             let found = self.ahead.iter().position(|expected| {
                 expected.channel == channel && expected.sequence == recorded.sequence
             });
             let is_past = self
                 .reached_ns
-                .is_some_and(|reached| reached > recorded.log_time);
+                .is_some_and(|reached| reached > recorded.time_ns);
             if found.is_some() || is_past || self.is_over {
                 return found;
             }
@@ -177,11 +181,17 @@ impl<'r> RerunComparison<'r> {
         }
     }
 
+    /// Whether messages for viewers are compared: those of another version differ, and which time they are of is not
+    /// known if they were logged at other times.
+    fn compares_views(&self) -> bool {
+        self.scope == Scope::Bytes && !self.is_relogged
+    }
+
     /// Whether an expected message should be in the file.
     fn is_expected(&self, expected: &Expected) -> bool {
         let topic = self.rerun.header.channels[expected.channel].topic;
         // Recordings of another telemetry may lack topics of today's.
-        self.scope == Scope::Bytes
+        self.compares_views()
             || Topic::find(topic).is_some_and(|topic| {
                 self.recording.has_this_telemetry() || self.recording.has(topic)
             })
@@ -209,7 +219,7 @@ fn mismatch(recorded: &Undecoded<'_>, field: &str) -> Difference {
 /// A difference in a message.
 fn at(recorded: &Undecoded<'_>, field: &str, values: [Option<String>; 2]) -> Difference {
     Difference {
-        time: Some(seconds(recorded.log_time).to_string()),
+        time: Some(seconds(recorded.time_ns).to_string()),
         ..Difference::new(&recorded.channel.topic, field, values)
     }
 }

@@ -1,5 +1,6 @@
 //! `toprise info`.
 
+use crate::archive::container::loss::loss_lines;
 use crate::archive::format::{
     CONTENT_DIGEST, SCENARIO_DIGEST, STEPS, STOP_REASON, STOP_TIME, VERSION,
 };
@@ -7,7 +8,6 @@ use crate::archive::recording::{
     AttachmentOverview, ChannelOverview, Condition, Overview, Recording,
 };
 use crate::archive::supplements::Supplementary;
-use crate::cli::losses::loss_lines;
 use crate::cli::report;
 use crate::cli::status::Status;
 use crate::run::simulation::EventKind;
@@ -118,6 +118,9 @@ impl InfoReport {
             facts.push(("end", end_line(end)));
             let digest = entry(end, CONTENT_DIGEST);
             facts.push(("content", format!("sha-256 {digest}")));
+        }
+        if let Some(relogged) = overview.relogged {
+            facts.push(("log times", relogged.fact()));
         }
         let supplements = overview.supplements.iter().map(ToString::to_string);
         facts.extend(supplements.map(|supplement| ("in addition", supplement)));

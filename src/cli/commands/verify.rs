@@ -5,14 +5,11 @@ pub(super) mod file;
 use self::file::check_file;
 use super::archive::check::{ArchiveCheck, check_archive, is_archive};
 use crate::archive::publish::Drafts;
-use crate::archive::recording::Condition;
-use crate::archive::verify::{Equality, Report, SchemaCheck, Verdict};
-use crate::cli::losses::loss_lines;
+use crate::archive::verify::{Report, Verdict};
 use crate::cli::progress::Progress;
 use crate::cli::status::Status;
 use crate::cli::{output, report};
-use crate::telemetry::table;
-use crate::words::{Section, Table, Tone, counted, grouped};
+use crate::words::{Section, Table, Tone, grouped};
 use anyhow::Error;
 use clap::Args;
 use rayon::iter::{IntoParallelRefIterator as _, ParallelIterator as _};
@@ -131,7 +128,7 @@ impl VerifyReport {
         let mut sections = Vec::new();
         for file in &self.0 {
             if let Some(report) = &file.report {
-                sections.push(section(&file.file, report));
+                sections.push(report.section(&file.file));
             }
             if let Some(check) = &file.archive {
                 sections.push(archive_section(&file.file, check));
@@ -139,79 +136,6 @@ impl VerifyReport {
         }
         sections
     }
-}
-
-fn verified(report: &Report) -> &'static str {
-    match report.equality {
-        Some(Equality::ByteIdentical) | None => "verified (byte-identical to a new run)",
-        Some(Equality::PackedOtherwise) if !report.supplements.is_empty() => {
-            "verified (same run, in a file that holds more)"
-        }
-        Some(Equality::PackedOtherwise) => "verified (same content, repacked)",
-        Some(Equality::SameValues) => "verified (same values, recorded by another version)",
-    }
-}
-
-/// The parts of a recording of another version that are not compared.
-fn not_compared(check: SchemaCheck) -> &'static str {
-    match check {
-        SchemaCheck::Released => "channels for viewers",
-        SchemaCheck::Unknown => {
-            "channels for viewers; units and descriptions, because this version doesn't know those of the other"
-        }
-    }
-}
-
-fn section(file: &str, report: &Report) -> Section {
-    let (tone, conclusion) = match report.verdict {
-        Verdict::Verified => (Tone::Good, verified(report)),
-        Verdict::Incomplete if report.equal == Some(0) => (Tone::Weak, "nothing can be compared"),
-        Verdict::Incomplete => (Tone::Weak, "all readable messages match"),
-        Verdict::Different => (Tone::Bad, "DIFFERENT from a new run of its scenario"),
-    };
-    let state = match (report.verdict, report.state) {
-        // A complete file can contain an incomplete run.
-        (Verdict::Incomplete, Condition::Whole) => "incomplete run: ".to_owned(),
-        (Verdict::Incomplete, state) => format!("{}: ", state.name()),
-        _ => String::new(),
-    };
-    let mut section = Section::with_tone(tone, format!("{file}: {state}{conclusion}"));
-    let mut facts = Vec::new();
-    if let Some(difference) = &report.difference {
-        facts.push(("difference", difference.to_string()));
-    }
-    facts.extend(loss_lines(&report.losses, report.more_losses));
-    if let Some(version) = &report.recorded_by {
-        let this = format!(
-            "{} (telemetry {})",
-            env!("CARGO_PKG_VERSION"),
-            table::VERSION
-        );
-        facts.push(("recorded by", format!("toprise {version}; this is {this}")));
-    }
-    if let Some(equal) = report.equal {
-        facts.push(("equal", counted(equal, "message")));
-    }
-    if report.missing > 0 {
-        facts.push(("missing", counted(report.missing, "message")));
-    }
-    if !report.unknown.is_empty() {
-        facts.push(("not compared", report.unknown.join(", ")));
-    }
-    for supplement in &report.supplements {
-        facts.push(("in addition", format!("{supplement}, not verified")));
-    }
-    if !report.repeated.is_empty() {
-        facts.push(("repeated", report.repeated.join(", ")));
-    }
-    if let Some(check) = report.schemas {
-        facts.push(("not compared", not_compared(check).to_owned()));
-    }
-    if !report.without.is_empty() {
-        facts.push(("not recorded", report.without.join(", ")));
-    }
-    section.table(Table::from_facts(facts));
-    section
 }
 
 fn archive_section(file: &str, check: &ArchiveCheck) -> Section {

@@ -37,11 +37,15 @@ impl Loader<'_> {
                 );
                 continue;
             };
-            let time = message.log_time;
             // Windows read sections again.
             if self.is_first_pass {
-                self.tally.count_message(message.channel_id, time);
+                self.tally
+                    .count_message(message.channel_id, message.log_time);
             }
+            let time = match &mut self.stamps {
+                Some(stamps) => stamps.time(self.recording, &message),
+                None => message.log_time,
+            };
             let Some(channel) = self.recording.layout.channels.position(message.channel_id) else {
                 let reason = format!("undefined channel {}", message.channel_id);
                 self.report_lost_record(section, &place, Some(time), reason);

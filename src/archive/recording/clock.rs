@@ -1,0 +1,114 @@
+//! The clock of a recording's messages.
+//!
+//! toprise logs each message at the time of its stamp. Software that plays a recording and records it again logs the
+//! messages at other times, but keeps what is in them: they are read by their stamps.
+
+use super::file::Recording;
+use crate::archive::container::section::{Buffers, MessageRecord, record_at};
+use crate::run::time::seconds_and_nanoseconds;
+use crate::telemetry::encoding::{Decoder, Row};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::fmt;
+
+/// Maximum number of messages that decide on the clock, and of sections that are searched for them. A few times that
+/// are wrong are damage, not a clock.
+const MAX_MESSAGES: usize = 100;
+const MAX_SECTIONS: usize = 16;
+
+/// Log times that are not the time stamps of the messages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct Relogged {
+    /// Log time minus time stamp of the first message in which they differ, ns.
+    pub offset_ns: i64,
+}
+
+impl fmt::Display for Relogged {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (seconds, nanoseconds) = seconds_and_nanoseconds(self.offset_ns.unsigned_abs());
+        let relation = if self.offset_ns < 0 {
+            "before"
+        } else {
+            "after"
+        };
+        write!(f, "{seconds}.{nanoseconds:09} s {relation} time stamps")
+    }
+}
+
+impl Relogged {
+    /// What it is and what follows, for reports of the recording.
+    pub(crate) fn fact(&self) -> String {
+        format!("{self} (the first that differs); messages are read by their stamps")
+    }
+
+    /// Compares the log times of the first messages of the table with their stamps. `None` if most are logged at their
+    /// stamps.
+    pub(super) fn find(recording: &Recording) -> Option<Self> {
+        let offsets = first_offsets(recording);
+        let mut differing = offsets.iter().filter(|offset| **offset != 0);
+        let first = differing.next()?;
+        let is_clock = 2 * (1 + differing.count()) > offsets.len();
+        let offset_ns = i64::try_from(*first).ok().filter(|_| is_clock)?;
+        Some(Self { offset_ns })
+    }
+}
+
+/// Log time minus stamp of the first messages of the table, ns.
+fn first_offsets(recording: &Recording) -> Vec<i128> {
+    let mut stamps = Stamps::new(recording, Relogged { offset_ns: 0 });
+    let mut offsets = Vec::new();
+    let mut buffers = Buffers::default();
+    for section in recording.layout.sections.iter().take(MAX_SECTIONS) {
+        if section.load(&recording.source, &mut buffers).is_err() {
+            continue;
+        }
+        let mut position = 0;
+        while let Some(Ok((record, end))) = record_at(&buffers.records, position)
+            && offsets.len() < MAX_MESSAGES
+        {
+            position = end;
+            if let Some(message) = MessageRecord::parse(&record)
+                && let Some(stamp) = stamps.decode(recording, &message)
+            {
+                offsets.push(i128::from(message.log_time) - i128::from(stamp));
+            }
+        }
+    }
+    offsets
+}
+
+/// Reads the time stamps of messages that were logged at other times.
+#[derive(Debug)]
+pub(super) struct Stamps {
+    relogged: Relogged,
+    /// The decoder of each of the file's channels that is in the table.
+    decoders: Vec<Option<Decoder>>,
+    row: Row,
+}
+
+impl Stamps {
+    pub(super) fn new(recording: &Recording, relogged: Relogged) -> Self {
+        let channels = recording.channels().iter();
+        Self {
+            relogged,
+            decoders: channels.map(|channel| channel.decoder()?.ok()).collect(),
+            row: Row::default(),
+        }
+    }
+
+    /// The time by which a message is read, ns: its stamp, or its log time on the clock of the stamps if it has none.
+    pub(super) fn time(&mut self, recording: &Recording, message: &MessageRecord<'_>) -> u64 {
+        self.decode(recording, message).unwrap_or_else(|| {
+            message
+                .log_time
+                .saturating_add_signed(self.relogged.offset_ns.saturating_neg())
+        })
+    }
+
+    fn decode(&mut self, recording: &Recording, message: &MessageRecord<'_>) -> Option<u64> {
+        let channel = recording.layout.channels.position(message.channel_id)?;
+        let decoder = self.decoders[channel].as_ref()?;
+        decoder.decode(message.data, &mut self.row).ok()?;
+        Some(self.row.time_ns)
+    }
+}
