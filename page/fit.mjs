@@ -5,6 +5,7 @@ import { Engine } from "./engine.mjs";
 import { angleError, freeParameters, heldText } from "./free.mjs";
 import { drawMeasured, measuredName } from "./measured.mjs";
 import { keyName } from "./names.mjs";
+import { partElement, paragraph, sectionParts } from "./sections.mjs";
 import { sentenceText } from "./sentence.mjs";
 
 /** Phones give text tables types of their own, so names count, too. */
@@ -15,41 +16,6 @@ const EXAMPLE = { name: "top.csv", preset: "full-coulomb" };
 
 /** A word of a command line, in quotes if a shell would read it otherwise. */
 export const quotedWord = (word) => (/^[\w./=,:+-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
-
-/** The head of a row: a key or field with its unit, in the words of the page; the pointer shows its name in the program. */
-function rowHead(cell) {
-  const title = cell.map(({ key, field }) => key ?? field ?? "").join("");
-  return element("th", { scope: "row", title, textContent: sentenceText(cell) });
-}
-
-/** The head of a column. A fraction stays in one line. */
-const columnHead = (text) => element("th", { textContent: text.replaceAll("/", "\u2060/\u2060") });
-
-/** A table of a report. Narrow screens show each row as a block with the names of its cells. */
-function tableElement({ header, rows }) {
-  const names = header.map(sentenceText);
-  const isTitled = names[0] === "";
-  const head = element("tr", {}, ...names.map(columnHead));
-  const body = rows.map((row) => {
-    const cells = row.map((cell, index) => {
-      if (index === 0 && isTitled) return rowHead(cell);
-      const made = element("td", { textContent: sentenceText(cell) });
-      made.dataset.name = names[index];
-      return made;
-    });
-    return element("tr", {}, ...cells);
-  });
-  return element("table", { className: "stacking" }, element("thead", {}, head), element("tbody", {}, ...body));
-}
-
-const paragraph = (pieces) => element("p", { textContent: sentenceText(pieces) });
-const partElement = ({ table, line }) => (table ? tableElement(table) : paragraph(line));
-
-/** A section of a report: its title, the note to it, and its tables and sentences. */
-function sectionParts({ title, note, parts }) {
-  const heading = element("h3", { textContent: sentenceText(title) });
-  return [heading, ...(note.length > 0 ? [paragraph(note)] : []), ...parts.map(partElement)];
-}
 
 /** What the columns of the table of signals mean. */
 const SIGNAL_NOTE =
@@ -105,21 +71,6 @@ export class FitPanel {
       this.fit();
     };
     new ResizeObserver(() => this.draw()).observe(at("fit-plots"));
-    this.acceptDrops();
-  }
-
-  acceptDrops() {
-    const mark = (event, isOver) => {
-      if (!event.dataTransfer?.types.includes("Files")) return;
-      event.preventDefault();
-      document.body.classList.toggle("dropping", isOver);
-    };
-    addEventListener("dragover", (event) => mark(event, true));
-    addEventListener("dragleave", (event) => event.relatedTarget || mark(event, false));
-    addEventListener("drop", (event) => {
-      mark(event, false);
-      if (event.dataTransfer?.files.length > 0) this.read(event.dataTransfer.files[0]);
-    });
   }
 
   async read(file) {

@@ -13,6 +13,7 @@ import { runName } from "./names.mjs";
 import { EventList, showComparison, showExplanation } from "./reading.mjs";
 import { Scenario, linkOf, parseLink, scenarioFrom } from "./scenario.mjs";
 import { View } from "./top.mjs";
+import { VerifyPanel, isRecording } from "./verify.mjs";
 import { KEYS, showKeys } from "./keys.mjs";
 import { showWorksheet } from "./worksheet.mjs";
 
@@ -461,6 +462,13 @@ const describedScenario = () => ({
   keys: state.run?.keys ?? [],
   values: { ...state.scenario.preset.values, ...state.scenario.set },
 });
+/** Shows a run of a recording. */
+function showRecorded({ preset, set }) {
+  reveal();
+  at("first").scrollIntoView();
+  return start(linkOf({ preset, set }));
+}
+const verifyPanel = new VerifyPanel(module, { start: showRecorded });
 const fitPanel = new FitPanel(module, { scenario: describedScenario, titleOf, take: takeFit, copy, startFrom: startPreset });
 /** Whether other keys may have to change with a key: it is a choice or a formula, or is set or removed. */
 const hasFollowers = (key, value) => !key.range || value === "" || state.scenario.value(key.path) === undefined;
@@ -525,6 +533,24 @@ addEventListener("hashchange", follow);
 addEventListener("click", ({ target }) => {
   // A link to the address that is open already changes nothing in it, so there is no event.
   if (target.closest?.("a")?.getAttribute("href") === location.hash && location.hash) follow();
+});
+/** Takes a file that is dropped: a recording is verified, a table is fitted. */
+async function takeDropped(file) {
+  const content = await file.arrayBuffer();
+  if (isRecording(new Uint8Array(content))) await verifyPanel.take(file.name, new Uint8Array(content));
+  else await fitPanel.take(file.name, content);
+}
+
+function markDrop(event, isOver) {
+  if (!event.dataTransfer?.types.includes("Files")) return;
+  event.preventDefault();
+  document.body.classList.toggle("dropping", isOver);
+}
+addEventListener("dragover", (event) => markDrop(event, true));
+addEventListener("dragleave", (event) => event.relatedTarget || markDrop(event, false));
+addEventListener("drop", (event) => {
+  markDrop(event, false);
+  if (event.dataTransfer?.files.length > 0) takeDropped(event.dataTransfer.files[0]);
 });
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
   draw();

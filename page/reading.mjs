@@ -67,7 +67,7 @@ export class EventList {
 
 /** Shows the causal paragraph and the chapters of the program's explanation. */
 export function showExplanation(story, place, { error, story: paragraph, chapters }) {
-  story.textContent = error ?? sentenceText(paragraph);
+  story.textContent = error ?? sentenceText(paragraph ?? []); // what remains of a damaged run may have no reason
   place.replaceChildren(
     ...(chapters ?? []).flatMap(({ title, parts }) => [
       element("h3", { textContent: sentenceText(title) }),

@@ -1,6 +1,7 @@
 //! Fits of measured motions that are dropped on the page.
 
 use crate::form;
+use crate::progress::show_progress;
 use crate::scenario_request::ScenarioRequest;
 use serde::Deserialize;
 use serde_json::{Value as Json, json};
@@ -22,12 +23,6 @@ const DETAIL: usize = 50;
 
 /// Advice for a scenario that has no friction to find.
 const NO_FRICTION: &str = "the top on the screen has no friction to find: switch friction on, or find only its start (write start)";
-
-#[link(wasm_import_module = "page")]
-unsafe extern "C" {
-    /// Shows the progress of a fit: the address and the length of its text.
-    fn show_progress(text: *const u8, length: usize);
-}
 
 /// The data, parameters and errors of a fit. The content of the file is in the buffer of files.
 #[derive(Deserialize)]
@@ -93,9 +88,7 @@ fn sigma_in_degrees(text: &str) -> String {
 fn report_progress(progress: Progress) {
     // Derivatives have no χ².
     if progress.chi2.is_finite() {
-        let text = progress.to_string();
-        // SAFETY: the page reads the text before it returns, and keeps nothing of it.
-        unsafe { show_progress(text.as_ptr(), text.len()) }
+        show_progress(&progress.to_string());
     }
 }
 

@@ -69,6 +69,7 @@ pub fn texts(values: &Values) -> BTreeMap<&'static str, String> {
 /// The keys whose values differ, in `--set` notation; empty if the key is removed.
 pub fn differences(preset: &Values, values: &Values) -> BTreeMap<&'static str, String> {
     KEYS.iter()
+        .filter(|key| !HIDDEN.contains(&key.path))
         .filter(|key| preset.get(key.path) != values.get(key.path))
         .map(|key| {
             let value = values.get(key.path).map(Value::to_set_notation);

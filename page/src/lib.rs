@@ -7,10 +7,12 @@
 
 mod fit;
 mod form;
+mod progress;
 mod request;
 mod run;
 mod scenario_request;
 mod tables;
+mod verify;
 
 use request::Page;
 use std::cell::RefCell;
@@ -50,8 +52,8 @@ pub extern "C" fn column(index: usize) -> *const f64 {
 #[unsafe(no_mangle)]
 pub extern "C" fn file_input(length: usize) -> *mut u8 {
     PAGE.with_borrow_mut(|page| {
-        page.measured = vec![0; length];
-        page.measured.as_mut_ptr()
+        page.given = vec![0; length];
+        page.given.as_mut_ptr()
     })
 }
 

@@ -5,11 +5,15 @@ use crate::form;
 use crate::run::{Run, recording};
 use crate::scenario_request::ScenarioRequest;
 use crate::tables::tables;
+use crate::verify::{VerifyRequest, verify};
 use serde::Deserialize;
 use serde_json::{Value as Json, json};
 use std::error::Error;
+use std::mem::take;
 use toprise::analysis::diff::{Agreement, Durations, Options, compare};
 use toprise::analysis::explain::{Chapter, explain};
+use toprise::analysis::subject::Subject;
+use toprise::archive::recording::Recording;
 use toprise::fit::FitError;
 use toprise::run::scenario::{Preset, Scenario, ScenarioError};
 use toprise::telemetry::encoding::Encoding;
@@ -47,6 +51,8 @@ pub enum Request {
     },
     /// Fits a scenario to the file in the buffer of files.
     Fit(FitRequest),
+    /// Verifies the recording in the buffer of files, and compares it with the one before.
+    Verify(VerifyRequest),
 }
 
 /// State kept between requests.
@@ -55,9 +61,11 @@ pub struct Page {
     pub input: Vec<u8>,
     pub output: String,
     pub file: Vec<u8>,
-    /// Content of a file with measured values.
-    pub measured: Vec<u8>,
+    /// Content of the file that the next request reads.
+    pub given: Vec<u8>,
     run: Option<Run>,
+    /// The recording that was verified last.
+    verified: Option<Recording>,
 }
 
 impl Page {
@@ -99,21 +107,7 @@ impl Page {
                 Ok(run.progress())
             }
             Request::Explain(request) => explanation(&request.scenario()?),
-            Request::Compare { a, b } => {
-                let report = compare(&a.scenario()?, &b.scenario()?, &Options::default())?;
-                let differing = report
-                    .differing()
-                    .map(|finding| finding.cells(Durations::Readable));
-                let equal = report.findings.iter().filter(|finding| !finding.differs());
-                let equal = equal.map(|finding| finding.cells_of_equal(Durations::Readable));
-                Ok(json!({
-                    "headline": report.headline(),
-                    "agreement": report.agreement.map(Agreement::sentence),
-                    "findings": differing.collect::<Vec<_>>(),
-                    "remarks": report.remarks().collect::<Vec<_>>(),
-                    "equal": equal.collect::<Vec<_>>(),
-                }))
-            }
+            Request::Compare { a, b } => comparison(&a.scenario()?, &b.scenario()?),
             Request::Record { scenario, encoding } => {
                 let encoding = Encoding::ALL
                     .into_iter()
@@ -123,7 +117,8 @@ impl Page {
                 self.file = file;
                 Ok(json!({ "length": self.file.len(), "digest": digest }))
             }
-            Request::Fit(request) => fit(&request, &self.measured),
+            Request::Fit(request) => fit(&request, &self.given),
+            Request::Verify(request) => verify(&request, take(&mut self.given), &mut self.verified),
         }
     }
 }
@@ -173,8 +168,28 @@ fn describe(scenario: &Scenario, request: &ScenarioRequest) -> Result<Json, Scen
 }
 
 /// The explanation of a run: a paragraph on its causes, and the sections of its chapters.
-fn explanation(scenario: &Scenario) -> Result<Json, Box<dyn Error>> {
-    let explanation = explain(scenario)?;
+pub fn explanation<'a>(subject: impl Into<Subject<'a>>) -> Result<Json, Box<dyn Error>> {
+    let explanation = explain(subject)?;
     let chapters: Vec<_> = explanation.chapters.iter().map(Chapter::section).collect();
     Ok(json!({ "story": explanation.story.paragraph(), "chapters": chapters }))
+}
+
+/// The comparison of two runs: its headline, findings and remarks.
+pub fn comparison<'a>(
+    a: impl Into<Subject<'a>>,
+    b: impl Into<Subject<'a>>,
+) -> Result<Json, Box<dyn Error>> {
+    let report = compare(a, b, &Options::default())?;
+    let differing = report
+        .differing()
+        .map(|finding| finding.cells(Durations::Readable));
+    let equal = report.findings.iter().filter(|finding| !finding.differs());
+    let equal = equal.map(|finding| finding.cells_of_equal(Durations::Readable));
+    Ok(json!({
+        "headline": report.headline(),
+        "agreement": report.agreement.map(Agreement::sentence),
+        "findings": differing.collect::<Vec<_>>(),
+        "remarks": report.remarks().collect::<Vec<_>>(),
+        "equal": equal.collect::<Vec<_>>(),
+    }))
 }

@@ -3,7 +3,7 @@
 // TEST selects the tests whose names contain it.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, readFileSync, readdirSync, rmSync } from "node:fs";
+import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { chromium } from "playwright-core";
 
@@ -51,14 +51,14 @@ async function pinch(tab, id, factor, sideways = 0) {
   await tab.waitForTimeout(200);
 }
 
-/** Drops a file on the page. */
-async function drop(tab, name, text) {
-  const dropped = (name, text) => {
+/** Drops a file on the page: a text, or bytes. */
+async function drop(tab, name, content) {
+  const dropped = ([name, content]) => {
     const data = new DataTransfer();
-    data.items.add(new File([text], name));
+    data.items.add(new File([Uint8Array.from(atob(content), (letter) => letter.charCodeAt(0))], name));
     return data;
   };
-  const dataTransfer = await tab.evaluateHandle(`(${dropped})(${JSON.stringify(name)}, ${JSON.stringify(text)})`);
+  const dataTransfer = await tab.evaluateHandle(dropped, [name, Buffer.from(content).toString("base64")]);
   await tab.dispatchEvent("body", "dragover", { dataTransfer });
   assert.ok(await tab.evaluate(() => document.body.classList.contains("dropping")));
   await tab.dispatchEvent("body", "drop", { dataTransfer });
@@ -212,6 +212,44 @@ const tests = {
     await tab.keyboard.press("-");
     await tab.waitForTimeout(200);
     assert.equal(await clock(tab), time);
+  },
+  async "recordings are verified with the program's words, explained and compared"(tab) {
+    const folder = mkdtempSync(join(directory, "verify-"));
+    const program = (...words) => execFileSync(toprise, words, { cwd: folder, encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] });
+    for (const k of ["0.03", "0.04"]) program("run", "paper", "--set", "stop.duration=2", "--set", `friction.k=${k}`, "-o", `${k}.mcap`, "--quiet");
+    const bytes = (name) => readFileSync(join(folder, name));
+    const cut = bytes("0.04.mcap").subarray(0, 300_000);
+    writeFileSync(join(folder, "cut.mcap"), cut);
+    /** Drops a file, and what the page says of it. */
+    async function dropped(name, content) {
+      await drop(tab, name, content);
+      const isTold = (name) => document.querySelector("#verify-report h3")?.textContent.startsWith(`${name}:`) || document.querySelector("#verify-status.wrong");
+      await tab.waitForFunction(isTold, name);
+      return (await tab.textContent("#verify-report h3")).replaceAll("\u00a0", " ");
+    }
+    for (const name of ["0.03.mcap", "0.04.mcap", "cut.mcap"]) {
+      let said;
+      try {
+        said = program("verify", name);
+      } catch ({ stdout }) {
+        said = stdout; // it ends with another code if anything is missing
+      }
+      assert.equal(await dropped(name, bytes(name)), said.split("\n")[0]);
+    }
+    assert.ok((await tab.textContent("#verify-report")).includes("lost"));
+    await dropped("0.04.mcap", bytes("0.04.mcap"));
+    assert.ok((await tab.textContent("#verify-before")).includes("cut.mcap"));
+    const [, digest] = program("info", "0.04.mcap").match(/sha-256 (\w+)/);
+    assert.ok((await tab.textContent("#verify-digest")).includes(digest));
+    assert.ok((await tab.textContent("#verify-scenario")).includes("k = 0.04"));
+    assert.ok((await tab.textContent("#verify-story")).length > 50);
+    await shot(tab, "verified");
+    await tab.click("#verify-show");
+    await becomes(tab, "friction k = 0.04");
+    await drop(tab, "other.mcap", Buffer.concat([bytes("0.03.mcap").subarray(0, 8), Buffer.alloc(8)]));
+    await tab.waitForSelector("#verify-status.wrong, #verify-report h3");
+    await tab.click("#verify-close");
+    assert.ok(await tab.locator("#verify").isHidden());
   },
   async "a saved recording has the program's bytes and name"(tab) {
     await openAll(tab);

@@ -1,9 +1,9 @@
 //! Inputs of analysis: recordings, or scenarios to simulate.
 
 use crate::archive::format::end_entries;
-use crate::archive::recording::{
-    Condition, ContentCheck, Entries, Missing, Reader, Recording, Selection,
-};
+use crate::archive::recording::{Condition, Recording, Selection};
+pub use crate::archive::replay::ReadEnd;
+use crate::archive::replay::replay;
 use crate::run::scenario::Scenario;
 use crate::telemetry::{Message, RunError, RunMessages, Topic, Topics};
 
@@ -28,26 +28,25 @@ impl<'a> From<&'a Scenario> for Subject<'a> {
     }
 }
 
-/// The end of a run that has been read.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ReadEnd {
-    /// The entries of its end record.
-    pub end: Option<Entries>,
-    /// Parts that could not be read, in sentences.
-    pub losses: Vec<String>,
-    /// Messages that the run has according to its end record, but the recording lacks.
-    pub missing: Vec<Missing>,
-    /// State of the file, with all that reading it has shown; absent for a simulation.
-    pub state: Option<Condition>,
-}
-
 impl Subject<'_> {
     /// Calls `take` with the messages of some topics in time order, and the number of bytes read since the last call,
     /// as long as `take` returns true.
     pub fn read(self, topics: &Topics, take: &mut dyn FnMut(&Message<'_>, u64) -> bool) -> ReadEnd {
         match self {
             Self::Scenario(scenario) => simulate(scenario, topics, take),
-            Self::Recording(recording) => read(recording, topics, take),
+            Self::Recording(recording) => {
+                let topics = match topics {
+                    Topics::All => Topics::All,
+                    Topics::Only(topics) => {
+                        Topics::Only(topics.iter().map(ToString::to_string).collect())
+                    }
+                };
+                let selection = Selection {
+                    topics,
+                    ..Selection::default()
+                };
+                replay(recording, selection, take)
+            }
         }
     }
 
@@ -111,62 +110,6 @@ impl Subject<'_> {
             Self::Recording(recording) => Some(recording.condition()),
         }
     }
-}
-
-fn read(
-    recording: &Recording,
-    topics: &Topics,
-    take: &mut dyn FnMut(&Message<'_>, u64) -> bool,
-) -> ReadEnd {
-    let wanted: Vec<Topic> = match topics {
-        Topics::All => recording.topics(),
-        Topics::Only(topics) => topics.clone(),
-    };
-    let selection = Selection {
-        topics: Topics::Only(wanted.iter().map(ToString::to_string).collect()),
-        ..Selection::default()
-    };
-    let mut check = ContentCheck::new(recording, topics);
-    let mut is_stopped = false;
-    let mut reader = recording.reader(selection).in_order_of_time();
-    loop {
-        let bytes = reader.progress();
-        let Some(message) = reader.next() else {
-            break;
-        };
-        check.take(&message);
-        if let Ok(message) = message
-            && !take(&message, bytes)
-        {
-            is_stopped = true;
-            break;
-        }
-    }
-    let mut sentences = losses(recording, &reader);
-    // The rest of a recording that is read in part isn't missing.
-    let end = recording.end().filter(|_| !is_stopped);
-    let faults = check.finish(end);
-    let found = faults.sentences(!reader.all_losses().is_empty());
-    let state = reader.condition(!found.is_empty());
-    sentences.extend(found);
-    ReadEnd {
-        end: recording.end().cloned(),
-        losses: sentences,
-        missing: faults.missing,
-        state: Some(state),
-    }
-}
-
-/// Parts that a recording lacks and a reader could not read, in sentences.
-pub(super) fn losses(recording: &Recording, reader: &Reader<'_>) -> Vec<String> {
-    let mut sentences = reader.all_losses().sentences();
-    sentences.extend(reader.left_out().map(ToString::to_string));
-    if recording.lacks_end() {
-        let what = if recording.is_ours() { "run" } else { "file" };
-        sentences.push(format!("missing end of the {what} (interrupted)"));
-    }
-    sentences.extend(reader.statistics_fault().map(|fault| fault.to_string()));
-    sentences
 }
 
 fn simulate(

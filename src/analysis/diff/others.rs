@@ -1,7 +1,7 @@
 //! Topics compared as they stand in the files: time, sequence number, bytes.
 
-use crate::analysis::subject;
 use crate::archive::recording::{Recording, Selection};
+use crate::archive::replay;
 use crate::run::time::seconds;
 use crate::telemetry::Topics;
 use crate::words::counted;
@@ -211,7 +211,7 @@ fn messages<'r>(
                 data: raw.data.into(),
             });
         }
-        losses.extend(subject::losses(recording, &reader));
+        losses.extend(replay::losses(recording, &reader));
         None
     })
 }

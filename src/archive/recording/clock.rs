@@ -40,17 +40,25 @@ impl Relogged {
     pub(crate) fn fact(&self) -> String {
         format!("{self} (the first that differs); messages are read by their stamps")
     }
+}
 
-    /// Compares the log times of the first messages of the table with their stamps. `None` if most are logged at their
-    /// stamps.
-    pub(super) fn find(recording: &Recording) -> Option<Self> {
-        let offsets = first_offsets(recording);
-        let mut differing = offsets.iter().filter(|offset| **offset != 0);
-        let first = differing.next()?;
-        let is_clock = 2 * (1 + differing.count()) > offsets.len();
-        let offset_ns = i64::try_from(*first).ok().filter(|_| is_clock)?;
-        Some(Self { offset_ns })
+impl Recording {
+    /// How log times differ from the time stamps of the messages, if they do. Messages are then read by their stamps.
+    pub fn relogged(&self) -> Option<Relogged> {
+        let offset = self.log_offset_ns.get_or_init(|| find_offset(self));
+        offset.map(|offset_ns| Relogged { offset_ns })
     }
+}
+
+/// The first difference of a log time from its stamp, ns, if most of the first messages of the table have one. A single
+/// message is no clock.
+fn find_offset(recording: &Recording) -> Option<i64> {
+    let offsets = first_offsets(recording);
+    let mut differing = offsets.iter().filter(|offset| **offset != 0);
+    let first = differing.next()?;
+    let others = differing.count();
+    let is_clock = others > 0 && 2 * (1 + others) > offsets.len();
+    i64::try_from(*first).ok().filter(|_| is_clock)
 }
 
 /// Log time minus stamp of the first messages of the table, ns.

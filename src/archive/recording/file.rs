@@ -1,6 +1,5 @@
 //! A recording as an open file.
 
-use super::clock::Relogged;
 use super::condition::Condition;
 use crate::archive::container::attachment::Attachment;
 use crate::archive::container::channels::FileChannel;
@@ -31,7 +30,8 @@ pub struct Recording {
     pub(crate) source: Source,
     pub(crate) layout: Layout,
     path: PathBuf,
-    relogged: OnceLock<Option<Relogged>>,
+    /// Log time minus time stamp, if the log times are another clock's: see [`Relogged`](super::Relogged).
+    pub(super) log_offset_ns: OnceLock<Option<i64>>,
 }
 
 impl Recording {
@@ -58,7 +58,7 @@ impl Recording {
             source,
             layout,
             path: path.to_owned(),
-            relogged: OnceLock::new(),
+            log_offset_ns: OnceLock::new(),
         };
         let runs = recording.runs()?;
         if runs > 1 {
@@ -116,11 +116,6 @@ impl Recording {
     /// The path as it was given.
     pub fn path(&self) -> &Path {
         &self.path
-    }
-
-    /// How log times differ from the time stamps of the messages, if they do. Messages are then read by their stamps.
-    pub fn relogged(&self) -> Option<Relogged> {
-        *self.relogged.get_or_init(|| Relogged::find(self))
     }
 
     /// Size of the file, bytes.

@@ -7,6 +7,8 @@ mod datacite;
 mod terms;
 
 pub use self::datacite::RECORD;
+#[cfg(feature = "cli")]
+pub(crate) use self::datacite::pruned;
 pub use self::terms::{Date, Doi, Identifier, InvalidTerm, Licence, Orcid, Relation, Text};
 use serde::Deserialize;
 use thiserror::Error;
@@ -124,7 +126,7 @@ creators = [{ name = "Doe, Jo" }]
     #[test]
     fn errors_name_the_line_and_what_is_allowed() {
         for (change, by, expected) in [
-            ("A rising top", " ", "must not be empty"),
+            ("A rising top", " ", "it is empty"),
             ("CC-BY-4.0", "CC BY 4.0", "SPDX"),
             ("CC-BY-4.0", "GPL3", "GPL-3.0"),
             ("CC-BY-4.0", "", "SPDX"),

@@ -6,7 +6,8 @@ use crate::archive::format::is_end_of;
 use crate::archive::input::open_file;
 use crate::archive::publish::{Draft, Drafts, Existing, check_not_an_input};
 use crate::archive::recording::{Condition, Recording, Selection};
-use crate::archive::replay::{Replayed, replay};
+use crate::archive::replay::{ReadEnd, replay};
+use crate::archive::sink::{Sink as _, SinkError};
 use crate::cli::arguments::OUTPUT;
 use crate::cli::file_kind::FileKind;
 use crate::cli::interrupt;
@@ -321,11 +322,15 @@ fn show(
         bail!("{}", reasons.join("; "));
     }
     let was_viewer_lost = viewer::warn_all(&warnings);
-    let replayed = replay(recording, plan.selection.clone(), &mut sink, |read| {
-        progress.add(read);
-        interrupt::flow()
-    })
-    .with_context(|| path.display().to_string())?;
+    let mut messages = 0;
+    let mut written: Result<(), SinkError> = Ok(());
+    let read = replay(recording, plan.selection.clone(), &mut |message, bytes| {
+        written = sink.write(message);
+        messages += 1;
+        progress.add(bytes);
+        written.is_ok() && !interrupt::is_requested()
+    });
+    written.with_context(|| path.display().to_string())?;
     if let Some(outcome) = outcome_of(recording, &plan.selection) {
         sink.set_outcome(&outcome);
     }
@@ -336,14 +341,14 @@ fn show(
         let path = draft.path().display();
         output::warn(&format!("interrupted: {path} is not written"));
     }
-    warn(recording, &replayed);
+    warn(recording, messages, &read);
     Ok(ShownRecording {
         file: path.display().to_string(),
         name: name.clone(),
-        state: recording.condition(),
-        messages: replayed.messages,
-        undecodable: replayed.undecodable.as_ref().map_or(0, |(_, count)| *count),
-        losses: losses(&replayed),
+        state: read.state.unwrap_or_else(|| recording.condition()),
+        messages,
+        undecodable: read.undecodable,
+        losses: read.losses,
         // With a file, nothing is lost with the viewer.
         is_viewer_lost: completed.is_viewer_lost || was_viewer_lost && completed.file.is_none(),
         rrd: completed.file,
@@ -374,29 +379,14 @@ fn outcome_of(recording: &Recording, selection: &Selection) -> Option<Outcome> {
     is_end_of(end, &outcome).then_some(outcome)
 }
 
-/// Parts that could not be shown, in sentences.
-fn losses(replayed: &Replayed) -> Vec<String> {
-    let losses = replayed.losses.sentences().into_iter();
-    let left_out = replayed.left_out.iter().map(ToString::to_string);
-    losses.chain(left_out).collect()
-}
-
 /// Warns about parts that could not be shown.
-fn warn(recording: &Recording, replayed: &Replayed) {
+fn warn(recording: &Recording, messages: u64, read: &ReadEnd) {
     let path = recording.path().display();
-    if replayed.messages == 0 {
+    if messages == 0 {
         output::warn(&format!("{path}: no messages in this time range"));
     }
-    if recording.condition() == Condition::Interrupted {
-        output::warn(&format!("{path} is incomplete (interrupted)"));
-    }
-    for loss in losses(replayed) {
+    for loss in &read.losses {
         output::warn(&format!("{path}: {loss}"));
-    }
-    if let Some((error, count)) = &replayed.undecodable {
-        output::warn(&format!(
-            "{path}: {count} messages skipped; first error: {error}"
-        ));
     }
 }
 

@@ -1,6 +1,6 @@
 //! The metadata record in `DataCite`'s words.
 
-use super::{About, Creator, Funder, Identifier, Related};
+use super::{About, Creator, Doi, Identifier, Related, Text};
 use crate::archive::format::Entries;
 use serde_json::{Map, Value, json};
 
@@ -62,88 +62,80 @@ impl About {
 
     /// The properties of `DataCite`'s JSON.
     pub fn to_datacite(&self) -> Map<String, Value> {
-        let creators: Vec<_> = self.creators.iter().map(creator).collect();
-        let mut properties = Properties::default();
-        properties.add("creators", creators.into());
-        properties.add("titles", json!([{ "title": self.title.as_str() }]));
-        properties.add("publicationYear", self.date.year().into());
-        let date = self.date.to_string();
-        properties.add("dates", json!([{ "date": date, "dateType": "Issued" }]));
-        let kind = json!({ "resourceTypeGeneral": "Dataset", "resourceType": "Simulation" });
-        properties.add("types", kind);
-        let rights = json!({
-            "rights": self.licence.name,
-            "rightsUri": self.licence.address(),
-            "rightsIdentifier": self.licence.id,
-            "rightsIdentifierScheme": "SPDX",
-            "schemeUri": "https://spdx.org/licenses/",
+        let text = |text: &Option<Text>| text.as_ref().map(|text| text.as_str().to_owned());
+        let properties = json!({
+            "creators": self.creators.iter().map(creator).collect::<Vec<_>>(),
+            "titles": [{ "title": self.title.as_str() }],
+            "publicationYear": self.date.year(),
+            "dates": [{ "date": self.date.to_string(), "dateType": "Issued" }],
+            "types": { "resourceTypeGeneral": "Dataset", "resourceType": "Simulation" },
+            "rightsList": [{
+                "rights": self.licence.name,
+                "rightsUri": self.licence.address(),
+                "rightsIdentifier": self.licence.id,
+                "rightsIdentifierScheme": "SPDX",
+                "schemeUri": "https://spdx.org/licenses/",
+            }],
+            "schemaVersion": SCHEMA,
+            "doi": self.doi.as_ref().map(Doi::as_str),
+            "publisher": { "name": text(&self.publisher) },
+            "descriptions": self.description.iter().map(|text| json!({
+                "description": text.as_str(),
+                "descriptionType": "Abstract",
+            })).collect::<Vec<_>>(),
+            "subjects": self.keywords.iter().map(|keyword| json!({ "subject": keyword.as_str() })).collect::<Vec<_>>(),
+            "fundingReferences": self.funders.iter().map(|funder| json!({
+                "funderName": funder.name.as_str(),
+                "awardNumber": text(&funder.award),
+            })).collect::<Vec<_>>(),
+            "relatedIdentifiers": self.related.iter().map(related).collect::<Vec<_>>(),
         });
-        properties.add("rightsList", json!([rights]));
-        properties.add("schemaVersion", SCHEMA.into());
-        if let Some(doi) = &self.doi {
-            properties.add("doi", doi.as_str().into());
+        match pruned(properties) {
+            Value::Object(properties) => properties,
+            _ => Map::new(),
         }
-        if let Some(publisher) = &self.publisher {
-            properties.add("publisher", json!({ "name": publisher.as_str() }));
-        }
-        if let Some(text) = &self.description {
-            let abstract_ = json!({ "description": text.as_str(), "descriptionType": "Abstract" });
-            properties.add("descriptions", json!([abstract_]));
-        }
-        let subject = |keyword: &super::Text| json!({ "subject": keyword.as_str() });
-        properties.add_list("subjects", &self.keywords, subject);
-        properties.add_list("fundingReferences", &self.funders, funder);
-        properties.add_list("relatedIdentifiers", &self.related, related);
-        properties.0
     }
 }
 
-#[derive(Default)]
-struct Properties(Map<String, Value>);
-
-impl Properties {
-    fn add(&mut self, name: &str, value: Value) {
-        self.0.insert(name.to_owned(), value);
-    }
-
-    /// Adds a list, unless it is empty.
-    fn add_list<T>(&mut self, name: &str, list: &[T], to_json: fn(&T) -> Value) {
-        if !list.is_empty() {
-            self.add(name, list.iter().map(to_json).collect());
+/// The JSON without members that are null or empty: what is not known is left out.
+pub(crate) fn pruned(value: Value) -> Value {
+    match value {
+        Value::Object(members) => {
+            let members = members
+                .into_iter()
+                .map(|(name, value)| (name, pruned(value)));
+            members.filter(|(_, value)| !is_empty(value)).collect()
         }
+        Value::Array(items) => items.into_iter().map(pruned).collect(),
+        value => value,
+    }
+}
+
+fn is_empty(value: &Value) -> bool {
+    match value {
+        Value::Null => true,
+        Value::Object(members) => members.is_empty(),
+        Value::Array(items) => items.is_empty(),
+        _ => false,
     }
 }
 
 fn creator(creator: &Creator) -> Value {
-    let mut properties = Properties::default();
-    properties.add("name", creator.name.as_str().into());
     let kind = if creator.is_person() {
         "Personal"
     } else {
         "Organizational"
     };
-    properties.add("nameType", kind.into());
-    if let Some(orcid) = &creator.orcid {
-        let identifier = json!({
+    json!({
+        "name": creator.name.as_str(),
+        "nameType": kind,
+        "nameIdentifiers": creator.orcid.iter().map(|orcid| json!({
             "nameIdentifier": format!("https://orcid.org/{}", orcid.as_str()),
             "nameIdentifierScheme": "ORCID",
             "schemeUri": "https://orcid.org",
-        });
-        properties.add("nameIdentifiers", json!([identifier]));
-    }
-    if let Some(affiliation) = &creator.affiliation {
-        properties.add("affiliation", json!([{ "name": affiliation.as_str() }]));
-    }
-    properties.0.into()
-}
-
-fn funder(funder: &Funder) -> Value {
-    let mut properties = Properties::default();
-    properties.add("funderName", funder.name.as_str().into());
-    if let Some(award) = &funder.award {
-        properties.add("awardNumber", award.as_str().into());
-    }
-    properties.0.into()
+        })).collect::<Vec<_>>(),
+        "affiliation": creator.affiliation.iter().map(|name| json!({ "name": name.as_str() })).collect::<Vec<_>>(),
+    })
 }
 
 fn related(related: &Related) -> Value {

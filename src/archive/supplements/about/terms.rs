@@ -10,45 +10,21 @@ use toml::value::Datetime;
 
 /// A value that is not allowed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum InvalidTerm {
-    /// A text without a visible character.
-    #[error("this must not be empty")]
-    Empty,
-    /// A text with control characters.
-    #[error("{0:?} has control characters")]
-    Control(String),
-    /// A licence that SPDX doesn't list.
-    #[error("{value:?} is no licence of SPDX's list, such as CC-BY-4.0{}: see https://spdx.org/licenses", did_you_mean(.nearest.as_slice()))]
-    Licence {
-        /// The value.
-        value: String,
-        /// The licence that was probably meant.
-        nearest: Option<&'static str>,
-    },
-    /// Not a day.
-    #[error("{0} is no day, YYYY-MM-DD")]
-    Date(String),
-    /// Not in the form of an ORCID.
-    #[error("{0:?} is no ORCID, such as 0000-0002-1825-0097")]
-    Orcid(String),
-    /// The check digit of an ORCID is wrong.
-    #[error("{0:?} is no ORCID: its check digit (the last) doesn't fit the others")]
-    CheckDigit(String),
-    /// Not a DOI.
-    #[error("{0:?} is no DOI, such as 10.5281/zenodo.1234567")]
-    Doi(String),
-    /// Not a relation of `DataCite`.
-    #[error(
-        "{value:?} is no relation of DataCite, such as isSupplementTo{}",
-        suggestion(value, RELATIONS)
-    )]
-    Relation {
-        /// The value.
-        value: String,
-    },
-    /// Not an identifier of a work.
-    #[error("{0:?} is neither a DOI, an arXiv number (arXiv:1101.0001) nor an address (https://…)")]
-    Identifier(String),
+#[error("{value:?} is no {expected}")]
+pub struct InvalidTerm {
+    /// The value.
+    pub value: String,
+    /// What it would have to be.
+    pub expected: String,
+}
+
+impl InvalidTerm {
+    fn new(value: impl Into<String>, expected: impl Into<String>) -> Self {
+        Self {
+            value: value.into(),
+            expected: expected.into(),
+        }
+    }
 }
 
 /// A list that must not be empty.
@@ -135,10 +111,10 @@ impl TryFrom<String> for Text {
         let words: Vec<&str> = text.split_whitespace().collect();
         let text = words.join(" ");
         if text.is_empty() {
-            return Err(InvalidTerm::Empty);
+            return Err(InvalidTerm::new(text, "text: it is empty"));
         }
         if text.contains(is_control) {
-            return Err(InvalidTerm::Control(text));
+            return Err(InvalidTerm::new(text, "text without control characters"));
         }
         Ok(Self(text))
     }
@@ -157,7 +133,11 @@ impl TryFrom<String> for Licence {
             });
         }
         let nearest = spdx::imprecise_license_id(&value).map(|(id, _)| id.name);
-        Err(InvalidTerm::Licence { value, nearest })
+        let hint = did_you_mean(nearest.as_slice());
+        let expected = format!(
+            "licence of SPDX's list, such as CC-BY-4.0{hint}: see https://spdx.org/licenses"
+        );
+        Err(InvalidTerm::new(value, expected))
     }
 }
 
@@ -168,6 +148,9 @@ impl Licence {
     }
 }
 
+const ORCID: &str = "ORCID, such as 0000-0002-1825-0097";
+const CHECK_DIGIT: &str = "ORCID: its check digit (the last) doesn't fit the others";
+
 impl TryFrom<String> for Orcid {
     type Error = InvalidTerm;
 
@@ -175,7 +158,7 @@ impl TryFrom<String> for Orcid {
         let id = value.strip_prefix("https://orcid.org/").unwrap_or(&value);
         let groups: Vec<&str> = id.split('-').collect();
         if groups.len() != 4 || groups.iter().any(|group| group.len() != 4) {
-            return Err(InvalidTerm::Orcid(value));
+            return Err(InvalidTerm::new(value, ORCID));
         }
         let digits: Option<Vec<u32>> = groups.concat().chars().map(orcid_digit).collect();
         match digits.as_deref().and_then(<[u32]>::split_last) {
@@ -184,10 +167,10 @@ impl TryFrom<String> for Orcid {
                 if (12 - sum) % 11 == *last {
                     Ok(Self(id.to_owned()))
                 } else {
-                    Err(InvalidTerm::CheckDigit(value))
+                    Err(InvalidTerm::new(value, CHECK_DIGIT))
                 }
             }
-            Some(_) | None => Err(InvalidTerm::Orcid(value)),
+            Some(_) | None => Err(InvalidTerm::new(value, ORCID)),
         }
     }
 }
@@ -206,7 +189,10 @@ impl TryFrom<String> for Doi {
     fn try_from(value: String) -> Result<Self, InvalidTerm> {
         match bare_doi(&value) {
             Some(doi) => Ok(Self(doi.to_owned())),
-            None => Err(InvalidTerm::Doi(value)),
+            None => Err(InvalidTerm::new(
+                value,
+                "DOI, such as 10.5281/zenodo.1234567",
+            )),
         }
     }
 }
@@ -266,7 +252,10 @@ impl<'de> Deserialize<'de> for Date {
                 time: None,
                 offset: None,
             }) => Ok(Self(date)),
-            Some(_) | None => Err(D::Error::custom(InvalidTerm::Date(value.to_string()))),
+            Some(_) | None => {
+                let text = value.to_string();
+                Err(D::Error::custom(InvalidTerm::new(text, "day, YYYY-MM-DD")))
+            }
         }
     }
 }
@@ -275,55 +264,26 @@ impl TryFrom<String> for Relation {
     type Error = InvalidTerm;
 
     fn try_from(value: String) -> Result<Self, InvalidTerm> {
-        let mut relations = RELATIONS.into_iter();
+        let mut relations = RELATIONS.split_whitespace();
         match relations.find(|name| name.eq_ignore_ascii_case(&value)) {
             Some(name) => Ok(Self(name.to_owned())),
-            None => Err(InvalidTerm::Relation { value }),
+            None => {
+                let hint = suggestion(&value, RELATIONS.split_whitespace());
+                let expected = format!("relation of DataCite, such as isSupplementTo{hint}");
+                Err(InvalidTerm::new(value, expected))
+            }
         }
     }
 }
 
 /// The relations of `DataCite` 4.6 (controlled list `relationType`).
-const RELATIONS: [&str; 38] = [
-    "IsCitedBy",
-    "Cites",
-    "IsCollectedBy",
-    "Collects",
-    "IsSupplementTo",
-    "IsSupplementedBy",
-    "IsContinuedBy",
-    "Continues",
-    "IsDescribedBy",
-    "Describes",
-    "HasMetadata",
-    "IsMetadataFor",
-    "HasVersion",
-    "IsVersionOf",
-    "IsNewVersionOf",
-    "IsPreviousVersionOf",
-    "IsPartOf",
-    "HasPart",
-    "IsPublishedIn",
-    "IsReferencedBy",
-    "References",
-    "IsDocumentedBy",
-    "Documents",
-    "IsCompiledBy",
-    "Compiles",
-    "IsVariantFormOf",
-    "IsOriginalFormOf",
-    "IsIdenticalTo",
-    "IsReviewedBy",
-    "Reviews",
-    "IsDerivedFrom",
-    "IsSourceOf",
-    "IsRequiredBy",
-    "Requires",
-    "Obsoletes",
-    "IsObsoletedBy",
-    "HasTranslation",
-    "IsTranslationOf",
-];
+const RELATIONS: &str = "
+    IsCitedBy Cites IsCollectedBy Collects IsSupplementTo IsSupplementedBy IsContinuedBy Continues
+    IsDescribedBy Describes HasMetadata IsMetadataFor HasVersion IsVersionOf IsNewVersionOf
+    IsPreviousVersionOf IsPartOf HasPart IsPublishedIn IsReferencedBy References IsDocumentedBy
+    Documents IsCompiledBy Compiles IsVariantFormOf IsOriginalFormOf IsIdenticalTo IsReviewedBy Reviews
+    IsDerivedFrom IsSourceOf IsRequiredBy Requires Obsoletes IsObsoletedBy HasTranslation
+    IsTranslationOf";
 
 /// What identifies a work.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
@@ -353,7 +313,8 @@ impl TryFrom<String> for Identifier {
         } else if begins_with("https://") || begins_with("http://") {
             Ok(Self::Url(value))
         } else {
-            Err(InvalidTerm::Identifier(value))
+            let expected = "DOI, arXiv number (arXiv:1101.0001) or address (https://…)";
+            Err(InvalidTerm::new(value, expected))
         }
     }
 }
@@ -376,7 +337,7 @@ mod tests {
             let others = "0123456789X".chars().filter(|last| !id.ends_with(*last));
             for last in others {
                 let wrong = format!("{}{last}", &id[..18]);
-                let expected = Err(InvalidTerm::CheckDigit(wrong.clone()));
+                let expected = Err(InvalidTerm::new(&wrong, CHECK_DIGIT));
                 assert_eq!(Orcid::try_from(wrong), expected);
             }
         }
@@ -387,7 +348,7 @@ mod tests {
             "000X-0002-1825-0097",
             "ää-ää-ää-ää",
         ] {
-            let expected = Err(InvalidTerm::Orcid(text.to_owned()));
+            let expected = Err(InvalidTerm::new(text, ORCID));
             assert_eq!(Orcid::try_from(text.to_owned()), expected);
         }
     }
@@ -416,8 +377,7 @@ mod tests {
             "ftp://a",
             "https://a b",
         ] {
-            let expected = Err(InvalidTerm::Identifier(text.to_owned()));
-            assert_eq!(identifier(text), expected);
+            assert_eq!(identifier(text).unwrap_err().value, text);
         }
     }
 }

@@ -1,8 +1,10 @@
 //! How an archive is cited: the Citation File Format 1.2.0 (Druskat et al. 2021, doi:10.5281/zenodo.5171937), and the
 //! metadata of a deposit at Zenodo.
 
-use crate::archive::supplements::about::{About, Creator, Identifier, Orcid, Related, Text};
-use serde_json::{Map, Value, json};
+use crate::archive::supplements::about::{
+    About, Creator, Doi, Identifier, Orcid, Related, Text, pruned,
+};
+use serde_json::{Value, json};
 
 /// The text of `CITATION.cff`.
 pub(super) fn cff(about: &About) -> String {
@@ -61,28 +63,18 @@ fn author(creator: &Creator) -> Vec<String> {
 /// The content of `.zenodo.json`.
 pub(super) fn zenodo(about: &About) -> Value {
     let description = about.description.as_ref().unwrap_or(&about.title);
-    let creators: Vec<Value> = about.creators.iter().map(zenodo_creator).collect();
-    let mut properties = json!({
+    pruned(json!({
         "title": about.title.as_str(),
         "upload_type": "dataset",
         "access_right": "open",
         "description": html(description.as_str()),
-        "creators": creators,
+        "creators": about.creators.iter().map(zenodo_creator).collect::<Vec<_>>(),
         "license": about.licence.id.to_lowercase(),
         "publication_date": about.date.to_string(),
-    });
-    if let Some(doi) = &about.doi {
-        properties["doi"] = doi.as_str().into();
-    }
-    if !about.keywords.is_empty() {
-        let keywords = about.keywords.iter().map(Text::as_str);
-        properties["keywords"] = keywords.collect();
-    }
-    if !about.related.is_empty() {
-        let related = about.related.iter().map(zenodo_related);
-        properties["related_identifiers"] = related.collect();
-    }
-    properties
+        "doi": about.doi.as_ref().map(Doi::as_str),
+        "keywords": about.keywords.iter().map(Text::as_str).collect::<Vec<_>>(),
+        "related_identifiers": about.related.iter().map(zenodo_related).collect::<Vec<_>>(),
+    }))
 }
 
 /// Zenodo takes descriptions as HTML.
@@ -93,21 +85,11 @@ fn html(text: &str) -> String {
 }
 
 fn zenodo_creator(creator: &Creator) -> Value {
-    let mut properties = Map::new();
-    let entries = [
-        ("name", Some(creator.name.as_str())),
-        (
-            "affiliation",
-            creator.affiliation.as_ref().map(Text::as_str),
-        ),
-        ("orcid", creator.orcid.as_ref().map(Orcid::as_str)),
-    ];
-    for (key, value) in entries {
-        if let Some(value) = value {
-            properties.insert(key.to_owned(), value.into());
-        }
-    }
-    properties.into()
+    json!({
+        "name": creator.name.as_str(),
+        "affiliation": creator.affiliation.as_ref().map(Text::as_str),
+        "orcid": creator.orcid.as_ref().map(Orcid::as_str),
+    })
 }
 
 /// Zenodo begins the relations of `DataCite` with small letters.

@@ -3,9 +3,9 @@
 
 use super::parts::{Archive, ArchiveFile, ArchivedRecording};
 use crate::archive::format::VERSION;
-use crate::archive::supplements::about::{About, Creator, Identifier, Text};
+use crate::archive::supplements::about::{About, Creator, Identifier, Text, pruned};
 use crate::telemetry::Topics;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
 const CONTEXT: &str = "https://w3id.org/ro/crate/1.2/context";
@@ -49,7 +49,7 @@ pub(super) fn json(archive: &Archive, files: &[ArchiveFile]) -> String {
     // One work may be related in two ways, and one person named twice.
     let mut ids = BTreeSet::new();
     graph.retain(|entity| ids.insert(entity["@id"].to_string()));
-    let crate_ = json!({ "@context": CONTEXT, "@graph": graph });
+    let crate_ = pruned(json!({ "@context": CONTEXT, "@graph": graph }));
     format!("{crate_:#}\n")
 }
 
@@ -85,7 +85,9 @@ fn root(archive: &Archive, files: &[ArchiveFile]) -> Value {
     let about = &archive.about;
     let description = about.description.as_ref().unwrap_or(&about.title);
     let runs = archive.recordings.iter().map(action_id);
-    let mut root = json!({
+    let keywords: Vec<&str> = about.keywords.iter().map(Text::as_str).collect();
+    let funders = (0..about.funders.len()).map(|place| format!("#funder-{place}"));
+    json!({
         "@id": "./",
         "@type": "Dataset",
         "name": about.title.as_str(),
@@ -96,25 +98,12 @@ fn root(archive: &Archive, files: &[ArchiveFile]) -> Value {
         "author": references(creator_ids(about)),
         "mentions": references(runs.chain([MAKING.to_owned()])),
         "hasPart": references(files.iter().map(|file| id_of(&file.name))),
-    });
-    if let Some(doi) = &about.doi {
-        root["identifier"] = format!("https://doi.org/{}", doi.as_str()).into();
-    }
-    if !about.keywords.is_empty() {
-        let keywords: Vec<&str> = about.keywords.iter().map(Text::as_str).collect();
-        root["keywords"] = keywords.join(", ").into();
-    }
-    if about.publisher.is_some() {
-        root["publisher"] = reference("#publisher");
-    }
-    if !about.funders.is_empty() {
-        let places = 0..about.funders.len();
-        root["funder"] = references(places.map(|place| format!("#funder-{place}")));
-    }
-    if !about.related.is_empty() {
-        root["citation"] = references(about.related.iter().map(|related| address(&related.id)));
-    }
-    root
+        "identifier": about.doi.as_ref().map(|doi| format!("https://doi.org/{}", doi.as_str())),
+        "keywords": (!keywords.is_empty()).then(|| keywords.join(", ")),
+        "publisher": about.publisher.as_ref().map(|_| reference("#publisher")),
+        "funder": references(funders),
+        "citation": references(about.related.iter().map(|related| address(&related.id))),
+    })
 }
 
 /// The address of a related work.
@@ -133,28 +122,26 @@ fn address(id: &Identifier) -> String {
 
 /// Publisher, funders and affiliations.
 fn organisations(about: &About) -> Vec<Value> {
-    let organisation =
-        |id: String, name: &str| json!({ "@id": id, "@type": "Organization", "name": name });
     let mut found = Vec::new();
     if let Some(publisher) = &about.publisher {
-        found.push(organisation("#publisher".to_owned(), publisher.as_str()));
+        found.push(organisation("#publisher".to_owned(), publisher));
     }
     for (place, funder) in about.funders.iter().enumerate() {
-        let mut entity = organisation(format!("#funder-{place}"), funder.name.as_str());
-        if let Some(award) = &funder.award {
-            entity["description"] = format!("Grant {}", award.as_str()).into();
-        }
+        let mut entity = organisation(format!("#funder-{place}"), &funder.name);
+        let award = funder.award.as_ref();
+        entity["description"] = json!(award.map(|award| format!("Grant {}", award.as_str())));
         found.push(entity);
     }
     for (place, creator) in about.creators.iter().enumerate() {
         if let Some(affiliation) = &creator.affiliation {
-            found.push(organisation(
-                format!("#affiliation-{place}"),
-                affiliation.as_str(),
-            ));
+            found.push(organisation(format!("#affiliation-{place}"), affiliation));
         }
     }
     found
+}
+
+fn organisation(id: String, name: &Text) -> Value {
+    json!({ "@id": id, "@type": "Organization", "name": name.as_str() })
 }
 
 fn creator_ids(about: &About) -> impl Iterator<Item = String> {
@@ -175,15 +162,13 @@ fn person(place: usize, creator: &Creator) -> Value {
     } else {
         "Organization"
     };
-    let mut entity = json!({
+    let affiliation = creator.affiliation.as_ref();
+    json!({
         "@id": creator_id(place, creator),
         "@type": kind,
         "name": creator.name.as_str(),
-    });
-    if creator.affiliation.is_some() {
-        entity["affiliation"] = reference(format!("#affiliation-{place}"));
-    }
-    entity
+        "affiliation": affiliation.map(|_| reference(format!("#affiliation-{place}"))),
+    })
 }
 
 /// The versions of toprise that recorded the runs.
@@ -215,9 +200,8 @@ fn software(version: &str) -> Value {
 fn maker(archive: &Archive) -> Value {
     let mut entity = software(&archive.maker.version);
     entity["@id"] = MAKER.into();
-    if let Some(commit) = &archive.maker.commit {
-        entity["identifier"] = format!("commit {commit}").into();
-    }
+    let commit = archive.maker.commit.as_ref();
+    entity["identifier"] = json!(commit.map(|commit| format!("commit {commit}")));
     entity
 }
 
@@ -294,18 +278,13 @@ fn create_action(archive: &Archive, id: &str, command: &str) -> Value {
 }
 
 fn data_entity(file: &ArchiveFile) -> Value {
-    let mut entity = Map::new();
-    let properties = [
-        ("@id", id_of(&file.name)),
-        ("@type", "File".to_owned()),
-        ("name", file.name.clone()),
-        ("description", file.meaning.clone()),
-        ("encodingFormat", file.media_type.to_owned()),
-        ("contentSize", file.bytes.to_string()),
-        ("sha256", file.sha256.clone()),
-    ];
-    for (key, value) in properties {
-        entity.insert(key.to_owned(), value.into());
-    }
-    entity.into()
+    json!({
+        "@id": id_of(&file.name),
+        "@type": "File",
+        "name": file.name,
+        "description": file.meaning,
+        "encodingFormat": file.media_type,
+        "contentSize": file.bytes.to_string(),
+        "sha256": file.sha256,
+    })
 }
