@@ -204,17 +204,10 @@ impl Friction {
     /// Speed of the contact patch, m/s: 0 only where the force of the law is discontinuous.
     #[inline]
     pub fn patch_speed(&self, slip_speed: f64, turning_rate: f64) -> f64 {
-        match self.law {
-            FrictionLaw::Contensou { patch_radius, .. } => {
-                hypot(slip_speed, patch_radius * turning_rate)
-            }
-            FrictionLaw::None
-            | FrictionLaw::Coulomb { .. }
-            | FrictionLaw::Regularised { .. }
-            | FrictionLaw::Viscous { .. }
-            | FrictionLaw::Stribeck { .. }
-            | FrictionLaw::Formula { .. } => slip_speed,
-        }
+        let FrictionLaw::Contensou { patch_radius, .. } = self.law else {
+            return slip_speed;
+        };
+        hypot(slip_speed, patch_radius * turning_rate)
     }
 
     /// Bound of the set-valued torque about the vertical, N m; 0 if the torque is continuous. Coulomb–Contensou
@@ -223,18 +216,12 @@ impl Friction {
         let of_losses = self
             .losses
             .map_or(0.0, |losses| losses.drilling.bound(normal_force));
-        match self.law {
-            FrictionLaw::Contensou { k, patch_radius } if is_at_rest => {
-                of_losses - drilling_torque(k, patch_radius, normal_force, 0.0, 1.0)
-            }
-            FrictionLaw::None
-            | FrictionLaw::Coulomb { .. }
-            | FrictionLaw::Regularised { .. }
-            | FrictionLaw::Viscous { .. }
-            | FrictionLaw::Stribeck { .. }
-            | FrictionLaw::Contensou { .. }
-            | FrictionLaw::Formula { .. } => of_losses,
+        if let FrictionLaw::Contensou { k, patch_radius } = self.law
+            && is_at_rest
+        {
+            return of_losses - drilling_torque(k, patch_radius, normal_force, 0.0, 1.0);
         }
+        of_losses
     }
 
     /// The same friction on other branches.

@@ -14,13 +14,11 @@
 
 mod cdr;
 mod envelope;
-mod foxglove;
 mod markers;
 mod urdf;
 
 use self::cdr::Cdr;
 use self::envelope::Envelope;
-pub use self::foxglove::foxglove_layout;
 use self::urdf::urdf;
 use super::arrows::snapshot::{Snapshot, SnapshotReader};
 use super::arrows::{Arrow, SampleArrows, Scales};

@@ -91,7 +91,7 @@ fn commands_agree_on_changed_messages() {
         (
             "a chunk twice",
             repeat_chunk,
-            Some("messages are skipped"),
+            Some("messages skipped"),
             Verdict::Different,
         ),
         (
@@ -311,7 +311,9 @@ fn finds_messages_repeated_by_another_publisher() {
     let folder = Folder::new();
     let path = folder.write("a.mcap", forgery.bytes());
     let recording = Recording::open(&path).unwrap();
-    let expected = ["1 repeated message is skipped, the first in /top/energy at t = 0.007 s"];
+    let expected = [
+        "1 message skipped: repeated, or not later than the one before; the first in /top/energy at t = 0.007 s",
+    ];
     assert_eq!(Overview::new(&recording).faults, expected);
     assert_eq!(explain(&recording).unwrap().losses, expected);
     assert_eq!(verified(&path).verdict, Verdict::Different);
@@ -387,7 +389,7 @@ fn refuses_empty_names_of_topics() {
 fn one_fault_hides_no_other() {
     type Change = fn(&mut Forgery);
     let changes: [(&str, Change, &str); 2] = [
-        ("repeated messages", repeat_chunk, "messages are skipped"),
+        ("repeated messages", repeat_chunk, "messages skipped"),
         (
             "an undecodable message",
             |forgery| forgery.edit("/top/energy", 9, |_| "{".to_owned()),

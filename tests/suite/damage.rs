@@ -180,7 +180,7 @@ fn skips_and_reports_repeated_messages() {
     let run = RunData::read(&recording, "run", &[figure], &|_| {});
     let story = explain(&recording).unwrap();
     for losses in [&run.losses, &story.losses] {
-        let part = "repeated messages are skipped";
+        let part = "messages skipped: repeated";
         assert_contains(&losses.join("\n"), part);
     }
     // Sorted and without the repetition it is the run that was recorded.

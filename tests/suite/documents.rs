@@ -1,7 +1,7 @@
 //! The documents stay true: links lead somewhere, commands are understood, and what they are said to print is what
 //! they print.
 
-use crate::generated;
+use crate::generated::{self, foxglove_layout};
 use assert_cmd::Command;
 use serde_json::Value;
 use std::fs;
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use toprise::physics::dynamics::Support;
 use toprise::run::scenario::{KEYS, Kind};
 use toprise::telemetry::Topic;
-use toprise::telemetry::views::{VIEW_CHANNELS, foxglove_layout};
+use toprise::telemetry::views::VIEW_CHANNELS;
 
 /// What stands for any text within a line of output, and alone on a line for any lines.
 const ANYTHING: &str = "…";

@@ -1,11 +1,14 @@
 //! The pages of `docs` that are generated from tables. The program `generate` (`release/generate.rs`) writes them; a test
 //! compares.
 
+#[path = "foxglove.rs"]
+mod foxglove;
+
+pub use self::foxglove::foxglove_layout;
 use std::fs;
 use std::path::Path;
 use toprise::physics::dynamics::Support;
 use toprise::run::scenario::{KEYS, Presence, Preset};
-use toprise::telemetry::views::foxglove_layout;
 use toprise::telemetry::{Leaf, Quantity, channels};
 
 /// The path of each page in the repository, and its text.

@@ -1,8 +1,9 @@
 //! Attachments: their headers, and their data read in constant memory.
 
-use super::record::{AttachmentHeader, HEAD, RecordSpan, attachment_fields};
+use super::record::{HEAD, RecordSpan, attachment_fields};
 use super::source::Source;
-use mcap::{McapResult, Writer, records};
+use mcap::records::AttachmentHeader;
+use mcap::{McapResult, Writer};
 use sha2::{Digest as _, Sha256};
 use std::io::{self, Seek, Write};
 
@@ -71,7 +72,7 @@ impl Attachment {
         } else {
             ", with a wrong checksum"
         };
-        Ok(self.header.describe(self.data_length, &digest) + checked)
+        Ok(describe(&self.header, self.data_length, &digest) + checked)
     }
 
     /// Writes the attachment into another file.
@@ -80,13 +81,7 @@ impl Attachment {
         source: &Source,
         writer: &mut Writer<W>,
     ) -> McapResult<()> {
-        let header = records::AttachmentHeader {
-            log_time: self.header.log_time,
-            create_time: self.header.create_time,
-            name: self.header.name.clone(),
-            media_type: self.header.media_type.clone(),
-        };
-        writer.start_attachment(self.data_length, header)?;
+        writer.start_attachment(self.data_length, self.header.clone())?;
         self.read_pieces(source, |piece| writer.put_attachment_bytes(piece))?;
         writer.finish_attachment()
     }
@@ -111,14 +106,12 @@ impl Attachment {
     }
 }
 
-impl AttachmentHeader {
-    /// The header and a SHA-256 of the data in words.
-    pub(crate) fn describe(&self, length: u64, sha256: &str) -> String {
-        format!(
-            "{} of {length} bytes (SHA-256 {sha256}), logged at {} ns, created at {} ns",
-            self.media_type, self.log_time, self.create_time
-        )
-    }
+/// The header of an attachment and a SHA-256 of its data in words.
+pub(crate) fn describe(header: &AttachmentHeader, length: u64, sha256: &str) -> String {
+    format!(
+        "{} of {length} bytes (SHA-256 {sha256}), logged at {} ns, created at {} ns",
+        header.media_type, header.log_time, header.create_time
+    )
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! MCAP records: position and content.
 
-use mcap::records::{ChunkHeader, Record, op};
+use mcap::records::{AttachmentHeader, ChunkHeader, Record, op};
 use mcap::{McapError, McapResult};
 use std::collections::BTreeSet;
 
@@ -143,17 +143,6 @@ fn end_of_numbers(start: &[u8], at: u64) -> Result<u64, FieldFault> {
     } else {
         Err(FieldFault::Repeated)
     }
-}
-
-/// Header of an attachment.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct AttachmentHeader {
-    pub(crate) name: String,
-    pub(crate) media_type: String,
-    /// Time of logging, ns.
-    pub(crate) log_time: u64,
-    /// Time of creation, ns.
-    pub(crate) create_time: u64,
 }
 
 /// Header of an attachment, and position and length of its data in the record's body.

@@ -5,7 +5,7 @@ use crate::archive::container::channels::FileChannel;
 use crate::archive::container::section::MessageRecord;
 use crate::run::time::seconds;
 use crate::telemetry::Topic;
-use crate::words::grouped;
+use crate::words::counted;
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -40,15 +40,6 @@ enum Rule {
     Events,
     /// No rule: foreign channels are not filtered.
     Nothing,
-}
-
-/// Reason for leaving out a message.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Fault {
-    /// An equal message precedes it.
-    Repeated,
-    /// It is earlier than its predecessor, or a second sample of the same time.
-    Disordered,
 }
 
 /// Maximum size of the messages of one time that are kept to find repeated ones, bytes, and their maximum number.
@@ -97,8 +88,6 @@ impl Simultaneous {
 pub struct Misplaced {
     /// Number of messages.
     pub messages: u64,
-    /// Number of those that equal a preceding message.
-    pub repeated: u64,
     /// The topic of the first.
     pub topic: String,
     /// The time of the first, ns.
@@ -107,25 +96,16 @@ pub struct Misplaced {
 
 impl fmt::Display for Misplaced {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let messages = self.messages;
-        let count = grouped(messages);
-        match (messages, self.repeated) {
-            (1, 1) => f.write_str("1 repeated message is skipped")?,
-            (1, _) => f.write_str("1 message that is not later than its predecessor is skipped")?,
-            (_, 0) => write!(
-                f,
-                "{count} messages that are not later than their predecessors are skipped"
-            )?,
-            (_, repeated) if repeated == messages => {
-                write!(f, "{count} repeated messages are skipped")?;
-            }
-            _ => write!(
-                f,
-                "{count} messages that repeat others or are not later than their predecessors are skipped"
-            )?,
-        }
-        let time = seconds(self.time_ns);
-        write!(f, ", the first in {} at t = {time} s", self.topic)
+        let Self {
+            messages,
+            topic,
+            time_ns,
+        } = self;
+        let (messages, time) = (counted(*messages, "message"), seconds(*time_ns));
+        write!(
+            f,
+            "{messages} skipped: repeated, or not later than the one before; the first in {topic} at t = {time} s"
+        )
     }
 }
 
@@ -174,20 +154,18 @@ impl MessageOrder {
     /// Whether a message follows the last accepted message of its channel.
     pub(super) fn accepts(&mut self, channel: usize, message: &MessageRecord<'_>) -> bool {
         let channel = &mut self.channels[self.places[channel]];
-        let Some(fault) = channel.fault(message) else {
+        if channel.accepts(message) {
             if channel.rule != Rule::Nothing {
                 channel.latest.add(message);
             }
             return true;
-        };
+        }
         let misplaced = self.misplaced.get_or_insert_with(|| Misplaced {
             messages: 0,
-            repeated: 0,
             topic: channel.topic.clone(),
             time_ns: message.time_ns,
         });
         misplaced.messages += 1;
-        misplaced.repeated += u64::from(fault == Fault::Repeated);
         false
     }
 
@@ -206,18 +184,17 @@ fn place(channel: &FileChannel) -> Option<usize> {
 }
 
 impl OrderedChannel {
-    /// The reason for leaving out a message, if any.
-    fn fault(&self, message: &MessageRecord<'_>) -> Option<Fault> {
-        let last = self.latest.time_ns?;
-        let is_disordered = match self.rule {
-            Rule::Time => message.time_ns <= last,
-            Rule::Events => message.time_ns < last,
-            Rule::Nothing => return None,
+    /// Whether a message is later than those before it, or simultaneous where that is allowed, and none of them again.
+    fn accepts(&self, message: &MessageRecord<'_>) -> bool {
+        let Some(last) = self.latest.time_ns else {
+            return true;
         };
-        if message.time_ns == last && self.latest.contains(message) {
-            return Some(Fault::Repeated);
+        match self.rule {
+            Rule::Time => message.time_ns > last,
+            Rule::Events if message.time_ns == last => !self.latest.contains(message),
+            Rule::Events => message.time_ns > last,
+            Rule::Nothing => true,
         }
-        is_disordered.then_some(Fault::Disordered)
     }
 }
 
@@ -266,14 +243,14 @@ mod tests {
         ];
         let (samples, misplaced) = accepted(Rule::Time, &messages);
         assert_eq!(samples, [true, true, false, false, false, true]);
-        let expected = "3 messages that are not later than their predecessors are skipped, the first in /top/state at t = 0.000000005 s";
+        let expected = "3 messages skipped: repeated, or not later than the one before; the first in /top/state at t = 0.000000005 s";
         assert_eq!(misplaced.as_deref(), Some(expected));
         let (events, misplaced) = accepted(Rule::Events, &messages);
         assert_eq!(events, [true, true, true, false, false, true]);
         assert!(
             misplaced
                 .unwrap()
-                .starts_with("2 messages that repeat others or are not")
+                .starts_with("2 messages skipped: repeated")
         );
         let (others, _) = accepted(Rule::Nothing, &messages);
         assert_eq!(others, [true; 6]);
@@ -300,8 +277,7 @@ mod tests {
         let messages = [(3, 0, 0), (3, 0, 1), (3, 0, 0), (3, 0, 1)];
         let (events, misplaced) = accepted(Rule::Events, &messages);
         assert_eq!(events, [true, true, false, false]);
-        let expected =
-            "2 repeated messages are skipped, the first in /top/state at t = 0.000000003 s";
+        let expected = "2 messages skipped: repeated, or not later than the one before; the first in /top/state at t = 0.000000003 s";
         assert_eq!(misplaced.as_deref(), Some(expected));
     }
 

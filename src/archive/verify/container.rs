@@ -2,7 +2,7 @@
 
 use super::difference::Difference;
 use super::scope::Scope;
-use crate::archive::container::record::AttachmentHeader;
+use crate::archive::container::attachment::describe;
 use crate::archive::format::{
     CONTENT_DIGEST, END_RECORD, Entries, INVERSION_TIME, RUN_RECORD, TELEMETRY, VERSION,
     is_reserved,
@@ -12,6 +12,7 @@ use crate::archive::supplements::is_supplementary;
 use crate::archive::writer::{Header, RegisteredChannel};
 use crate::telemetry::supplement::supplements;
 use crate::words::plural;
+use mcap::records::AttachmentHeader;
 use sha2::{Digest as _, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -205,7 +206,7 @@ impl FileFacts {
                 create_time: scenario.create_time,
             };
             let digest = format!("{:x}", Sha256::digest(&scenario.data));
-            attachment.describe(scenario.data.len() as u64, &digest)
+            describe(&attachment, scenario.data.len() as u64, &digest)
         });
         for channel in &header.channels {
             facts.add_registered(channel);

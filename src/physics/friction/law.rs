@@ -166,17 +166,13 @@ impl FrictionLaw {
     /// smooth. A contact patch that doesn't turn has Coulomb's law.
     #[inline]
     pub fn static_bound_at(&self, normal_force: f64, turning_rate: f64) -> f64 {
-        match *self {
+        if let Self::Contensou { k, .. } = *self
             // A patch that turns has no discontinuity at zero slip: the rim always slips.
-            Self::Contensou { k, .. } if turning_rate == 0.0 => k * normal_force,
-            Self::None
-            | Self::Coulomb { .. }
-            | Self::Regularised { .. }
-            | Self::Viscous { .. }
-            | Self::Stribeck { .. }
-            | Self::Contensou { .. }
-            | Self::Formula { .. } => self.static_bound(normal_force),
+            && turning_rate == 0.0
+        {
+            return k * normal_force;
         }
+        self.static_bound(normal_force)
     }
 
     /// Margin of the friction that holds the contact point, N, for the required force (N) and torque about the vertical
@@ -186,24 +182,17 @@ impl FrictionLaw {
     /// the torque `m` relative to their bounds, that is where `(1 − F)(1 − m) > (5/2) F m`.
     #[inline]
     pub fn holding_margin(&self, normal_force: f64, force: f64, torque: f64) -> f64 {
-        match *self {
-            Self::Contensou { k, patch_radius } => {
-                let bound = k * normal_force;
-                let relative = force / bound;
-                let drilling = drilling_torque(k, patch_radius, normal_force, 0.0, 1.0);
-                let turning = (torque / drilling).abs();
-                let rest = (1.0 - relative) * (1.0 - turning);
-                // Beyond both bounds, both factors are negative.
-                let signed_rest = if relative > 1.0 { -rest.abs() } else { rest };
-                bound * (signed_rest - 2.5 * relative * turning)
-            }
-            Self::None
-            | Self::Coulomb { .. }
-            | Self::Regularised { .. }
-            | Self::Viscous { .. }
-            | Self::Stribeck { .. }
-            | Self::Formula { .. } => self.static_bound(normal_force) - force,
-        }
+        let Self::Contensou { k, patch_radius } = *self else {
+            return self.static_bound(normal_force) - force;
+        };
+        let bound = k * normal_force;
+        let relative = force / bound;
+        let drilling = drilling_torque(k, patch_radius, normal_force, 0.0, 1.0);
+        let turning = (torque / drilling).abs();
+        let rest = (1.0 - relative) * (1.0 - turning);
+        // Beyond both bounds, both factors are negative.
+        let signed_rest = if relative > 1.0 { -rest.abs() } else { rest };
+        bound * (signed_rest - 2.5 * relative * turning)
     }
 
     /// Maximum static friction force, N, whatever the rate about the vertical; 0 for smooth laws.
@@ -227,15 +216,10 @@ impl FrictionLaw {
     /// If a formula has no coefficient of friction there.
     #[inline]
     pub fn check(&self, slip_speed: f64) -> Result<(), InvalidCoefficient> {
-        match self {
-            Self::Formula { coefficient, .. } => coefficient.check(slip_speed),
-            Self::None
-            | Self::Coulomb { .. }
-            | Self::Regularised { .. }
-            | Self::Viscous { .. }
-            | Self::Stribeck { .. }
-            | Self::Contensou { .. } => Ok(()),
-        }
+        let Self::Formula { coefficient, .. } = self else {
+            return Ok(());
+        };
+        coefficient.check(slip_speed)
     }
 
     /// Whether there is no friction force at any slip.

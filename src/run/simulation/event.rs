@@ -97,6 +97,22 @@ listed! {
     }
 }
 
+/// Nouns for counts of events that can repeat.
+const PLURALS: [(EventKind, &str); 12] = [
+    (EventKind::LoopingBegins, "loops"),
+    (EventKind::UprightPassage, "upright passages"),
+    (EventKind::SlipStops, "slip stops"),
+    (EventKind::Stick, "intervals of sticking"),
+    (EventKind::LiftOff, "hops"),
+    (EventKind::RollBegins, "intervals of rolling"),
+    (EventKind::WeakTop, "changes from strong to weak"),
+    (EventKind::StrongTop, "changes from weak to strong"),
+    (EventKind::Inverts, "inversions"),
+    (EventKind::NutationMinimum, "nutation minima"),
+    (EventKind::NutationMaximum, "nutation maxima"),
+    (EventKind::Fallen, "falls"),
+];
+
 /// A nutation minimum below this angle counts as an upright passage, rad.
 pub const UPRIGHT: f64 = 0.01;
 
@@ -108,60 +124,26 @@ impl EventKind {
 
     /// The event in a few words, for a list in which it stands for `count` events.
     pub fn words(self, count: u64) -> String {
-        match self {
-            Self::Fallen if count > 1 => "falls".to_owned(),
-            Self::LoopingBegins => "precession turns backward".to_owned(),
-            Self::LoopingEnds => "precession turns forward".to_owned(),
-            Self::Start
-            | Self::Risen
-            | Self::Fallen
-            | Self::NutationMinimum
-            | Self::NutationMaximum
-            | Self::UprightPassage
-            | Self::Inverts
-            | Self::WeakTop
-            | Self::StrongTop
-            | Self::SlipStops
-            | Self::Stick
-            | Self::SlipResumes
-            | Self::Rest
-            | Self::Singular
-            | Self::LiftOff
-            | Self::Landing
-            | Self::RollBegins
-            | Self::RollEnds
-            | Self::Jam
-            | Self::Pivot => self.name().replace('_', " "),
+        if self == Self::Fallen && count > 1 {
+            "falls".to_owned()
+        } else if self == Self::LoopingBegins {
+            "precession turns backward".to_owned()
+        } else if self == Self::LoopingEnds {
+            "precession turns forward".to_owned()
+        } else {
+            self.name().replace('_', " ")
         }
     }
 
     /// Plural noun for counts, e.g. "10 loops"; `None` for events that end something or occur once.
     pub fn plural(self, top: &Top) -> Option<&'static str> {
-        match self {
-            Self::LoopingBegins if top.center_distance < 0.0 => Some("reversals of the precession"),
-            Self::LoopingBegins => Some("loops"),
-            Self::UprightPassage => Some("upright passages"),
-            Self::SlipStops => Some("slip stops"),
-            Self::Stick => Some("intervals of sticking"),
-            Self::LiftOff => Some("hops"),
-            Self::RollBegins => Some("intervals of rolling"),
-            Self::WeakTop => Some("changes from strong to weak"),
-            Self::StrongTop => Some("changes from weak to strong"),
-            Self::Inverts => Some("inversions"),
-            Self::NutationMinimum => Some("nutation minima"),
-            Self::NutationMaximum => Some("nutation maxima"),
-            Self::Fallen => Some("falls"),
-            Self::Start
-            | Self::Risen
-            | Self::LoopingEnds
-            | Self::SlipResumes
-            | Self::Rest
-            | Self::Singular
-            | Self::Landing
-            | Self::RollEnds
-            | Self::Jam
-            | Self::Pivot => None,
+        if self == Self::LoopingBegins && top.center_distance < 0.0 {
+            return Some("reversals of the precession");
         }
+        let mut plurals = PLURALS.into_iter();
+        plurals
+            .find(|(kind, _)| *kind == self)
+            .map(|(_, noun)| noun)
     }
 
     /// A sentence about an event of `top` in this state.
@@ -356,17 +338,10 @@ impl StopReason {
 
     /// The reason for the run's end in a few words, for counts and headings.
     pub fn words(self) -> String {
-        match self {
-            Self::Duration => "at the time limit".to_owned(),
-            Self::Risen
-            | Self::Fallen
-            | Self::SlipStopped
-            | Self::Rest
-            | Self::Singular
-            | Self::Jam
-            | Self::Pivot
-            | Self::Interrupted
-            | Self::Failed => self.name().replace('_', " "),
+        if self == Self::Duration {
+            "at the time limit".to_owned()
+        } else {
+            self.name().replace('_', " ")
         }
     }
 

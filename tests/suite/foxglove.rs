@@ -4,9 +4,8 @@
 //! tree of rows and columns of these identifiers.
 
 use serde_json::{Map, Value, json};
-
-use crate::physics::dynamics::Support;
-use crate::telemetry::fields::{
+use toprise::physics::dynamics::Support;
+use toprise::telemetry::fields::{
     NumberField, contact, energy, free_peg, momentum, nutation, precession, state, torque,
 };
 
