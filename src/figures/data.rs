@@ -64,9 +64,11 @@ impl RunData {
         match subject {
             Subject::Scenario(scenario) => {
                 let fine = sampling::finely_sampled(scenario);
-                run.fill(Subject::Scenario(&fine), progress);
+                let topics = run.channels.iter().map(|channel| channel.topic).collect();
+                run.fill(Subject::Scenario(&fine), &Topics::Only(topics), progress);
             }
-            Subject::Recording(_) => run.fill(subject, progress),
+            // All of it, because only its digest shows that a recording was altered.
+            Subject::Recording(_) => run.fill(subject, &Topics::All, progress),
         }
         run
     }
@@ -91,10 +93,9 @@ impl RunData {
         }
     }
 
-    /// Reads the messages of all channels.
-    fn fill(&mut self, subject: Subject<'_>, progress: &dyn Fn(u64)) {
-        let topics = self.channels.iter().map(|channel| channel.topic).collect();
-        let ended = subject.read(&Topics::Only(topics), &mut |message, bytes| {
+    /// Reads the messages of some topics, among them all channels.
+    fn fill(&mut self, subject: Subject<'_>, topics: &Topics, progress: &dyn Fn(u64)) {
+        let ended = subject.read(topics, &mut |message, bytes| {
             progress(bytes);
             for channel in &mut self.channels {
                 channel.add(message);

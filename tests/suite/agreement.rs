@@ -10,6 +10,7 @@ use toprise::analysis::explain::explain;
 use toprise::archive::recording::{Condition, Overview, Recording};
 use toprise::archive::verify::{Equality, Verdict};
 use toprise::archive::writer::Form;
+use toprise::figures::{FIGURES, RunData};
 
 /// The sentence about messages that are not those of the end record.
 const ALTERED: &str = "altered messages: their digest is not the one in the end record";
@@ -123,6 +124,8 @@ fn commands_agree_on_changed_messages() {
         let explained = explain(&recording).unwrap();
         assert_eq!(overview.faults, explained.losses, "{name}");
         assert_eq!(overview.faults, compared.a.losses, "{name}");
+        let drawn = RunData::read(&recording, "run", &[&FIGURES[0]], &|_| {});
+        assert_eq!(overview.faults, drawn.losses, "{name}");
         let expected = Vec::from_iter(fault);
         assert_eq!(overview.faults.len(), expected.len(), "{name}");
         for (found, part) in overview.faults.iter().zip(expected) {
