@@ -120,11 +120,24 @@ impl AxisPoints {
         if !key.kind.is_text() && text.contains("..") {
             return parse_range(text).map(Self::Range);
         }
-        text.split(',')
+        split_list(text)
             .map(|item| parse_item(key, item.trim()))
             .collect::<Result<_, _>>()
             .map(Self::List)
     }
+}
+
+/// The items of a list. Commas in parentheses separate the arguments of a formula's function.
+fn split_list(text: &str) -> impl Iterator<Item = &str> {
+    let mut depth = 0_usize;
+    text.split(move |character| {
+        match character {
+            '(' => depth += 1,
+            ')' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        depth == 0 && character == ','
+    })
 }
 
 impl Range {
@@ -262,6 +275,9 @@ mod tests {
         assert_eq!(numbers(&list), [0.03, 0.01]);
         let words = Axis::parse("friction.law", "viscous,coulomb").unwrap();
         assert_eq!(words.at(1), Value::Text("coulomb".to_owned()));
+        let formulas = Axis::parse("friction.formula", "k*tanh(v/a), min(k, a*v)").unwrap();
+        assert_eq!(formulas.count(), Some(2));
+        assert_eq!(formulas.at(1), Value::Text("min(k, a*v)".to_owned()));
         let down = Axis::parse("initial.phi", "1..-1/3").unwrap();
         assert_eq!(numbers(&down), [1.0, 0.0, -1.0]);
         let wide = Axis::parse("initial.phi", "-1e308..1e308/3").unwrap();
