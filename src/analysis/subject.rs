@@ -1,6 +1,7 @@
 //! Inputs of analysis: recordings, or scenarios to simulate.
 
 use crate::archive::format::end_entries;
+use crate::archive::container::source::is_stream;
 use crate::archive::recording::{Condition, Recording, Selection};
 pub use crate::archive::replay::ReadEnd;
 use crate::archive::replay::replay;
@@ -68,6 +69,11 @@ impl Subject<'_> {
     pub fn name(self) -> String {
         match self {
             Self::Scenario(scenario) => scenario.name().to_owned(),
+            // A stream has a descriptor for a name.
+            Self::Recording(recording) if is_stream(recording.path()) => {
+                let scenario = recording.scenario();
+                scenario.map_or_else(|_| "stream".to_owned(), |s| s.name().to_owned())
+            }
             Self::Recording(recording) => {
                 let stem = recording.path().file_stem().unwrap_or_default();
                 stem.to_string_lossy().into_owned()

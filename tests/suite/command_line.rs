@@ -826,7 +826,9 @@ fn recordings_go_through_pipes() {
     assert_contains(&piped("verify -", 0).stdout, "byte-identical");
     assert_contains(&piped("explain -", 0).stdout, "The top started with");
     assert_contains(&piped("info -", 0).stdout, "complete");
-    assert_contains(&piped("diff a.mcap -", 0).stdout, "Identical");
+    let compared = piped("diff a.mcap -", 0).stdout;
+    assert_contains(&compared, "Identical");
+    assert_contains(&compared, "B  paper");
     assert_contains(&piped("diff - -", 2).stderr, "it can be read only once");
     piped("run - -o b.mcap --encoding protobuf", 0);
     folder.toprise("verify b.mcap", 0);
@@ -855,6 +857,7 @@ fn reads_process_substitutions() {
         .output()
         .unwrap();
     assert!(output.status.success(), "{output:?}");
+    assert_contains(&String::from_utf8_lossy(&output.stdout), "B  paper");
 }
 
 #[cfg(unix)]
