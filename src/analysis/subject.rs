@@ -1,7 +1,7 @@
 //! Inputs of analysis: recordings, or scenarios to simulate.
 
-use crate::archive::format::end_entries;
 use crate::archive::container::source::is_stream;
+use crate::archive::format::end_entries;
 use crate::archive::recording::{Condition, Recording, Selection};
 pub use crate::archive::replay::ReadEnd;
 use crate::archive::replay::replay;

@@ -60,7 +60,7 @@ enum Target<W: Write> {
     /// By a thread, over a channel.
     Thread(SyncSender<Batch>, JoinHandle<McapResult<ChunkWriter<W>>>),
     /// By the caller.
-    Here(ChunkWriter<W>),
+    Here(Box<ChunkWriter<W>>),
 }
 
 impl<W: Write + Send + 'static> Pipeline<W> {
@@ -69,7 +69,7 @@ impl<W: Write + Send + 'static> Pipeline<W> {
         let (chunks, ids) =
             ChunkWriter::open(target, header).map_err(|reason| mcap_error(&name, reason))?;
         let target = if cfg!(target_family = "wasm") {
-            Target::Here(chunks)
+            Target::Here(Box::new(chunks))
         } else {
             let (batches, received) = sync_channel(BATCHES);
             Target::Thread(batches, thread::spawn(move || work(chunks, &received)))
@@ -114,7 +114,7 @@ impl<W: Write> Pipeline<W> {
     /// Waits until the thread has written everything.
     fn join(&mut self) -> Result<ChunkWriter<W>, SinkError> {
         let (batches, thread) = match self.target.take().ok_or_else(|| self.died())? {
-            Target::Here(chunks) => return Ok(chunks),
+            Target::Here(chunks) => return Ok(*chunks),
             Target::Thread(batches, thread) => (batches, thread),
         };
         // Ends the thread.

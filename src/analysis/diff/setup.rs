@@ -134,7 +134,7 @@ fn facts(recording: &Recording, has_schemas: bool) -> Flat {
     facts.add("library", recording.library());
     facts.add("profile", recording.profile());
     if let Some(relogged) = recording.relogged() {
-        facts.add("log times", &relogged.to_string());
+        facts.add("log times", relogged.to_string());
     }
     facts.add("state", recording.condition().name());
     for (name, entries) in recording.all_metadata() {

@@ -37,7 +37,7 @@ impl fmt::Display for Relogged {
 
 impl Relogged {
     /// What it is and what follows, for reports of the recording.
-    pub(crate) fn fact(&self) -> String {
+    pub(crate) fn fact(self) -> String {
         format!("{self} (the first that differs); messages are read by their stamps")
     }
 }

@@ -190,9 +190,8 @@ impl OrderedChannel {
             return true;
         };
         match self.rule {
-            Rule::Time => message.time_ns > last,
             Rule::Events if message.time_ns == last => !self.latest.contains(message),
-            Rule::Events => message.time_ns > last,
+            Rule::Time | Rule::Events => message.time_ns > last,
             Rule::Nothing => true,
         }
     }

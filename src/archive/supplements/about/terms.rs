@@ -246,17 +246,16 @@ impl<'de> Deserialize<'de> for Date {
             toml::Value::String(text) => text.parse().ok(),
             _ => None,
         };
-        match datetime {
-            Some(Datetime {
-                date: Some(date),
-                time: None,
-                offset: None,
-            }) => Ok(Self(date)),
-            Some(_) | None => {
-                let text = value.to_string();
-                Err(D::Error::custom(InvalidTerm::new(text, "day, YYYY-MM-DD")))
-            }
+        if let Some(Datetime {
+            date: Some(date),
+            time: None,
+            offset: None,
+        }) = datetime
+        {
+            return Ok(Self(date));
         }
+        let text = value.to_string();
+        Err(D::Error::custom(InvalidTerm::new(text, "day, YYYY-MM-DD")))
     }
 }
 
@@ -265,14 +264,12 @@ impl TryFrom<String> for Relation {
 
     fn try_from(value: String) -> Result<Self, InvalidTerm> {
         let mut relations = RELATIONS.split_whitespace();
-        match relations.find(|name| name.eq_ignore_ascii_case(&value)) {
-            Some(name) => Ok(Self(name.to_owned())),
-            None => {
-                let hint = suggestion(&value, RELATIONS.split_whitespace());
-                let expected = format!("relation of DataCite, such as isSupplementTo{hint}");
-                Err(InvalidTerm::new(value, expected))
-            }
+        if let Some(name) = relations.find(|name| name.eq_ignore_ascii_case(&value)) {
+            return Ok(Self(name.to_owned()));
         }
+        let hint = suggestion(&value, RELATIONS.split_whitespace());
+        let expected = format!("relation of DataCite, such as isSupplementTo{hint}");
+        Err(InvalidTerm::new(value, expected))
     }
 }
 

@@ -124,23 +124,23 @@ fn address(id: &Identifier) -> String {
 fn organisations(about: &About) -> Vec<Value> {
     let mut found = Vec::new();
     if let Some(publisher) = &about.publisher {
-        found.push(organisation("#publisher".to_owned(), publisher));
+        found.push(organisation("#publisher", publisher));
     }
     for (place, funder) in about.funders.iter().enumerate() {
-        let mut entity = organisation(format!("#funder-{place}"), &funder.name);
+        let mut entity = organisation(&format!("#funder-{place}"), &funder.name);
         let award = funder.award.as_ref();
         entity["description"] = json!(award.map(|award| format!("Grant {}", award.as_str())));
         found.push(entity);
     }
     for (place, creator) in about.creators.iter().enumerate() {
         if let Some(affiliation) = &creator.affiliation {
-            found.push(organisation(format!("#affiliation-{place}"), affiliation));
+            found.push(organisation(&format!("#affiliation-{place}"), affiliation));
         }
     }
     found
 }
 
-fn organisation(id: String, name: &Text) -> Value {
+fn organisation(id: &str, name: &Text) -> Value {
     json!({ "@id": id, "@type": "Organization", "name": name.as_str() })
 }
 
