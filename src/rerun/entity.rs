@@ -62,7 +62,8 @@ pub(super) fn paths(is_free: bool) -> Vec<(&'static str, Shown)> {
     if is_free {
         paths.extend(CONTACT_PATHS.map(|path| (path, Shown::Past)));
     } else {
-        paths.push((TRAIL_BELOW, Shown::Past));
+        // Most of a rise, but of a long run not so much that it fills the table.
+        paths.push((TRAIL_BELOW, Shown::Latest(6.0)));
     }
     paths
 }

@@ -127,6 +127,21 @@ impl Identity {
         }
     }
 
+    /// The identity of the best fit of measured values. Its parameters are in the report, and the title has none.
+    pub fn for_fit(
+        name: &str,
+        scenario: &Scenario,
+        topics: Vec<Topic>,
+        measurement: Measurement,
+    ) -> Self {
+        let law = scenario.word("friction.law");
+        Self {
+            title: format!("{}, best fit · friction: {law}", scenario.name()),
+            measurement: Some(Arc::new(measurement)),
+            ..Self::new(name, scenario, topics, Playback::FromStart)
+        }
+    }
+
     /// The store that a viewer keeps the recording in.
     pub(super) fn store(&self) -> StoreId {
         self.names.store(&self.name, &self.recording_id)

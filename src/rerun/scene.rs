@@ -232,5 +232,8 @@ pub(super) fn legend(identity: &Identity) -> String {
         text += " Path of the contact point: blue where it slides, green where it rolls or sticks, vermilion where the \
                  peg is in the air.";
     }
+    if has_hodograph(identity) {
+        text += &hodograph::legend(&identity.geometry.scales);
+    }
     text
 }

@@ -11,14 +11,12 @@ use crate::cli::report::Completed;
 use crate::fit::Fit;
 use crate::rerun::{
     Destinations, ExplainedSink, Identity, Live, MeasuredSignal, MeasuredValue, Measurement,
-    Playback,
 };
 use crate::run::time::nanoseconds;
 use crate::telemetry::{RunMessages, Topic, Topics};
 use anyhow::Error;
 use clap::Args;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// Viewer options of `fit`.
 #[derive(Args, Clone, Debug, Default, PartialEq)]
@@ -99,16 +97,7 @@ fn identity(fit: &Fit, report: String) -> Identity {
     let scenario = &fit.scenario;
     let name = format!("fit of {}", scenario.name());
     let topics = Topic::all_with(scenario.model.support).collect();
-    Identity {
-        // The values of the parameters are in the report.
-        title: format!(
-            "{}, best fit · friction: {}",
-            scenario.name(),
-            fit.report.law
-        ),
-        measurement: Some(Arc::new(measurement(fit, report))),
-        ..Identity::new(&name, scenario, topics, Playback::FromStart)
-    }
+    Identity::for_fit(&name, scenario, topics, measurement(fit, report))
 }
 
 fn measurement(fit: &Fit, report: String) -> Measurement {

@@ -27,7 +27,6 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::Arc;
 
 /// Arguments of `toprise view`.
 #[derive(Args, Debug, PartialEq)]
@@ -301,9 +300,10 @@ fn show(
         .scenario()
         .context("the scene can't be drawn without the scenario")
         .with_context(|| path.display().to_string())?;
-    let identity = Identity {
-        measurement: measurement(recording, &plan.selection).map(Arc::new),
-        ..Identity::new(name, &scenario, recording.topics(), Playback::FromStart)
+    let topics = recording.topics();
+    let identity = match measurement(recording, &plan.selection) {
+        Some(measurement) => Identity::for_fit(name, &scenario, topics, measurement),
+        None => Identity::new(name, &scenario, topics, Playback::FromStart),
     };
     let mut draft = None;
     if let Some(rrd) = rrd {

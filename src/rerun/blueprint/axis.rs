@@ -62,8 +62,8 @@ fn range_of_values([low, high]: [f64; 2], least: f64) -> [f64; 2] {
 }
 
 /// Maximum number of labelled ticks of a chart in four rows, in a window of 1366 × 768 points: the viewer labels powers of ten
-/// if they are at least 20 points apart, and the chart is 125 points high.
-const MAX_TICKS: f64 = 5.5;
+/// if they are at least 20 points apart, and the chart is 129 points high, of which the padding takes a tenth.
+const MAX_TICKS: f64 = 5.8;
 
 /// Ranges below this fraction of the values are rounding errors.
 const ROUNDING: f64 = 1e-12;

@@ -32,7 +32,8 @@ fn label(arrow: Arrow, role: &Role) -> String {
     let label = match arrow {
         Arrow::FrictionTorque => "\nfriction torque τ",
         Arrow::HorizontalMomentum => "horizontal part\n",
-        Arrow::VerticalMomentum => "vertical part",
+        Arrow::Momentum => "L\n",
+        Arrow::VerticalMomentum => "\nvertical part",
         other => other.style().symbol,
     };
     match role {

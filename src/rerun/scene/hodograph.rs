@@ -58,15 +58,10 @@ impl Hodograph {
             .with_radii([Radius::new_ui_points(0.8)]);
         output.send_static(HODOGRAPH_PATH, &path);
         let mut torques = Vec::new();
-        // Both begin at one place: each label leaves its line to the other.
-        let kinds = [
-            ("friction", "\nτ × ", "", VERMILION),
-            ("gravity", "Mg × ", "\n", GREEN),
-        ];
-        for ((name, before, after, color), time) in kinds.into_iter().zip(times(scales)) {
+        let kinds = [("friction", "τ", VERMILION), ("gravity", "Mg", GREEN)];
+        for ((name, label, color), time) in kinds.into_iter().zip(times(scales)) {
             if time > 0.0 {
-                let label = format!("{before}{time} s{after}");
-                torques.push((arrow(name, &label, color, 2.2, output), time));
+                torques.push((arrow(name, label, color, 2.2, output), time));
             }
         }
         Some(Self {
@@ -99,6 +94,20 @@ impl Hodograph {
     fn flat(&self, vector: Vector3<f64>) -> [f32; 2] {
         [vector.x, -vector.y].map(|part| (self.scale * part) as f32)
     }
+}
+
+/// The times for which the torques are drawn, as a sentence.
+pub(super) fn legend(scales: &Scales) -> String {
+    let mut text = " View from above: the torques are the change that they make".to_owned();
+    for (name, time) in ["friction, τ,", "gravity, Mg,"]
+        .into_iter()
+        .zip(times(scales))
+    {
+        if time > 0.0 {
+            text += &format!("; {name} in {time} s");
+        }
+    }
+    text + "."
 }
 
 /// Whether a run has such a picture.

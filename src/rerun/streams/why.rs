@@ -51,7 +51,8 @@ impl Why {
         let style = Arrows3D::update_fields()
             .with_colors([Color::from_u32(LATER)])
             .with_radii([Radius::new_scene_units(radius as f32)])
-            .with_labels(["L + τ · 1 s"])
+            // Below the label of L, which is at the same place.
+            .with_labels(["\nL + τ · 1 s"])
             .with_show_labels(true);
         output.send_static(WHY_GHOST, &style);
         Self {
