@@ -3,6 +3,7 @@
 //! The model is the simulation itself, sampled at the times of the data. Residuals are (model − data)/σ. [`fit`] first
 //! checks what the data can determine, then lets the window of data grow from 0.1 s to all of them.
 
+mod apart;
 mod compare;
 mod conclusion;
 mod error;
@@ -17,10 +18,11 @@ mod search;
 mod statistics;
 pub mod words;
 
+pub use apart::Apart;
 pub use conclusion::{Conclusion, Flaw, Rival};
 pub use error::FitError;
 pub use failure::Failure;
-pub use note::Note;
+pub use note::{KeptParameter, Note};
 pub use problem::law::usual_parameters;
 pub use problem::model::{Loss, Problem};
 pub use problem::parameter::{Parameter, Target};
@@ -29,7 +31,10 @@ pub use record::{RecordError, record};
 pub use report::{Report, Verdict};
 pub use search::monitor::Progress;
 
-pub use crate::measured::{Data, DataError, Lines, Place, Signal, SignalSpec, read, read_bytes};
+pub use crate::measured::{
+    ColumnReading, Data, DataError, Decimal, Delimiter, FileReading, Layout, Lines, Place, Signal,
+    SignalSpec, SkipReason, SkippedRows, read, read_bytes,
+};
 
 use crate::run::scenario::Scenario;
 use crate::telemetry::fields::NumberField;
@@ -40,7 +45,7 @@ use problem::{identify, parameter};
 use search::first::{self, First};
 use search::fitted::{Fitted, Split};
 use search::monitor::Monitor;
-use search::solve::Solution;
+use search::solve::{Solution, covariance_with_kept};
 
 /// A fitted model.
 #[derive(Clone, Debug)]
@@ -100,6 +105,15 @@ pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitErr
         comparison = Some(compared.comparison);
         // From here on everything is about the preferred law.
         fitted = compared.preferred.unwrap_or(fitted);
+    }
+    if !fitted.problem.kept.is_empty() && fitted.solution.is_converged {
+        let Fitted {
+            problem,
+            solution,
+            split,
+            ..
+        } = &mut fitted;
+        solution.covariance = covariance_with_kept(problem, &split.fitted, solution);
     }
     let Fitted {
         problem,
@@ -163,6 +177,7 @@ pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitErr
         loss: request.loss,
         until: split.end,
         signals,
+        files: request.data.files.clone(),
         losses: request.data.losses.clone(),
         notes,
         parameters,
@@ -190,12 +205,12 @@ pub fn fit(request: &Request, progress: &dyn Fn(Progress)) -> Result<Fit, FitErr
 /// As [`fit`], but parameters need not be identifiable.
 pub fn sensitivities(request: &Request) -> Result<Vec<(String, Vec<f64>)>, FitError> {
     let Request { scenario, data, .. } = request;
-    let selected = parameter::select(&request.free, &request.bounds, scenario, data.files)?;
+    let selected = parameter::select(&request.free, &request.bounds, scenario, data.files.len())?;
     let parameters = selected
         .into_iter()
         .map(|selected| selected.parameter)
         .collect();
-    let origin = request.origin.unwrap_or_else(|| data.origin());
+    let origin = request.origin.unwrap_or_default();
     let signals = data.signals.clone();
     let problem = Problem::new(scenario, parameters, signals, request.loss, origin)?;
     let start = problem.start();

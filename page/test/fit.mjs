@@ -150,7 +150,8 @@ const tests = {
       [{ name: "signal", value: "/top/state.theta:1mrad" }, "a table with the columns t and theta"],
       [{ name: "signal", value: null }, "the line that names the columns"],
       [{ name: "time", value: "t (ms)" }, "t (ms)"],
-      [{ name: "until", value: "4.995" }, "a file that ends 4.995\u00a0s after its start"],
+      [{ name: "decimal", value: "," }, "semicolons or tabs between the cells"],
+      [{ name: "until", value: "4.995" }, "a file that ends at 4.995\u00a0s"],
       [{ name: "set", value: null }, "the sliders"],
     ]) {
       assert.equal(sentenceText([{ argument }]), expected);

@@ -4,10 +4,15 @@ use crate::compare::json;
 use crate::errors::{self, FitError};
 use crate::guard::compute;
 use crate::scenario::{Base, Scenario};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
+use std::fmt::Display;
 use std::path::PathBuf;
-use toprise::fit::{Data, DataError, FitError as Failed, Loss, Request, Signal, SignalSpec};
+use std::str::FromStr;
+use toprise::fit::{
+    Data, DataError, FitError as Failed, Layout, Loss, Request, Signal, SignalSpec,
+};
 use toprise::words::{Argument, markdown};
 
 /// The measured values: arrays, or files.
@@ -28,6 +33,12 @@ pub struct Measured {
     /// Name of their columns of times.
     #[pyo3(item)]
     time_column: Option<String>,
+    /// What separates their cells.
+    #[pyo3(item)]
+    delimiter: Option<String>,
+    /// Their decimal mark.
+    #[pyo3(item)]
+    decimal: Option<String>,
 }
 
 /// Options of a fit; see `toprise.fit`.
@@ -68,7 +79,7 @@ pub fn fit(
 ) -> PyResult<(String, String, Scenario, Vec<Residual>)> {
     let request = Request {
         scenario: scenario.scenario(overrides)?,
-        data: measured.data().map_err(data_error)?,
+        data: measured.data()?,
         free: options.free,
         bounds: options.bounds,
         loss: if options.robust {
@@ -108,26 +119,42 @@ pub fn fit(
 }
 
 impl Measured {
-    fn data(self) -> Result<Data, DataError> {
+    fn data(self) -> PyResult<Data> {
+        let layout = Layout {
+            delimiter: parsed("delimiter", self.delimiter.as_deref())?,
+            decimal: parsed("decimal", self.decimal.as_deref())?,
+            time: self.time_column.clone(),
+        };
+        self.read(&layout).map_err(data_error)
+    }
+
+    fn read(&self, layout: &Layout) -> Result<Data, DataError> {
         if !self.files.is_empty() {
             let mut specs = Vec::new();
             for column in &self.columns {
                 specs.push(SignalSpec::parse(column)?);
             }
-            return toprise::fit::read(&self.files, &specs, self.time_column.as_deref());
+            return toprise::fit::read(&self.files, &specs, layout);
         }
         let mut signals = Vec::new();
         for (name, values, sigma) in &self.arrays {
             let field = SignalSpec::parse(name)?.field;
             signals.push(Signal::from_values(field, &self.time, values, *sigma)?);
         }
-        Ok(Data {
-            signals,
-            files: 1,
-            starts_with_run: false,
-            losses: Vec::new(),
-        })
+        Ok(Data::from_signals(signals))
     }
+}
+
+/// An argument that is one of a few words.
+fn parsed<T: FromStr>(name: &str, word: Option<&str>) -> PyResult<Option<T>>
+where
+    T::Err: Display,
+{
+    let parse = |word: &str| {
+        word.parse()
+            .map_err(|error| PyValueError::new_err(format!("{name}: {error}")))
+    };
+    word.map(parse).transpose()
 }
 
 fn data_error(error: DataError) -> PyErr {
@@ -158,8 +185,6 @@ fn argument(argument: &Argument) -> String {
     };
     match &argument.value {
         None => name.to_owned(),
-        // Arrays have their standard deviations in an argument of its own.
-        Some(value) if value.ends_with(":SIGMA") => format!("sigma, or {}", list(name, argument)),
         Some(_) if name == "columns" => list(name, argument),
         Some(_) if name == "overrides" => dict(name, argument),
         Some(value) if matches!(name, "start" | "until") => format!("{name}={value}"),

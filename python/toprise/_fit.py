@@ -55,6 +55,8 @@ def fit(
     sigma: Mapping[str, float] | None = None,
     columns: Iterable[str] = (),
     time_column: str | None = None,
+    delimiter: str | None = None,
+    decimal: str | None = None,
     overrides: Mapping[str, Any] | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     compare: Iterable[str] = (),
@@ -71,7 +73,8 @@ def fit(
     The measured values are arrays in SI units, `fit("paper", time=t, theta=theta, sigma={"theta": 1e-3}, free=…)`, with the
     names that `toprise fit --signal` knows; a table or dictionary with a column `time`; or the names of files, whose
     `columns` are described as for `--signal` (`"theta:1mrad"`). Without `sigma` a standard deviation is estimated from the
-    residuals. Missing values are NaN.
+    residuals. Missing values are NaN. `delimiter` is "comma", "semicolon" or "tab", `decimal` "point" or "comma", where a
+    file does not show it. Files share one clock, unless "offset" is in `free`.
 
     `free` are keys of the scenario, and "initial" for all of the start that the signals show. `loss` is "squares" or
     "huber". The other arguments are those of the command.
@@ -109,6 +112,8 @@ def fit(
         "files": files,
         "columns": list(columns),
         "time_column": time_column,
+        "delimiter": delimiter,
+        "decimal": decimal,
     }
     options = {
         "free": list(free),

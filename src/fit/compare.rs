@@ -4,7 +4,7 @@ use super::conclusion::{Conclusion, Flaw, Rival};
 use super::error::{FitError, nothing_free};
 use super::estimate::{PointResiduals, REJECTED, estimates, lowest_p, signals, verdict};
 use super::failure::Failure;
-use super::report::{Comparison, LawFit, Quality, Verdict};
+use super::report::{Comparison, LawFit, Verdict};
 use super::statistics::rms;
 use crate::fit::problem::law::{Refused, find, find_laws, problem_for, slip_speed, speeds};
 use crate::fit::problem::model::{Effort, Point, Problem};
@@ -44,6 +44,10 @@ pub(super) fn compare(
     if let Some(law) = find(own.law()).filter(|own| laws.iter().all(|law| law.name != own.name)) {
         laws.insert(0, law);
     }
+    let scenarios = find(request.scenario.word("friction.law"));
+    if let Some(law) = scenarios.filter(|own| laws.iter().all(|law| law.name != own.name)) {
+        laws.push(law);
+    }
     laws.retain(|law| !refused.iter().any(|refused| refused.law == law.name));
     // Threads don't report progress: their order would be seen. Their simulations are counted afterwards.
     let results: Vec<_> = laws
@@ -77,6 +81,10 @@ pub(super) fn compare(
     for candidate in &candidates {
         fits.push(law_fit(candidate, request));
     }
+    for (at, inner) in contained(&candidates) {
+        fits[at].reduces_to = Some(fits[inner].law.clone());
+        fits[at].verdict = fits[inner].verdict;
+    }
     set_differences(&mut fits);
     let mut comparison = Comparison {
         laws: fits,
@@ -90,8 +98,7 @@ pub(super) fn compare(
         comparison.extensions = extensions(best, rival, monitor)?;
     }
     for refused in failures {
-        let failed = failed(refused, &comparison.laws);
-        comparison.laws.push(failed);
+        comparison.laws.push(failed(refused));
     }
     let best = candidates.into_iter().next();
     Ok(ComparedLaws {
@@ -100,27 +107,53 @@ pub(super) fn compare(
     })
 }
 
+/// The laws whose best motion is that of a law with fewer parameters: the index of each, and that of the other. Their own
+/// parameters are not determined, so that their fits need not have a minimum.
+fn contained(candidates: &[Fitted]) -> Vec<(usize, usize)> {
+    /// Difference of the motions, in σ of all values together: that of two minima of one motion is much smaller.
+    const SAME: f64 = 0.1;
+    let mut found = Vec::new();
+    for (at, law) in candidates.iter().enumerate() {
+        let inner = candidates.iter().position(|inner| {
+            let mut sum = 0.0;
+            let pairs = law.split.fitted.iter().zip(&inner.split.fitted);
+            let residuals = law.solution.residuals.iter().zip(&inner.solution.residuals);
+            for ((point, other), (residual, inner)) in pairs.zip(residuals) {
+                let difference = residual * point.sigma - inner * other.sigma;
+                let in_sigma = difference / other.sigma;
+                sum += in_sigma * in_sigma;
+            }
+            let is_simpler = inner.problem.parameters.len() < law.problem.parameters.len();
+            is_simpler && inner.solution.is_converged && sum < SAME * SAME
+        });
+        found.extend(inner.map(|inner| (at, inner)));
+    }
+    found
+}
+
 /// Sets the criteria of laws relative to the lowest.
 fn set_differences(fits: &mut [LawFit]) {
     // The lowest AIC and the lowest BIC may belong to different laws.
     let (mut lowest_aic, mut lowest_bic) = (f64::INFINITY, f64::INFINITY);
-    for fit in &*fits {
-        lowest_aic = lowest_aic.min(fit.quality.aic);
-        lowest_bic = lowest_bic.min(fit.quality.bic);
+    for quality in fits.iter().filter_map(|fit| fit.quality.as_ref()) {
+        lowest_aic = lowest_aic.min(quality.aic);
+        lowest_bic = lowest_bic.min(quality.bic);
     }
     for fit in fits {
-        fit.delta_aic = fit.quality.aic - lowest_aic;
-        fit.delta_bic = fit.quality.bic - lowest_bic;
+        let quality = fit.quality.as_ref();
+        fit.delta_aic = quality.map(|quality| quality.aic - lowest_aic);
+        fit.delta_bic = quality.map(|quality| quality.bic - lowest_bic);
     }
 }
 
 impl Comparison {
     /// The conclusion from the fits of all laws.
     pub fn conclusion(&self) -> Conclusion {
+        // A law that reduces to another is that one.
         let fits: Vec<&LawFit> = self
             .laws
             .iter()
-            .filter(|law| law.failure.is_none())
+            .filter(|law| law.failure.is_none() && law.reduces_to.is_none())
             .collect();
         let [first, others @ ..] = &fits[..] else {
             return Conclusion::NothingFitted;
@@ -169,8 +202,8 @@ impl LawFit {
         let mut is_open = false;
         for other in others {
             // Both criteria: AIC favours laws with more parameters, BIC those with fewer.
-            let is_alike =
-                other.delta_aic - self.delta_aic < DECISIVE || other.delta_bic < DECISIVE;
+            let [aic, bic] = other.worse_than(self);
+            let is_alike = aic < DECISIVE || bic < DECISIVE;
             is_open |= is_alike;
             if other.verdict == Verdict::NotConverged {
                 unfinished.push(other.law.clone());
@@ -187,22 +220,34 @@ impl LawFit {
         }
         Conclusion::Decided {
             law,
-            next: others.first().map(|next| Rival {
-                law: next.law.clone(),
-                delta_aic: next.delta_aic - self.delta_aic,
-                delta_bic: next.delta_bic,
+            next: others.first().map(|next| {
+                let [delta_aic, delta_bic] = next.worse_than(self);
+                Rival {
+                    law: next.law.clone(),
+                    delta_aic,
+                    delta_bic,
+                }
             }),
             unfinished,
         }
     }
 
+    /// AIC and BIC above those of another law.
+    fn worse_than(&self, other: &Self) -> [f64; 2] {
+        [
+            self.delta_aic.unwrap_or_default() - other.delta_aic.unwrap_or_default(),
+            self.delta_bic.unwrap_or_default() - other.delta_bic.unwrap_or_default(),
+        ]
+    }
+
     /// Why the law does not describe the data.
     fn flaw(&self) -> Flaw {
-        if !self.quality.is_converged {
-            Flaw::NoMinimum
-        } else if self.quality.p_value.is_some_and(|p| p < REJECTED) {
+        let Some(quality) = self.quality.as_ref().filter(|quality| quality.is_converged) else {
+            return Flaw::NoMinimum;
+        };
+        if quality.p_value.is_some_and(|p| p < REJECTED) {
             Flaw::Size {
-                reduced_chi2: self.quality.chi2 / self.quality.freedom as f64,
+                reduced_chi2: quality.chi2 / quality.freedom as f64,
             }
         } else if self.residual_p_value.is_some_and(|p| p < REJECTED) {
             Flaw::Residuals
@@ -212,23 +257,16 @@ impl LawFit {
     }
 }
 
-/// A law that could not be fitted. Its numbers are those of no fit at all.
-fn failed(refused: Refused, fits: &[LawFit]) -> LawFit {
-    let freedom = fits.first().map_or(0, |fit| fit.quality.freedom);
+/// A law that could not be fitted.
+fn failed(refused: Refused) -> LawFit {
     LawFit {
         law: refused.law.to_owned(),
         verdict: Verdict::NotConverged,
+        reduces_to: None,
         residual_p_value: None,
-        quality: Quality {
-            chi2: f64::MAX,
-            freedom,
-            p_value: None,
-            is_converged: false,
-            aic: f64::MAX,
-            bic: f64::MAX,
-        },
-        delta_aic: f64::MAX,
-        delta_bic: f64::MAX,
+        quality: None,
+        delta_aic: None,
+        delta_bic: None,
         sigmas: Vec::new(),
         held_out_rms: None,
         parameters: Vec::new(),
@@ -258,10 +296,11 @@ fn law_fit(candidate: &Fitted, request: &Request) -> LawFit {
     LawFit {
         law: candidate.law().to_owned(),
         verdict: verdict(&quality, &signals),
+        reduces_to: None,
         residual_p_value: lowest_p(&signals),
-        quality,
-        delta_aic: 0.0,
-        delta_bic: 0.0,
+        quality: Some(quality),
+        delta_aic: None,
+        delta_bic: None,
         sigmas: problem
             .signals
             .iter()
@@ -291,7 +330,7 @@ fn fit_law(
     let mut best: Option<(Problem, Solution)> = None;
     for speed in speeds(law, slip_speed(&solved, end)?) {
         let problem = problem_for(request, own, law, speed)?;
-        let solution = solve_law(&problem, &split.fitted, own.solution.chi2, monitor)?;
+        let solution = solve_law(&problem, &mut split.fitted, own.solution.chi2, monitor)?;
         let is_better = best
             .as_ref()
             .is_none_or(|(_, known)| solution.chi2 < known.chi2);
@@ -317,7 +356,7 @@ fn fit_law(
 /// Minimises from the solution of another law with this χ²; grows windows if there is no good minimum nearby.
 fn solve_law(
     problem: &Problem,
-    points: &[Point],
+    points: &mut [Point],
     chi2: f64,
     monitor: &Monitor<'_>,
 ) -> Result<Solution, FitError> {

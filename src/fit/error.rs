@@ -1,5 +1,6 @@
 //! Errors of fits.
 
+use super::apart::Apart;
 use super::failure::Failure;
 use crate::measured::DataError;
 use crate::run::scenario::ScenarioError;
@@ -34,10 +35,20 @@ pub enum FitError {
         reason: StopReason,
         /// End of the data, s.
         needed: f64,
+        /// The time in the data until which a fit has succeeded, s.
+        until: Option<f64>,
     },
     /// A motion takes many times the steps of that at the start.
     #[error("{}", self.sentence())]
     TooManySteps,
+    /// Model and data don't meet.
+    #[error("{}", self.sentence())]
+    Apart {
+        /// What was seen.
+        seen: Apart,
+        /// Whether a fit without what is at rest has succeeded.
+        is_tried: bool,
+    },
     /// A simulation failed.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
@@ -57,7 +68,15 @@ impl FitError {
 
     /// Whether the data were read and can determine the parameters, but no motion was found that follows them to their end.
     pub fn is_of_motion(&self) -> bool {
-        matches!(self, Self::ModelEnds { .. } | Self::TooManySteps)
+        matches!(
+            self,
+            Self::ModelEnds { .. } | Self::TooManySteps | Self::Apart { .. }
+        )
+    }
+
+    /// Whether the data don't depend on a parameter of the law, so that another law may do.
+    pub(super) fn is_of_law(&self) -> bool {
+        matches!(self, Self::Refused { key: Some(key), .. } if key.starts_with("friction."))
     }
 
     /// The key of the scenario that is at fault, if it is a single one.
@@ -65,9 +84,11 @@ impl FitError {
         match self {
             Self::Scenario(error) => error.key.as_deref(),
             Self::Refused { key, .. } => key.as_deref(),
-            Self::Data(_) | Self::ModelEnds { .. } | Self::TooManySteps | Self::Simulation(_) => {
-                None
-            }
+            Self::Data(_)
+            | Self::ModelEnds { .. }
+            | Self::TooManySteps
+            | Self::Apart { .. }
+            | Self::Simulation(_) => None,
         }
     }
 
@@ -77,13 +98,19 @@ impl FitError {
             Self::Data(error) => error.sentence(),
             Self::Scenario(error) => error.to_string().into(),
             Self::Refused { reason, .. } => reason.clone(),
-            Self::ModelEnds { end, .. } => sentence!(
-                "{}; start closer to the motion ({}), or fit only the data before that ({})",
+            Self::ModelEnds { until, .. } => sentence!(
+                "{}; start closer to the motion ({}){}",
                 Failure::from(self).sentence(),
                 Piece::argument("set"),
-                // A later end would be after that of the model.
-                Piece::argument_with("until", format!("{:.3}", (end * 1e3).floor() / 1e3))
+                match until {
+                    Some(until) => sentence!(
+                        ", or fit only the data before that ({})",
+                        Piece::argument_with("until", until.to_string())
+                    ),
+                    None => Sentence::default(),
+                }
             ),
+            Self::Apart { seen, is_tried } => seen.sentence(*is_tried),
             Self::TooManySteps => Failure::TooManySteps.sentence(),
             Self::Simulation(error) => error.to_string().into(),
         }
@@ -97,13 +124,24 @@ impl From<&FitError> for Failure {
                 end,
                 reason,
                 needed,
+                ..
             } => Self::ModelEnds {
                 end: *end,
                 reason: *reason,
                 needed: *needed,
             },
             FitError::TooManySteps => Self::TooManySteps,
+            FitError::Apart { seen, .. } => Self::Apart(*seen),
             other => Self::Error(other.to_string()),
+        }
+    }
+}
+
+impl From<Apart> for FitError {
+    fn from(seen: Apart) -> Self {
+        Self::Apart {
+            seen,
+            is_tried: false,
         }
     }
 }
@@ -203,56 +241,48 @@ mod tests {
         }
         let degrees = format!("t,tilt\n{degrees}");
         let times = format!("t,theta\n{frames}");
-        let constant = format!("t (s),theta\n{frames}");
         for (name, preset, text, free, expected) in [
             (
                 "no header",
                 "full-coulomb",
                 "0,0.5\n0.1,0.5\n",
                 &["friction.k"][..],
-                "no line names the 2 columns; write a first line that does, e.g. t,theta (deg)",
+                "understood as “0 | 0.5”, “0.1 | 0.5”; write a first line such as t,theta (deg)",
             ),
             (
                 "no times",
                 "full-coulomb",
                 "frame,theta\n0,0.5\n",
                 &["friction.k"],
-                "name it with time, or add one",
+                "theta (deg),phi (deg), or see time, delimiter and decimal",
             ),
             (
                 "two columns of times",
                 "full-coulomb",
                 "Run 1: Time (s),Run 2: Time (s),theta\n0,0,0.5\n",
                 &["friction.k"],
-                "rename all but one",
+                "choose one, e.g. time = Run 1: Time (s)",
             ),
             (
                 "no field",
                 "full-coulomb",
                 "t,Winkel (°)\n0,0.5\n",
                 &["friction.k"],
-                "name the columns, e.g. signal = theta=Winkel (°)",
+                "name the columns to read, e.g. signal = theta=Winkel (°)",
             ),
             (
                 "degrees",
                 "full-coulomb",
                 &degrees,
                 &["friction.k"],
-                "signal = theta=tilt (deg); if they are in rad, signal = theta=tilt (rad)",
+                "if it is in degrees, write tilt (deg) into the header, or after the name in signal",
             ),
             (
                 "frames",
                 "full-coulomb",
                 &times,
                 &["friction.k"],
-                "write the unit into the header, or after the name: time = t (ms), time = t (us) or time = t (s); divide",
-            ),
-            (
-                "no noise",
-                "full-coulomb",
-                &constant,
-                &["friction.k"],
-                "leave theta out, or give σ: signal = /top/state.theta=theta:SIGMA",
+                "declare the unit: time = t (ms), time = t (us) or time = t (s); divide frame numbers",
             ),
             (
                 "a wrong time",

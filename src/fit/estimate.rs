@@ -1,9 +1,8 @@
 //! From a minimum to estimates with their uncertainties.
 
-use super::report::{Correlation, Estimate, Limit, Mode, Oddity, Quality, SignalReport, Verdict};
+use super::report::{Correlation, Estimate, Limit, Mode, Quality, SignalReport, Verdict};
 use super::statistics::{chi2_p_value, mean_p_value, rms, whiteness};
 use crate::fit::problem::model::{Loss, Point, Problem};
-use crate::fit::problem::plausibility::{FEWEST, is_constant};
 use crate::fit::search::solve::Solution;
 use crate::measured::median_size;
 use crate::physics::math::ln;
@@ -26,10 +25,6 @@ pub(super) const REJECTED: f64 = 1e-3;
 
 /// Residuals below this, in σ, are not noise: σ was given generously, and nothing follows from their correlations.
 const TINY: f64 = 0.1;
-
-/// A value whose squared residual is more than this part of their sum has made σ by itself. Normal noise of ten values
-/// or more does not do that.
-const DOMINANT: f64 = 0.8;
 
 /// The estimates of all parameters, without uncertainties where there is no minimum. Intervals reach over the other
 /// minima.
@@ -161,20 +156,13 @@ pub(super) struct PointResiduals<'a> {
     pub residuals: &'a [f64],
 }
 
-impl<'a> PointResiduals<'a> {
-    /// The points and residuals of a signal.
-    fn for_signal(self, signal: usize) -> impl Iterator<Item = (&'a Point, f64)> {
-        self.points
-            .iter()
-            .zip(self.residuals)
-            .filter(move |(point, _)| point.signal == signal)
-            .map(|(point, residual)| (point, *residual))
-    }
-
+impl PointResiduals<'_> {
     /// The residuals of a signal.
     fn residuals_for(self, signal: usize) -> Vec<f64> {
-        self.for_signal(signal)
-            .map(|(_, residual)| residual)
+        let pairs = self.points.iter().zip(self.residuals);
+        pairs
+            .filter(|(point, _)| point.signal == signal)
+            .map(|(_, residual)| *residual)
             .collect()
     }
 }
@@ -215,45 +203,19 @@ pub(super) fn signals(
             whiteness: whiteness(&clipped).filter(|_| rms_here > TINY),
             mean: residuals.iter().sum::<f64>() / residuals.len().max(1) as f64,
             mean_p_value: mean_p_value(&clipped).filter(|_| rms_here > TINY),
-            oddity: if signal.is_sigma_estimated {
-                oddity(problem.loss, fitted, index)
-            } else {
-                None
-            },
+            scatter: signal.is_sigma_estimated.then(|| signal.scatter()),
         });
     }
     reports
 }
 
-/// What makes the standard deviation of a signal, estimated from its residuals, meaningless.
-fn oddity(loss: Loss, fitted: PointResiduals<'_>, signal: usize) -> Option<Oddity> {
-    let own: Vec<(&Point, f64)> = fitted
-        .for_signal(signal)
-        .map(|(point, residual)| (point, loss.clipped(residual)))
-        .collect();
-    if own.len() < FEWEST {
-        return None;
-    }
-    let values: Vec<f64> = own.iter().map(|(point, _)| point.value).collect();
-    if is_constant(&values) {
-        return Some(Oddity::Constant { value: values[0] });
-    }
-    let total: f64 = own.iter().map(|(_, residual)| residual * residual).sum();
-    let (point, residual) = own.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
-    let is_noise = (total / own.len() as f64).sqrt() > TINY;
-    (is_noise && residual * residual > DOMINANT * total).then_some(Oddity::OneValue {
-        time: point.time,
-        value: point.value,
-    })
-}
-
-/// Whether a model describes the data: neither χ² nor the residuals' correlations and means reject it, and σ has a
-/// meaning.
+/// Whether a model describes the data: neither χ² nor the residuals' correlations and means reject it, and an estimated σ
+/// is not far above the scatter of the data themselves.
 pub(super) fn verdict(quality: &Quality, signals: &[SignalReport]) -> Verdict {
     let is_rejected = quality.p_value.is_some_and(|p| p < REJECTED);
     let is_odd = signals
         .iter()
-        .any(|signal| signal.oddity.is_some() || signal.is_mostly_outliers());
+        .any(|signal| signal.excess_scatter().is_some() || signal.is_mostly_outliers());
     if !quality.is_converged {
         Verdict::NotConverged
     } else if is_rejected || is_odd || lowest_p(signals).is_some_and(|p| p < REJECTED) {

@@ -1,5 +1,6 @@
 //! Why a law has no fit.
 
+use super::apart::Apart;
 use crate::fit::search::step_limit::MAX_RATIO;
 use crate::run::simulation::StopReason;
 use crate::words::{Piece, Sentence, sentence};
@@ -21,6 +22,8 @@ pub enum Failure {
     },
     /// Motions take many times the steps of that at the start.
     TooManySteps,
+    /// Model and data don't meet.
+    Apart(Apart),
     /// Another error, or one of a report without facts, in words.
     Error(String),
 }
@@ -43,6 +46,7 @@ impl Failure {
                 "no minimum was found: the motions that come closest to the data take more than {} times the integrator steps of that at the start",
                 MAX_RATIO.to_string()
             ),
+            Self::Apart(seen) => seen.sentence(false),
             Self::Error(text) => text.into(),
         }
     }

@@ -1,6 +1,7 @@
 //! Remarks on the data of a fit and on what they determine.
 
-use crate::fit::problem::degeneracy::{keys, or, pronoun};
+use crate::fit::problem::degeneracy::or;
+use crate::fit::problem::parameter::Parameter;
 use crate::words::{Piece, Sentence, and, plural, sentence};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -9,22 +10,16 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Note {
-    /// Several columns are named like times.
-    Clock {
-        /// The column whose times count.
-        column: String,
-        /// The others.
-        others: Vec<String>,
-    },
     /// No signal depends on some parameters of a group, which keep their values.
     Unseen {
         /// The parameters.
         parameters: Vec<String>,
     },
-    /// The signals hardly depend on some parameters of a group, which keep their values.
-    HardlySeen {
+    /// The signals hardly depend on some parameters of a group, which are kept. The standard deviations of the others include
+    /// what is not known of them.
+    Kept {
         /// The parameters.
-        parameters: Vec<String>,
+        parameters: Vec<KeptParameter>,
     },
     /// A signal is sampled too slowly for the nutation.
     Aliased {
@@ -54,25 +49,57 @@ pub enum Note {
     Words(String),
 }
 
+/// A parameter that is kept.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct KeptParameter {
+    /// Name of the parameter.
+    pub name: String,
+    /// Unit; may be empty.
+    pub unit: String,
+    /// The value, which is the scenario's.
+    pub value: f64,
+    /// Standard deviation of what is known of it, from its typical range.
+    pub width: f64,
+}
+
+impl From<&Parameter> for KeptParameter {
+    fn from(parameter: &Parameter) -> Self {
+        Self {
+            name: parameter.name(),
+            unit: parameter.unit().to_owned(),
+            value: parameter.start,
+            width: parameter.prior,
+        }
+    }
+}
+
+impl KeptParameter {
+    fn clause(&self) -> Sentence {
+        sentence!(
+            "{} = {}",
+            Piece::key(self.name.clone()),
+            Piece::estimate(self.value, self.width, self.unit.clone())
+        )
+    }
+}
+
 impl Note {
+    /// Whether it is about spins that were tried.
+    pub(super) fn is_on_spins(&self) -> bool {
+        matches!(self, Self::SpinsTried { .. })
+    }
+
     /// The remark in a sentence.
     pub fn sentence(&self) -> Sentence {
         match self {
-            Self::Clock { column, others } => sentence!(
-                "The times are those of column {}, not of {}.",
-                column,
-                others.join(" or ")
-            ),
             Self::Unseen { parameters } => sentence!(
                 "No signal depends on {}: kept at the scenario's {}.",
                 or(parameters),
                 plural(parameters.len() as u64, "value")
             ),
-            Self::HardlySeen { parameters } => sentence!(
-                "The signals hardly depend on {}: kept at the scenario's {}, so the other estimates presuppose {}.",
-                and(keys(parameters)),
-                plural(parameters.len() as u64, "value"),
-                pronoun(parameters.len())
+            Self::Kept { parameters } => sentence!(
+                "The signals hardly show {}: kept at the scenario's value, and the ± of the other estimates include this width.",
+                and(parameters.iter().map(KeptParameter::clause).collect())
             ),
             Self::Aliased { nutation, sampling } => sentence!(
                 "The nutation at {} is sampled at {}: it appears at other frequencies, and there may be several solutions.",

@@ -4,6 +4,7 @@ use super::conclusion::Conclusion;
 use super::failure::{self, Failure};
 use super::note::{self, Note};
 use crate::fit::problem::model::Loss;
+use crate::measured::FileReading;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -15,7 +16,7 @@ pub enum Verdict {
     /// The model describes the data and, if laws were compared, one of them is clearly best.
     Fitted,
     /// The model does not describe the data: p < 0.001, or the residuals are not white or have a mean, or an estimated
-    /// standard deviation has no meaning. In a comparison, none of the laws describes them.
+    /// standard deviation is far above the scatter of the data. In a comparison, none of the laws describes them.
     BadFit,
     /// Laws were compared, and the data can't tell them apart.
     Undecided,
@@ -40,6 +41,9 @@ pub struct Report {
     pub until: f64,
     /// The signals.
     pub signals: Vec<SignalReport>,
+    /// What was read of each file.
+    #[serde(default)]
+    pub files: Vec<FileReading>,
     /// Parts of recordings that could not be read.
     pub losses: Vec<String>,
     /// Remarks on the data and on what they determine.
@@ -109,9 +113,9 @@ pub struct SignalReport {
     /// p-value of a mean of zero; absent if the residuals are below 0.1 σ.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_p_value: Option<f64>,
-    /// Why the estimated standard deviation has no meaning.
+    /// Standard deviation of the scatter between neighbours; absent if the standard deviation was given.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub oddity: Option<Oddity>,
+    pub scatter: Option<f64>,
 }
 
 impl SignalReport {
@@ -119,24 +123,15 @@ impl SignalReport {
     pub(crate) fn is_mostly_outliers(&self) -> bool {
         2 * self.outliers > self.samples
     }
-}
 
-/// What makes an estimated standard deviation meaningless.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Oddity {
-    /// All values are equal: they have no noise.
-    Constant {
-        /// The value, SI units.
-        value: f64,
-    },
-    /// One value makes most of it.
-    OneValue {
-        /// Time of the value, s after the start.
-        time: f64,
-        /// The value, SI units.
-        value: f64,
-    },
+    /// The estimated standard deviation, in that of the scatter between neighbours, if it is many times larger: the fit does
+    /// not describe the data then.
+    pub(crate) fn excess_scatter(&self) -> Option<f64> {
+        /// Noise and its estimates from neighbours differ by less, also if it is correlated a little.
+        const MAX_RATIO: f64 = 5.0;
+        let ratio = self.sigma / self.scatter?;
+        Some(ratio).filter(|ratio| *ratio > MAX_RATIO)
+    }
 }
 
 /// A parameter and its uncertainty.
@@ -290,15 +285,21 @@ pub struct LawFit {
     pub law: String,
     /// The verdict on this law alone: fitted, bad fit or not converged.
     pub verdict: Verdict,
-    /// Goodness of the fit.
-    pub quality: Quality,
+    /// The law inside this one whose motion is the best of this one, too: its own parameters can't be determined.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reduces_to: Option<String>,
+    /// Goodness of the fit; absent if there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub quality: Option<Quality>,
     /// Lowest p-value of the tests of the residuals for correlations and a mean of zero; absent if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub residual_p_value: Option<f64>,
-    /// AIC above the lowest.
-    pub delta_aic: f64,
-    /// BIC above the lowest.
-    pub delta_bic: f64,
+    /// AIC above the lowest; absent if there is no fit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub delta_aic: Option<f64>,
+    /// BIC above the lowest; absent if there is no fit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub delta_bic: Option<f64>,
     /// Standard deviation of each signal; the median if it varies. Estimated ones are those of this law.
     pub sigmas: Vec<f64>,
     /// Root mean square of the residuals in the held-out part, in σ; absent if there is none.

@@ -9,10 +9,12 @@ mod profile;
 mod remarks;
 mod signals;
 
+use super::note::Note;
 use super::report::{Quality, Report, Verdict};
 use crate::fit::problem::model::Loss;
 use crate::fit::search::modes::MAX_TRIALS;
 use crate::fit::search::monitor::Progress;
+use crate::measured::FileReading;
 use crate::words::number::rounded;
 use crate::words::{Piece, Section, Sentence, Tone, sentence};
 use cells::{labelled_probability, time};
@@ -37,6 +39,7 @@ impl Report {
             summary(self),
             parameters::section(self, all),
             signals::section(&self.signals),
+            data(&self.files),
             Section::from_lines("Remarks", remarks::remarks(self)),
             minima::section(self, all),
         ];
@@ -109,6 +112,12 @@ fn summary(report: &Report) -> Section {
     section
 }
 
+/// What was read of each file.
+fn data(files: &[FileReading]) -> Section {
+    let named = files.iter().filter(|file| !file.file.is_empty());
+    Section::from_lines("Data", named.map(FileReading::sentence))
+}
+
 fn title(report: &Report) -> Sentence {
     let Report { scenario, law, .. } = report;
     if is_about_laws(report) {
@@ -127,6 +136,9 @@ fn verdict(report: &Report) -> Sentence {
         Verdict::BadFit => sentence!("does not describe the data"),
         Verdict::NotConverged if is_comparison => {
             sentence!("no minimum was found for the best law")
+        }
+        Verdict::NotConverged if report.notes.iter().any(Note::is_on_spins) => {
+            sentence!("no minimum near the data among the spins tried")
         }
         Verdict::NotConverged => sentence!("no minimum was found"),
     }

@@ -1,15 +1,18 @@
 //! Tables of measured values in Parquet files.
 
 use super::error::DataError;
-use super::signal::{FileSignals, SignalSpec};
-use super::table::{MAX_ROWS, NumberColumn, Table, TableRows, is_needed, too_long};
+use super::layout::Layout;
+use super::rows::Epoch;
+use super::spec::SignalSpec;
+use super::table::{Cells, FileSignals, NumberColumn, Table, is_needed};
+use super::text::{MAX_ROWS, too_long};
 use crate::archive::caught::catch;
 use crate::archive::input::open_file;
 use arrow_array::cast::AsArray as _;
 use arrow_array::types::{Float64Type, Int64Type};
 use arrow_array::{Array, RecordBatch};
 use arrow_cast::cast;
-use arrow_schema::{ArrowError, DataType, TimeUnit};
+use arrow_schema::{DataType, TimeUnit};
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use std::fs::File;
@@ -20,11 +23,13 @@ pub(super) fn read(
     path: &Path,
     file: usize,
     specs: &[SignalSpec],
-    time: Option<&str>,
+    layout: &Layout,
+    epoch: &mut Epoch,
 ) -> Result<FileSignals, DataError> {
     let source = open_file(path).map_err(|reason| DataError::unreadable(path, reason))?;
     // The crate `parquet` panics on some damaged files, where it should return an error.
-    let table = catch(|| read_columns(source, specs, time)).unwrap_or_else(|_| Err(damaged()));
+    let table = catch(|| read_columns(source, specs, layout, epoch));
+    let table = table.unwrap_or_else(|_| Err(damaged()));
     let NumberColumns {
         names,
         columns,
@@ -35,12 +40,11 @@ pub(super) fn read(
     }
     let table = Table {
         path,
+        file,
         columns: names,
-        is_named: true,
-        has_arguments: true,
-        rows: TableRows::Numbers { columns, count },
+        cells: Cells::Numbers { columns, count },
     };
-    table.signals(file, specs, time)
+    table.signals(specs, layout)
 }
 
 /// The columns of numbers of a file.
@@ -53,7 +57,8 @@ struct NumberColumns {
 fn read_columns(
     source: File,
     specs: &[SignalSpec],
-    time: Option<&str>,
+    layout: &Layout,
+    epoch: &mut Epoch,
 ) -> Result<NumberColumns, DataError> {
     let opened = ParquetRecordBatchReaderBuilder::try_new(source).map_err(DataError::because)?;
     let rows = opened.metadata().file_metadata().num_rows();
@@ -67,28 +72,23 @@ fn read_columns(
         if !is_number(field.data_type()) {
             continue;
         }
-        if is_needed(field.name(), specs, time) {
+        if is_needed(field.name(), specs, layout) {
             needed.push(names.len());
             roots.push(root);
         }
         names.push(field.name().clone());
         columns.push(NumberColumn {
             cells: Vec::new(),
-            is_time: per_second(field.data_type()).is_some(),
+            is_time: tick(field.data_type()).is_some(),
         });
     }
     let projection = ProjectionMask::roots(opened.parquet_schema(), roots);
-    let mut epochs = vec![None; needed.len()];
     let selected = opened.with_projection(projection);
     for read in selected.build().map_err(DataError::because)? {
         let batch: RecordBatch = read.map_err(DataError::because)?;
         for (at, column) in needed.iter().enumerate() {
-            append(
-                &mut columns[*column].cells,
-                batch.column(at),
-                &mut epochs[at],
-            )
-            .map_err(DataError::because)?;
+            append(&mut columns[*column].cells, batch.column(at), epoch)
+                .map_err(|error| error.in_column(&names[*column]))?;
         }
     }
     Ok(NumberColumns {
@@ -104,41 +104,48 @@ fn damaged() -> DataError {
 
 /// Whether the values of a type are numbers or times.
 fn is_number(kind: &DataType) -> bool {
-    per_second(kind).is_some() || kind.is_numeric()
+    tick(kind).is_some() || kind.is_numeric()
 }
 
-/// Ticks per second of a type of times; `None` for other types.
-fn per_second(kind: &DataType) -> Option<f64> {
+/// The length of a tick of a type of times, ns; `None` for other types.
+fn tick(kind: &DataType) -> Option<i128> {
     match kind {
         DataType::Timestamp(unit, _) | DataType::Duration(unit) => Some(match unit {
-            TimeUnit::Second => 1.0,
-            TimeUnit::Millisecond => 1e3,
-            TimeUnit::Microsecond => 1e6,
-            TimeUnit::Nanosecond => 1e9,
+            TimeUnit::Second => 1_000_000_000,
+            TimeUnit::Millisecond => 1_000_000,
+            TimeUnit::Microsecond => 1_000,
+            TimeUnit::Nanosecond => 1,
         }),
         _ => None,
     }
 }
 
-/// Appends the values of a column; those that are not finite are missing. Timestamps become seconds since the first one
-/// (`epoch`): those since 1970 have no fraction of a microsecond as doubles.
+/// Appends the values of a column, times in seconds.
 fn append(
     cells: &mut Vec<Option<f64>>,
     column: &dyn Array,
-    epoch: &mut Option<i64>,
-) -> Result<(), ArrowError> {
-    let Some(per_second) = per_second(column.data_type()) else {
-        let numbers = cast(column, &DataType::Float64)?;
+    epoch: &mut Epoch,
+) -> Result<(), DataError> {
+    let Some(length) = tick(column.data_type()) else {
+        let numbers = cast(column, &DataType::Float64).map_err(DataError::because)?;
         for number in numbers.as_primitive::<Float64Type>() {
-            cells.push(number.filter(|number| number.is_finite()));
+            if number.is_some_and(f64::is_infinite) {
+                return Err(DataError::new("a value is infinite"));
+            }
+            cells.push(number.filter(|number| !number.is_nan()));
         }
         return Ok(());
     };
-    let ticks = cast(column, &DataType::Int64)?;
-    for tick in ticks.as_primitive::<Int64Type>() {
-        cells.push(tick.map(|tick| {
-            let first = *epoch.get_or_insert(tick);
-            (i128::from(tick) - i128::from(first)) as f64 / per_second
+    let is_stamp = matches!(column.data_type(), DataType::Timestamp(..));
+    let ticks = cast(column, &DataType::Int64).map_err(DataError::because)?;
+    for ticks in ticks.as_primitive::<Int64Type>() {
+        cells.push(ticks.map(|ticks| {
+            let time_ns = i128::from(ticks) * length;
+            if is_stamp {
+                epoch.seconds(time_ns)
+            } else {
+                time_ns as f64 / 1e9
+            }
         }));
     }
     Ok(())
@@ -171,6 +178,14 @@ mod tests {
         file
     }
 
+    fn read_file(
+        path: &Path,
+        specs: &[SignalSpec],
+        layout: &Layout,
+    ) -> Result<FileSignals, DataError> {
+        read(path, 0, specs, layout, &mut Epoch::default())
+    }
+
     #[test]
     fn types_of_times_prevail_over_units_in_names() {
         let start = 1_764_158_400_000;
@@ -190,20 +205,23 @@ mod tests {
             ("numbers, unit added", "t", &numbers, Some("t (ms)")),
         ] {
             let file = write(vec![(column, values.clone()), ("theta", angles.clone())]);
-            let [signal] = &read(file.path(), 0, &[], time).unwrap().signals[..] else {
+            let layout = time.map_or_else(Layout::default, Layout::with_time);
+            let found = read_file(file.path(), &[], &layout).unwrap();
+            let [signal] = &found.signals[..] else {
                 panic!("{name}: not one signal");
             };
             assert_eq!(signal.times, [0.0, 0.1, 0.2], "{name}");
-            let clock = signal.clock.as_ref().unwrap();
-            assert!(clock.is_unit_known, "{name}");
+            let clock = found.reading.time().unwrap();
+            assert!(!clock.is_unit_assumed, "{name}");
         }
         let file = write(vec![("t", numbers), ("theta", angles), ("phi", stamps)]);
         let theta = SignalSpec::parse("theta").unwrap();
-        let found = read(file.path(), 0, &[theta], None).unwrap();
-        let clock = found.signals[0].clock.as_ref().unwrap();
-        assert_eq!((&*clock.name, clock.is_unit_known), ("t", false));
+        let layout = Layout::default();
+        let found = read_file(file.path(), &[theta], &layout).unwrap();
+        let clock = found.reading.time().unwrap();
+        assert_eq!((&*clock.column, clock.is_unit_assumed), ("t", true));
         let phi = SignalSpec::parse("phi").unwrap();
-        let error = read(file.path(), 0, &[phi], None).err().unwrap();
+        let error = read_file(file.path(), &[phi], &layout).err().unwrap();
         assert!(
             error
                 .to_string()
@@ -223,7 +241,8 @@ mod tests {
             ("timestamp", Arc::new(times)),
             ("theta (mrad)", Arc::new(angles)),
         ]);
-        let [signal] = &read(file.path(), 0, &[], None).unwrap().signals[..] else {
+        let found = read_file(file.path(), &[], &Layout::default()).unwrap();
+        let [signal] = &found.signals[..] else {
             panic!("not one signal");
         };
         assert_eq!(signal.field, state::THETA);
@@ -234,7 +253,7 @@ mod tests {
         assert_eq!(signal.missing, 1);
         // Texts are no measured values, also if another signal can be read.
         let specs = ["theta", "phi=name"].map(|text| SignalSpec::parse(text).unwrap());
-        let read_data = data::read(&[file.path().to_owned()], &specs, None);
+        let read_data = data::read(&[file.path().to_owned()], &specs, &Layout::default());
         let error = read_data.unwrap_err().to_string();
         assert!(
             error.contains("no column or topic name; there are: timestamp, theta (mrad)"),
@@ -242,7 +261,10 @@ mod tests {
         );
         std::fs::write(file.path(), b"PAR1, but no more").unwrap();
         // Every error of the file names it, whatever the crate says of its damage.
-        let damaged = read(file.path(), 0, &[], None).err().unwrap().to_string();
+        let damaged = read_file(file.path(), &[], &Layout::default())
+            .err()
+            .unwrap()
+            .to_string();
         let name = format!("{}: ", file.path().display());
         assert!(damaged.starts_with(&name), "{damaged}");
     }

@@ -1,17 +1,20 @@
 //! Measured values from MCAP files: recordings of toprise, and JSON messages of other software.
 
 use super::error::DataError;
-use super::signal::{FileSignals, SigmaSpec, Signal, SignalRow, SignalSpec, SpecFlaw};
-use super::table::{MAX_ROWS, MAX_SHOWN, read_twice, too_long};
-use super::unit::{Dimension, split_header};
+use super::layout::Layout;
+use super::member::{Lack, MemberPath, Stamp, member_names, parse};
+use super::reading::{ColumnReading, FileReading, LOG_TIME, SkippedRows, TIME};
+use super::rows::{Epoch, Row, Rows};
+use super::spec::{SigmaSpec, SignalSpec, SpecFlaw};
+use super::table::{FileSignals, read_twice};
+use super::text::{MAX_ROWS, too_long};
+use super::unit::{Dimension, Unit};
 use crate::archive::recording::{Condition, ContentCheck, FileChannel, Recording, Selection};
 use crate::run::time::seconds;
 use crate::telemetry::fields::{NumberField, state};
 use crate::telemetry::{Numbers as _, Topic, Topics};
 use crate::words::{Piece, counted, sentence};
-use serde_json::Value as Json;
 use std::path::Path;
-use thiserror::Error;
 
 /// The signals of an MCAP file.
 pub(super) struct RecordedSignals {
@@ -23,38 +26,34 @@ pub(super) struct RecordedSignals {
 }
 
 /// Where the values of a signal are.
-#[derive(PartialEq)]
 enum SignalPlace {
     /// A field of toprise's channels, in SI units.
     Field(NumberField),
-    /// A member of JSON messages: topic, and names from the outside in. The last one may have a unit as in a header.
-    Json(String, Vec<String>),
+    /// A member of JSON messages.
+    Member { topic: String, path: MemberPath },
 }
 
 impl SignalPlace {
-    /// The unit that is given for the values; may be empty.
-    fn unit(&self) -> &str {
+    fn topic(&self) -> &str {
         match self {
-            Self::Field(field) => field.unit(),
-            Self::Json(_, names) => names.last().map_or("", |name| split_header(name).1),
+            Self::Field(field) => field.topic().name(),
+            Self::Member { topic, .. } => topic,
         }
     }
 
-    /// Whether the values are those of another place, also if only one of them has a unit.
-    fn has_values_of(&self, other: &Self) -> bool {
+    /// Whether the values are those of another place.
+    fn is_same(&self, other: &Self) -> bool {
         match (self, other) {
-            (Self::Json(topic, names), Self::Json(other_topic, other_names)) => {
-                topic == other_topic && without_unit(names) == without_unit(other_names)
-            }
-            (place, other) => place == other,
+            (Self::Field(field), Self::Field(other)) => field == other,
+            (
+                Self::Member { path, .. },
+                Self::Member {
+                    path: other_path, ..
+                },
+            ) => self.topic() == other.topic() && path.is_same(other_path),
+            (Self::Field(_) | Self::Member { .. }, _) => false,
         }
     }
-}
-
-/// The names of a member from the outside in, without unit.
-fn without_unit(names: &[String]) -> Option<(&str, &[String])> {
-    let (last, outer) = names.split_last()?;
-    Some((split_header(last).0, outer))
 }
 
 /// Reads signals whose sources are `TOPIC.PATH`.
@@ -62,73 +61,59 @@ pub(super) fn read(
     path: &Path,
     file: usize,
     specs: &[SignalSpec],
+    layout: &Layout,
+    epoch: &mut Epoch,
 ) -> Result<RecordedSignals, DataError> {
     let recording =
         Recording::open(path).map_err(|reason| DataError::because(reason).in_file(path))?;
-    if specs.is_empty() {
-        let example = format!("{}:1mrad", state::THETA);
-        let remedy = sentence!(
-            "choose the fields to fit, e.g. {}",
-            Piece::argument_with("signal", example)
-        );
-        return Err(DataError::new("no fields to fit are chosen")
-            .in_file(path)
-            .with_remedy(remedy));
-    }
-    let mut places = Vec::new();
-    for spec in specs {
-        let unsplit = spec.unsplit();
-        // Members are not known before messages are read: a colon belongs to a topic only if there is no other one.
-        let found = [Some(spec), unsplit.as_ref()]
-            .into_iter()
-            .flatten()
-            .find_map(|spec| Some((spec.clone(), find_place(&recording, spec)?)));
-        let Some((spec, place)) = found else {
-            continue;
+    let source = MessageSource {
+        recording: &recording,
+        path,
+        layout,
+    };
+    let (mut signals, mut losses) = (Vec::new(), Vec::new());
+    let mut reading = FileReading {
+        file: path.display().to_string(),
+        ..FileReading::default()
+    };
+    let mut left_out: Vec<SkippedRows> = Vec::new();
+    for (spec, place) in source.places(specs)? {
+        let unit = match &place {
+            SignalPlace::Field(_) => None,
+            SignalPlace::Member { path: member, .. } => member
+                .unit(Dimension::from_si(spec.field.unit()))
+                .map_err(|error| error.in_file(path).in_column(&spec.source))?,
         };
-        // Messages have no columns: the text after the colon can only be meant as a number.
-        if let SigmaSpec::Column(sigma) = &spec.sigma {
-            return Err(SpecFlaw::Sigma(sigma.clone()).in_signal(&spec.source));
-        }
-        if places.iter().any(|(_, known)| place.has_values_of(known)) {
-            return Err(read_twice(&spec.source).in_file(path));
-        }
-        places.push((spec, place));
-    }
-    let mut signals = Vec::new();
-    let mut losses = Vec::new();
-    for (spec, place) in places {
-        let PlaceRows { rows, lack } = rows(&recording, path, &place, &mut losses)?;
-        let factor = match &place {
-            SignalPlace::Field(_) => 1.0,
-            SignalPlace::Json(..) => Dimension::from_si(spec.field.unit())
-                .factor(place.unit(), &spec.source)
-                .map_err(|error| error.in_file(path))?,
+        let read = source.rows(&place, unit, epoch, &mut losses)?;
+        let Some(signal) = read.rows.signal(&spec, file, 1, None)? else {
+            return Err(source.no_values(&spec.source, &place, read.lack));
         };
-        let (mut found, mut missing) = (Vec::new(), 0);
-        for (time, value) in rows {
-            match value {
-                Some(value) => found.push(SignalRow {
-                    time,
-                    value: value * factor,
-                    sigma: None,
-                    line: 0,
-                }),
-                None => missing += 1,
+        reading.columns.push(ColumnReading {
+            column: spec.source.clone(),
+            measures: spec.field.to_string(),
+            unit: unit.map_or(spec.field.unit(), Unit::name).to_owned(),
+            is_unit_assumed: matches!(place, SignalPlace::Member { .. })
+                && unit.is_none()
+                && !spec.field.unit().is_empty(),
+            missing: signal.missing,
+        });
+        reading.rows = reading.rows.max(read.messages);
+        for name in read.others {
+            if !reading.unused.contains(&name) {
+                reading.unused.push(name);
             }
         }
-        if found.is_empty() {
-            return Err(no_values(path, &spec.source, &place, lack));
-        }
-        let is_unit_known = match &place {
-            SignalPlace::Field(_) => true,
-            SignalPlace::Json(..) => !place.unit().is_empty(),
-        };
-        signals.push(Signal {
-            is_unit_known,
-            ..Signal::new(&spec, file, found, missing, None)?
-        });
+        left_out.extend(read.rows.left_out());
+        signals.push(signal);
     }
+    for spec in specs {
+        reading.unused.retain(|name| *name != spec.source);
+    }
+    // Signals of one topic leave out the same messages.
+    left_out.sort_by_key(|left_out| std::cmp::Reverse(left_out.rows));
+    left_out.dedup_by_key(|left_out| left_out.reason);
+    reading.left_out = left_out;
+    reading.columns.insert(0, source.clock_reading()?);
     if recording.is_ours() {
         for fault in content_faults(&recording) {
             add_once(&mut losses, fault);
@@ -137,6 +122,7 @@ pub(super) fn read(
     Ok(RecordedSignals {
         found: FileSignals {
             signals,
+            reading,
             known: topics(&recording),
         },
         is_ours: recording.is_ours(),
@@ -144,32 +130,208 @@ pub(super) fn read(
     })
 }
 
-fn no_values(path: &Path, source: &str, place: &SignalPlace, lack: Option<Lack>) -> DataError {
-    let (what, reason) = match (place, lack) {
-        (SignalPlace::Json(..), Some(lack)) => ("member", format!(": {lack}")),
-        (SignalPlace::Json(..), None) => ("member", String::new()),
-        (SignalPlace::Field(_), _) => ("field", String::new()),
-    };
-    DataError::new(format!("{what} {source} has no values{reason}")).in_file(path)
+/// The messages of a file, and what is declared of them.
+struct MessageSource<'a> {
+    recording: &'a Recording,
+    path: &'a Path,
+    layout: &'a Layout,
 }
 
-/// Why a member of a JSON message is no number.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-enum Lack {
-    /// There is no such member, or it has members itself.
-    #[error("the messages have: {}", known.join(", "))]
-    Absent {
-        /// Paths of the members where it should be.
-        known: Vec<String>,
-    },
-    #[error("they are texts, e.g. {0:?}, not numbers")]
-    Text(String),
-    #[error("they are null")]
-    Null,
-    #[error("the messages are no JSON")]
-    NoJson,
-    #[error("they are true or false, not numbers")]
-    Boolean,
+/// The messages of a place.
+struct PlaceRows {
+    rows: Rows<'static>,
+    messages: u64,
+    /// Why the first JSON message without a value has none.
+    lack: Option<Lack>,
+    /// Members of JSON messages, with their topic.
+    others: Vec<String>,
+}
+
+impl MessageSource<'_> {
+    /// The places of the signals that the file has.
+    fn places(&self, specs: &[SignalSpec]) -> Result<Vec<(SignalSpec, SignalPlace)>, DataError> {
+        let path = self.path;
+        if specs.is_empty() {
+            let example = format!("{}:1mrad", state::THETA);
+            return Err(DataError::new("no fields to fit are chosen")
+                .in_file(path)
+                .with_remedy(sentence!(
+                    "choose the fields to fit, e.g. {}",
+                    Piece::argument_with("signal", example)
+                )));
+        }
+        let mut places: Vec<(SignalSpec, SignalPlace)> = Vec::new();
+        for spec in specs {
+            let find = |source: &str| find_place(self.recording, spec.field, source);
+            // Members are not known before messages are read, so a colon belongs to a topic only if there is no other one.
+            let found = match find(&spec.source) {
+                Some(place) => Some((spec.clone(), place)),
+                None => spec
+                    .resolved(|source| find(source).is_some())
+                    .and_then(|spec| Some((spec.clone(), find(&spec.source)?))),
+            };
+            let Some((spec, place)) = found else {
+                continue;
+            };
+            // Messages have no columns: the text after the colon can only be meant as a number.
+            if let SigmaSpec::Column(sigma) = &spec.sigma {
+                return Err(SpecFlaw::Sigma(sigma.clone()).in_signal(&spec.source));
+            }
+            if places.iter().any(|(_, known)| place.is_same(known)) {
+                return Err(read_twice(&spec.source).in_file(path));
+            }
+            places.push((spec, place));
+        }
+        Ok(places)
+    }
+
+    /// The member with the times, and its unit.
+    fn clock(&self) -> Result<Option<(MemberPath, Option<&'static Unit>)>, DataError> {
+        let Some(name) = &self.layout.time else {
+            return Ok(None);
+        };
+        if self.recording.is_ours() {
+            let problem = sentence!(
+                "a recording of toprise has the times of the run: leave {} out",
+                Piece::argument("time")
+            );
+            return Err(DataError::new(problem).in_file(self.path));
+        }
+        let member = MemberPath::parse(name);
+        let unit = member
+            .unit(Dimension::Time)
+            .map_err(|error| error.in_file(self.path).in_column(name))?;
+        Ok(Some((member, unit)))
+    }
+
+    fn clock_reading(&self) -> Result<ColumnReading, DataError> {
+        let clock = self.clock()?;
+        Ok(ColumnReading {
+            column: match &self.layout.time {
+                Some(name) => name.clone(),
+                None if self.recording.is_ours() => TIME.to_owned(),
+                None => LOG_TIME.to_owned(),
+            },
+            measures: TIME.to_owned(),
+            unit: match &clock {
+                Some((_, Some(unit))) => unit.name().to_owned(),
+                Some((_, None)) | None => "s".to_owned(),
+            },
+            is_unit_assumed: matches!(clock, Some((_, None))),
+            missing: 0,
+        })
+    }
+
+    /// Reads the messages of a place.
+    fn rows(
+        &self,
+        place: &SignalPlace,
+        unit: Option<&'static Unit>,
+        epoch: &mut Epoch,
+        losses: &mut Vec<String>,
+    ) -> Result<PlaceRows, DataError> {
+        let topic = place.topic();
+        let clock = self.clock()?;
+        let mut reader = self.recording.reader(Selection {
+            topics: Topics::Only(vec![topic.to_owned()]),
+            ..Selection::default()
+        });
+        let mut read = PlaceRows {
+            rows: Rows::new(None),
+            messages: 0,
+            lack: None,
+            others: Vec::new(),
+        };
+        if clock.is_none() && !self.recording.is_ours() {
+            // Log times count from the first message of the file, whatever its topic.
+            let mut whole = self.recording.reader(Selection::default());
+            let start = whole.next_undecoded().map_or(0, |first| first.log_time);
+            epoch.seconds(start.into());
+        }
+        let mut undecodable = 0;
+        loop {
+            let cells = match place {
+                SignalPlace::Field(field) => match reader.next() {
+                    None => break,
+                    Some(Err(error)) => {
+                        add_once(losses, error.to_string());
+                        continue;
+                    }
+                    Some(Ok(message)) => {
+                        let numbers = message.numbers(field.topic());
+                        let value = numbers.map(|numbers| numbers[field.index()]);
+                        let time = if self.recording.is_ours() {
+                            seconds(message.time_ns)
+                        } else {
+                            epoch.seconds(message.time_ns.into())
+                        };
+                        [Some(time), value.filter(|value| value.is_finite())]
+                    }
+                },
+                SignalPlace::Member { path: member, .. } => match reader.next_undecoded() {
+                    None => break,
+                    Some(message) => {
+                        let Some(json) = parse(message.data) else {
+                            undecodable += 1;
+                            continue;
+                        };
+                        if read.messages == 0 {
+                            read.others = member_names(&json, &[]);
+                        }
+                        let time = match &clock {
+                            None => Ok(Stamp::Nanoseconds(message.log_time.into())),
+                            Some((member, unit)) => member.time(&json, *unit),
+                        };
+                        let value = member.number(&json);
+                        for lack in [time.as_ref().err(), value.as_ref().err()] {
+                            read.lack = read.lack.take().or_else(|| lack.cloned());
+                        }
+                        let time = time.ok().map(|time| match time {
+                            Stamp::Nanoseconds(time) => epoch.seconds(time),
+                            Stamp::Seconds(time) => time,
+                        });
+                        let factor = unit.map_or(1.0, |unit| unit.factor);
+                        [time, value.ok().map(|value| value * factor)]
+                    }
+                },
+            };
+            read.messages += 1;
+            if read.messages > MAX_ROWS as u64 {
+                return Err(too_long().in_file(self.path));
+            }
+            read.rows.push(Row {
+                line: 0,
+                cells: cells.to_vec(),
+            });
+        }
+        if undecodable > 0 {
+            if read.messages == 0 {
+                read.lack = Some(Lack::NoJson);
+            }
+            let messages = counted(undecodable, "message");
+            add_once(losses, format!("{messages} of {topic}, no JSON"));
+        }
+        for loss in reader.all_losses().sentences() {
+            add_once(losses, loss);
+        }
+        if self.recording.condition() == Condition::Interrupted {
+            add_once(losses, "the end of the file, which is cut".to_owned());
+        }
+        for name in &mut read.others {
+            *name = format!("{topic}.{name}");
+        }
+        read.rows.complete();
+        Ok(read)
+    }
+
+    fn no_values(&self, source: &str, place: &SignalPlace, lack: Option<Lack>) -> DataError {
+        let (what, reason) = match (place, lack) {
+            (SignalPlace::Member { .. }, Some(lack)) => ("member", format!(": {lack}")),
+            (SignalPlace::Member { .. }, None) => ("member", String::new()),
+            (SignalPlace::Field(_), _) => ("field", String::new()),
+        };
+        DataError::new(format!("{what} {source} has no values{reason}")).in_file(self.path)
+    }
 }
 
 /// What shows that a recording of toprise was altered, in sentences: only all messages together show it.
@@ -185,13 +347,12 @@ fn content_faults(recording: &Recording) -> Vec<String> {
 }
 
 /// The place that a source names, if the file has it.
-fn find_place(recording: &Recording, spec: &SignalSpec) -> Option<SignalPlace> {
-    let source = &spec.source;
+fn find_place(recording: &Recording, field: NumberField, source: &str) -> Option<SignalPlace> {
     for channel in recording.channels() {
-        let Some(rest) = source.strip_prefix(&channel.topic) else {
-            continue;
-        };
-        let Some(path) = rest.strip_prefix('.') else {
+        let Some(path) = source
+            .strip_prefix(&channel.topic)
+            .and_then(|rest| rest.strip_prefix('.'))
+        else {
             continue;
         };
         match table(recording, channel) {
@@ -201,17 +362,18 @@ fn find_place(recording: &Recording, spec: &SignalSpec) -> Option<SignalPlace> {
                 }
             }
             None if channel.encoding == "json" => {
-                let names = path.split('.').map(str::to_owned).collect();
-                return Some(SignalPlace::Json(channel.topic.clone(), names));
+                return Some(SignalPlace::Member {
+                    topic: channel.topic.clone(),
+                    path: MemberPath::parse(path),
+                });
             }
             None => {}
         }
     }
     // A field of toprise may be named by its path alone.
-    let field = spec.field;
     let mut channels = recording.channels().iter();
     let is_recorded = channels.any(|channel| table(recording, channel) == Some(field.topic()));
-    (*source == field.path() && is_recorded).then_some(SignalPlace::Field(field))
+    (source == field.path() && is_recorded).then_some(SignalPlace::Field(field))
 }
 
 /// The topic of toprise that a channel has. Other software may use the same names for JSON messages of its own.
@@ -234,145 +396,11 @@ fn topics(recording: &Recording) -> Vec<String> {
     known
 }
 
-/// The messages of a place.
-struct PlaceRows {
-    /// Times (s) and values; no value where it is missing or not a number.
-    rows: Vec<(f64, Option<f64>)>,
-    /// Why the first JSON message without a value has none.
-    lack: Option<Lack>,
-}
-
-/// Reads the messages of a place.
-fn rows(
-    recording: &Recording,
-    path: &Path,
-    place: &SignalPlace,
-    losses: &mut Vec<String>,
-) -> Result<PlaceRows, DataError> {
-    let topic = match place {
-        SignalPlace::Field(field) => field.topic().name().to_owned(),
-        SignalPlace::Json(topic, _) => topic.clone(),
-    };
-    let mut reader = recording.reader(Selection {
-        topics: Topics::Only(vec![topic.clone()]),
-        ..Selection::default()
-    });
-    let mut rows: Vec<(f64, Option<f64>)> = Vec::new();
-    let (mut lack, mut undecodable) = (None, 0_u64);
-    // Times since the epoch have no fraction of a microsecond as doubles: they count from the file's first message.
-    let mut whole = recording.reader(Selection::default());
-    let start = whole.next_undecoded().map_or(0, |first| first.log_time);
-    loop {
-        let row = match place {
-            SignalPlace::Field(field) => match reader.next() {
-                None => break,
-                Some(Err(error)) => {
-                    add_once(losses, error.to_string());
-                    continue;
-                }
-                Some(Ok(message)) => {
-                    let numbers = message.numbers(field.topic());
-                    let value = numbers.map(|numbers| numbers[field.index()]);
-                    (seconds(message.time_ns), value.filter(|v| v.is_finite()))
-                }
-            },
-            SignalPlace::Json(_, names) => match reader.next_undecoded() {
-                None => break,
-                Some(message) => {
-                    let Ok(json) = serde_json::from_slice(message.data) else {
-                        undecodable += 1;
-                        continue;
-                    };
-                    let time = i128::from(message.log_time) - i128::from(start);
-                    let value = match member(json, names) {
-                        Ok(number) => Some(number),
-                        Err(error) => {
-                            lack.get_or_insert(error);
-                            None
-                        }
-                    };
-                    (time as f64 / 1e9, value)
-                }
-            },
-        };
-        if rows.len() == MAX_ROWS {
-            return Err(too_long().in_file(path));
-        }
-        rows.push(row);
-    }
-    if undecodable > 0 {
-        if rows.is_empty() {
-            lack = Some(Lack::NoJson);
-        }
-        let messages = counted(undecodable, "message");
-        add_once(losses, format!("{messages} of {topic}, no JSON"));
-    }
-    for loss in reader.all_losses().sentences() {
-        add_once(losses, loss);
-    }
-    if recording.condition() == Condition::Interrupted {
-        add_once(losses, "the end of the file, which is cut".to_owned());
-    }
-    Ok(PlaceRows { rows, lack })
-}
-
 /// Signals of one file share its losses.
 fn add_once(losses: &mut Vec<String>, loss: String) {
     if !losses.contains(&loss) {
         losses.push(loss);
     }
-}
-
-/// The number at a path in a JSON message. A name that no member has may be that of one with a unit added.
-fn member(mut value: Json, names: &[String]) -> Result<f64, Lack> {
-    for (depth, name) in names.iter().enumerate() {
-        let bare = split_header(name).0;
-        let found = match &mut value {
-            Json::Object(members) => {
-                let key = if members.contains_key(name) {
-                    name
-                } else {
-                    bare
-                };
-                members.get_mut(key).map(Json::take)
-            }
-            Json::Array(items) => bare
-                .parse::<usize>()
-                .ok()
-                .and_then(|index| items.get_mut(index))
-                .map(Json::take),
-            Json::Null | Json::Bool(_) | Json::Number(_) | Json::String(_) => None,
-        };
-        value = found.ok_or_else(|| Lack::Absent {
-            known: member_names(&value, &names[..depth]),
-        })?;
-    }
-    match value {
-        Json::Number(number) => number.as_f64().ok_or(Lack::Null),
-        Json::Null => Err(Lack::Null),
-        Json::String(text) => Err(Lack::Text(text.chars().take(MAX_SHOWN).collect())),
-        Json::Bool(_) => Err(Lack::Boolean),
-        Json::Object(_) | Json::Array(_) => Err(Lack::Absent {
-            known: member_names(&value, names),
-        }),
-    }
-}
-
-/// Names of the members of a value, below the members `outer`.
-fn member_names(value: &Json, outer: &[String]) -> Vec<String> {
-    /// Maximum number of names: messages may have thousands of members.
-    const MAX_NAMES: usize = 20;
-    let inner: Vec<String> = match value {
-        Json::Object(members) => members.keys().take(MAX_NAMES).cloned().collect(),
-        Json::Array(items) => (0..items.len().min(MAX_NAMES))
-            .map(|index| index.to_string())
-            .collect(),
-        Json::Null | Json::Bool(_) | Json::Number(_) | Json::String(_) => Vec::new(),
-    };
-    inner
-        .into_iter()
-        .map(|name| [outer, &[name]].concat().join("."))
-        .collect()
 }
 
 #[cfg(test)]
@@ -385,6 +413,15 @@ mod tests {
 
     /// Reads a signal from a file with JSON messages of other software, one each 0.1 s.
     fn read_json(topic: &str, messages: &[&str], signal: &str) -> Result<Data, DataError> {
+        read_laid_out(topic, messages, signal, &Layout::default())
+    }
+
+    fn read_laid_out(
+        topic: &str,
+        messages: &[&str],
+        signal: &str,
+        layout: &Layout,
+    ) -> Result<Data, DataError> {
         let file = tempfile::Builder::new().suffix(".mcap").tempfile().unwrap();
         let mut writer = mcap::Writer::new(file.reopen().unwrap()).unwrap();
         let channel = writer
@@ -404,7 +441,7 @@ mod tests {
         writer.finish().unwrap();
         drop(writer);
         let files: Vec<PathBuf> = vec![file.path().to_owned()];
-        data::read(&files, &[SignalSpec::parse(signal)?], None)
+        data::read(&files, &[SignalSpec::parse(signal)?], layout)
     }
 
     #[test]
@@ -507,5 +544,30 @@ mod tests {
     fn finds_topics_with_colons() {
         let data = read_json("/cam:1", &[r#"{"tilt":0.5}"#; 3], "theta=/cam:1.tilt").unwrap();
         assert_eq!(data.signals[0].values, [0.5; 3]);
+    }
+
+    #[test]
+    fn takes_times_from_members() {
+        let messages = [
+            r#"{"timestamp":{"sec":1700000000,"nsec":0},"tilt":0.5,"az":1}"#,
+            r#"{"timestamp":{"sec":1700000000,"nsec":90000000},"tilt":0.4,"az":1}"#,
+            r#"{"timestamp":null,"tilt":0.3,"az":1}"#,
+            r#"{"timestamp":{"sec":1700000000,"nsec":90000000},"tilt":0.4,"az":1}"#,
+        ];
+        let layout = Layout::with_time("timestamp");
+        let data = read_laid_out("/cam", &messages, "theta=/cam.tilt", &layout).unwrap();
+        assert_eq!(data.signals[0].times, [0.0, 0.09]);
+        let [reading] = &data.files[..] else {
+            panic!("{:?}", data.files);
+        };
+        let sentence = reading.sentence().to_string();
+        assert!(
+            sentence.ends_with(
+                "timestamp is the time (no unit: s) and /cam.tilt is /top/state.theta (no unit: rad); 4 rows. \
+                 Not used: /cam.timestamp, /cam.az. Without a time: 1 row. \
+                 Equal to another row, and counted once: 1 row."
+            ),
+            "{sentence}"
+        );
     }
 }

@@ -1,38 +1,35 @@
 //! Tables of measured values: their columns as signals.
 
-use super::cell::{Cell, Mark};
-use super::column;
 use super::error::DataError;
-use super::signal::{Clock, FileSignals, SigmaSpec, Signal, SignalRow, SignalSpec};
-use super::unit::{Dimension, is_unit, split_header};
+use super::layout::{Decimal, Delimiter, Layout};
+use super::name::{ColumnName, Meaning, unit_of};
+use super::number::Cell;
+use super::reading::{ColumnReading, FileReading, SIGMA, TIME};
+use super::rows::{Row, Rows};
+use super::signal::Signal;
+use super::spec::{SigmaSpec, SignalSpec};
+use super::text::{Line, cut};
+use super::unit::{Dimension, Unit};
+use crate::run::suggestion::{did_you_mean, similar_names};
 use crate::words::{Piece, Sentence, sentence};
 use std::path::Path;
-
-/// Maximum number of rows of a table (held in memory).
-pub(super) const MAX_ROWS: usize = 2_000_000;
-
-/// Maximum number of characters of a cell in an error.
-pub(super) const MAX_SHOWN: usize = 40;
 
 /// A table of cells with a header.
 pub(super) struct Table<'a> {
     pub path: &'a Path,
+    /// Index of the file.
+    pub file: usize,
     /// Names of the columns, with their units.
     pub columns: Vec<String>,
-    /// Whether a line names the columns, and not only their numbers.
-    pub is_named: bool,
-    /// Whether arguments can name the columns, too.
-    pub has_arguments: bool,
-    pub rows: TableRows,
+    pub cells: Cells,
 }
 
 /// The cells of a table.
-pub(super) enum TableRows {
+pub(super) enum Cells {
     /// Cells of text.
     Text {
         lines: Vec<Line>,
-        /// Decimal mark of each column; `None` if it is not certain.
-        marks: Vec<Option<Mark>>,
+        delimiter: Delimiter,
     },
     /// Cells of numbers, by column.
     #[cfg(feature = "sweep")]
@@ -52,14 +49,7 @@ pub(super) struct NumberColumn {
     pub is_time: bool,
 }
 
-/// A line of a text table.
-pub(super) struct Line {
-    /// Number of the line in the file, from 1.
-    pub number: u64,
-    pub record: csv::StringRecord,
-}
-
-impl TableRows {
+impl Cells {
     fn count(&self) -> usize {
         match self {
             Self::Text { lines, .. } => lines.len(),
@@ -91,73 +81,201 @@ impl TableRows {
     }
 }
 
+/// A column that is read.
+struct Column<'a> {
+    at: usize,
+    name: &'a str,
+    dimension: Dimension,
+    /// `None` for none, that is, the SI unit.
+    unit: Option<&'static Unit>,
+    /// Whether the type of the column says that it has times in seconds.
+    is_typed_time: bool,
+}
+
+impl Column<'_> {
+    fn reading(&self, measures: &str, missing: u64) -> ColumnReading {
+        let has_unit = self.unit.is_some() || self.is_typed_time;
+        ColumnReading {
+            column: self.name.to_owned(),
+            measures: measures.to_owned(),
+            unit: self.unit.map_or(self.dimension.si(), Unit::name).to_owned(),
+            is_unit_assumed: !has_unit && self.dimension != Dimension::Number,
+            missing,
+        }
+    }
+}
+
+/// The signals of a file, and what was read of it.
+pub(super) struct FileSignals {
+    pub signals: Vec<Signal>,
+    pub reading: FileReading,
+    /// Names of all columns, or topics.
+    pub known: Vec<String>,
+}
+
 impl Table<'_> {
-    /// The signals that are in a file. Without `specs`, these are the columns that are named like fields.
+    /// The signals that are in the table. Without `specs`, these are the columns that are named like fields.
     pub(super) fn signals(
         self,
-        file: usize,
         specs: &[SignalSpec],
-        time: Option<&str>,
+        layout: &Layout,
     ) -> Result<FileSignals, DataError> {
-        let clock = self.clock(time)?;
-        let named: Vec<SignalSpec> = if specs.is_empty() {
-            self.named_signals()
+        let clock = self.clock(layout)?;
+        let specs = if specs.is_empty() {
+            self.named_signals()?
         } else {
-            specs.iter().filter_map(|spec| self.find(spec)).collect()
+            let known = |name: &str| !self.positions(name).is_empty();
+            specs
+                .iter()
+                .filter_map(|spec| spec.resolved(known))
+                .collect()
         };
-        if named.is_empty() && specs.is_empty() {
-            let other = self.columns.iter().find(|column| !column::is_time(column));
-            let example = other.map_or("COLUMN", String::as_str);
-            let problem = sentence!(
-                "no column is named like a field of the top; there {}",
-                column::listed(&self.columns)
-            );
-            let remedy = sentence!(
-                "name the columns, e.g. {}",
-                Piece::argument_with("signal", format!("theta={example}"))
-            );
-            return Err(self.error(problem).with_remedy(remedy));
+        let mut columns = vec![clock];
+        // Index of the column of values among those that are read, and that of their standard deviations.
+        let mut places = Vec::new();
+        for spec in &specs {
+            let dimension = Dimension::from_si(spec.field.unit());
+            let values = self.column(&spec.source, dimension)?;
+            if columns.iter().any(|column| column.at == values.at) {
+                return Err(read_twice(&spec.source).in_file(self.path));
+            }
+            columns.push(values);
+            places.push((columns.len() - 1, None));
         }
-        self.check_duplicates(&named, specs.is_empty())?;
+        for (spec, place) in specs.iter().zip(&mut places) {
+            if let SigmaSpec::Column(name) = &spec.sigma {
+                columns.push(self.column(name, Dimension::from_si(spec.field.unit()))?);
+                place.1 = Some(columns.len() - 1);
+            }
+        }
+        let rows = self.rows(&columns, layout.decimal)?;
         let mut signals = Vec::new();
-        for spec in &named {
-            signals.push(Signal {
-                clock: Some(self.clock_of(&clock, time.is_some())),
-                ..self.signal(spec, &clock, file)?
-            });
+        let mut missing = vec![rows.without_time; columns.len()];
+        for (spec, (values, sigma)) in specs.iter().zip(&places) {
+            let signal = rows
+                .signal(spec, self.file, *values, *sigma)?
+                .ok_or_else(|| self.error(sentence!("column {} has no values", &spec.source)))?;
+            missing[*values] = signal.missing;
+            signals.push(signal);
+        }
+        let mut reading = FileReading {
+            file: self.path.display().to_string(),
+            rows: self.cells.count() as u64,
+            left_out: rows.left_out(),
+            ..FileReading::default()
+        };
+        for (at, column) in columns.iter().enumerate() {
+            let spec = places.iter().position(|(values, _)| *values == at);
+            let field = spec.map(|spec| specs[spec].field.to_string());
+            let measures = match &field {
+                Some(field) => field,
+                None if at == 0 => TIME,
+                None => SIGMA,
+            };
+            reading.columns.push(column.reading(measures, missing[at]));
+        }
+        for (at, column) in self.columns.iter().enumerate() {
+            if columns.iter().all(|read| read.at != at) && !column.is_empty() {
+                reading.unused.push(column.clone());
+            }
         }
         Ok(FileSignals {
             signals,
+            reading,
             known: self.columns,
         })
     }
 
-    /// A signal if it is in this table: which one of several files it is in, its name says. A colon may belong to the
-    /// name of a column, and is tried as a part of it first.
-    fn find(&self, spec: &SignalSpec) -> Option<SignalSpec> {
-        let unsplit = spec.unsplit();
-        [unsplit.as_ref(), Some(spec)]
-            .into_iter()
-            .flatten()
-            .find(|spec| self.position(&spec.source).is_some())
-            .cloned()
+    /// The rows with these columns, the first of which has the times.
+    fn rows(
+        &self,
+        columns: &[Column<'_>],
+        decimal: Option<Decimal>,
+    ) -> Result<Rows<'_>, DataError> {
+        let mut marks = Marks::new(&self.cells, decimal);
+        let mut rows = Rows::new(Some(self.path));
+        for row in 0..self.cells.count() {
+            let mut cells = Vec::with_capacity(columns.len());
+            for column in columns {
+                cells.push(self.cell(column, row, &mut marks)?);
+            }
+            rows.push(Row {
+                line: self.cells.line(row),
+                cells,
+            });
+        }
+        rows.complete();
+        Ok(rows)
     }
 
-    /// The column with a name; the first one if there are several.
-    fn position(&self, name: &str) -> Option<usize> {
-        self.positions(name).first().copied()
+    /// The value of a cell in SI units; `None` if it is missing.
+    fn cell(
+        &self,
+        column: &Column<'_>,
+        row: usize,
+        marks: &mut Marks,
+    ) -> Result<Option<f64>, DataError> {
+        let factor = column.unit.map_or(1.0, |unit| unit.factor);
+        let text = match &self.cells {
+            Cells::Text { lines, .. } => lines[row].cell(column.at),
+            #[cfg(feature = "sweep")]
+            Cells::Numbers { columns, .. } => {
+                let number = columns[column.at].cells.get(row).copied().flatten();
+                return Ok(number.map(|number| number * factor));
+            }
+        };
+        let problem = match Cell::parse(text, column.unit) {
+            Cell::Missing => return Ok(None),
+            Cell::Number(number, mark) => match marks.check(mark) {
+                Ok(()) => return Ok(Some(number * factor)),
+                Err(problem) => sentence!("{}: {}", format!("{:?}", cut(text)), problem),
+            },
+            Cell::Infinite => sentence!("{} is infinite", cut(text)),
+            Cell::Text => sentence!("{} is not a number", format!("{:?}", cut(text))),
+        };
+        Err(self
+            .error(problem)
+            .in_line(self.cells.line(row))
+            .in_column(column.name))
     }
 
-    /// The columns with a name.
+    /// The columns with a name, or else with the same words.
     fn positions(&self, name: &str) -> Vec<usize> {
-        column::positions(&self.columns, name)
+        let given = ColumnName::parse(name);
+        let mut found = Vec::new();
+        for is_exact in [true, false] {
+            for (at, column) in self.columns.iter().enumerate() {
+                let is_called = if is_exact {
+                    column == name
+                } else {
+                    ColumnName::parse(column).is_called(&given)
+                };
+                if is_called {
+                    found.push(at);
+                }
+            }
+            if !found.is_empty() {
+                break;
+            }
+        }
+        found
     }
 
-    /// The only column with a name.
-    fn only_position(&self, name: &str) -> Result<usize, DataError> {
+    /// The only column with a name. Its unit is that of the header, or else of the name.
+    fn column<'a>(&'a self, name: &str, dimension: Dimension) -> Result<Column<'a>, DataError> {
         match self.positions(name)[..] {
-            [] => Err(self.missing(name)),
-            [at] => Ok(at),
+            [] => {
+                let known = self.columns.iter().map(String::as_str);
+                let similar = did_you_mean(&similar_names(name, known));
+                let name = name.to_owned();
+                Err(self.error(sentence!(
+                    "no column {}; there {}{}",
+                    name,
+                    listed(&self.columns),
+                    similar
+                )))
+            }
+            [at] => self.column_at(at, name, dimension),
             [..] => Err(self.error(sentence!(
                 "several columns are called {}: rename them",
                 name.to_owned()
@@ -165,323 +283,200 @@ impl Table<'_> {
         }
     }
 
-    /// Refuses columns that would count twice, and names that stand for several columns.
-    fn check_duplicates(
-        &self,
-        specs: &[SignalSpec],
-        is_found_by_name: bool,
-    ) -> Result<(), DataError> {
-        for (at, spec) in specs.iter().enumerate() {
-            self.only_position(&spec.source)?;
-            for other in &specs[..at] {
-                if self.position(&other.source) == self.position(&spec.source) {
-                    return Err(read_twice(&spec.source).in_file(self.path));
-                }
-                if is_found_by_name && other.field == spec.field {
-                    return Err(self.measured_twice(spec, other, specs));
-                }
+    fn column_at<'a>(
+        &'a self,
+        at: usize,
+        name: &str,
+        dimension: Dimension,
+    ) -> Result<Column<'a>, DataError> {
+        let column = &self.columns[at];
+        let is_typed_time = self.cells.is_typed_time(at);
+        if is_typed_time && dimension != Dimension::Time {
+            return Err(self.error(sentence!(
+                "column {} has times, by its type; expected: {}",
+                column,
+                dimension.meaning()
+            )));
+        }
+        let unit = if is_typed_time {
+            // A unit in the name can be that of the ticks, which the type has already turned into seconds.
+            ""
+        } else {
+            match unit_of(column) {
+                "" => unit_of(name),
+                unit => unit,
+            }
+        };
+        let unit = dimension
+            .unit(unit)
+            .map_err(|error| error.in_file(self.path).in_column(column))?;
+        Ok(Column {
+            at,
+            name: column,
+            dimension,
+            unit,
+            is_typed_time,
+        })
+    }
+
+    /// The column of times: the one that is given, or else the only one that is named like times. One with a unit comes
+    /// before those without.
+    fn clock(&self, layout: &Layout) -> Result<Column<'_>, DataError> {
+        if let Some(name) = &layout.time {
+            return self.column(name, Dimension::Time);
+        }
+        let (mut clocks, mut unclear) = (Vec::new(), Vec::new());
+        for (at, column) in self.columns.iter().enumerate() {
+            let name = ColumnName::parse(column);
+            let is_certain = name.rest.is_empty() || self.cells.is_typed_time(at);
+            match name.meaning {
+                Some(Meaning::Time) if is_certain => clocks.push((at, name.unit.is_some())),
+                Some(Meaning::Time) => unclear.push((column, name)),
+                Some(Meaning::Field(_)) | None => {}
             }
         }
-        Ok(())
+        if clocks.iter().any(|(_, has_unit)| *has_unit) {
+            clocks.retain(|(_, has_unit)| *has_unit);
+        }
+        match (&clocks[..], &unclear[..]) {
+            ([(at, _)], _) => self.column_at(*at, &self.columns[*at], Dimension::Time),
+            ([], [(column, name), ..]) => Err(self.not_understood(column, name)),
+            ([], []) => {
+                let problem = sentence!("no column of times; there {}", listed(&self.columns));
+                Err(self.error(problem).with_remedy(sentence!(
+                    "name it with {}, or add one: the number of the frame divided by the frame rate",
+                    Piece::argument("time")
+                )))
+            }
+            (several, _) => {
+                let names: Vec<&str> = several.iter().map(|(at, _)| &*self.columns[*at]).collect();
+                let problem =
+                    sentence!("several columns are named like times: {}", names.join(", "));
+                Err(self.error(problem).with_remedy(sentence!(
+                    "choose one, e.g. {}",
+                    Piece::argument_with("time", names[0])
+                )))
+            }
+        }
+    }
+
+    /// The columns that are named like fields.
+    fn named_signals(&self) -> Result<Vec<SignalSpec>, DataError> {
+        let mut specs: Vec<SignalSpec> = Vec::new();
+        for column in &self.columns {
+            let name = ColumnName::parse(column);
+            let Some(Meaning::Field(field)) = name.meaning else {
+                continue;
+            };
+            if !name.rest.is_empty() {
+                return Err(self.not_understood(column, &name));
+            }
+            if let Some(other) = specs.iter().find(|spec| spec.field == field) {
+                let example = format!("{field}={}", other.source);
+                let problem = sentence!(
+                    "the columns {} and {} both measure {}",
+                    &other.source,
+                    column,
+                    field.to_string()
+                );
+                return Err(self.error(problem).with_remedy(choose(example)));
+            }
+            specs.push(SignalSpec::new(field, column, SigmaSpec::Estimate));
+        }
+        if specs.is_empty() {
+            let example = self.columns.last().map_or("COLUMN", String::as_str);
+            let problem = sentence!(
+                "no column is named like a field of the top; there {}",
+                listed(&self.columns)
+            );
+            return Err(self
+                .error(problem)
+                .with_remedy(choose(format!("theta={example}"))));
+        }
+        Ok(specs)
+    }
+
+    /// The error of a column whose name has a known word and others.
+    fn not_understood(&self, column: &str, name: &ColumnName) -> DataError {
+        let (meaning, remedy) = match name.meaning {
+            Some(Meaning::Field(field)) => {
+                let example = format!("{}={column}", field.path());
+                (field.to_string(), choose(example))
+            }
+            Some(Meaning::Time) | None => {
+                let example = Piece::argument_with("time", column);
+                ("times".to_owned(), sentence!("name the times: {}", example))
+            }
+        };
+        let problem = sentence!(
+            "the name says {}, but “{}” is not understood (units: deg, rad, s, ms, rad/s, rpm …)",
+            meaning,
+            name.rest.join(" ")
+        );
+        self.error(problem).in_column(column).with_remedy(remedy)
     }
 
     /// The error of the file.
     fn error(&self, problem: impl Into<Sentence>) -> DataError {
         DataError::new(problem).in_file(self.path)
     }
+}
 
-    /// The error of a cell.
-    fn cell_error(
-        &self,
-        column: &Cells<'_>,
-        row: usize,
-        problem: impl Into<Sentence>,
-    ) -> DataError {
-        self.error(problem)
-            .in_line(self.rows.line(row))
-            .in_column(column.name)
-    }
+/// What helps where columns are not found by their names: to name all that are wanted.
+fn choose(example: String) -> Sentence {
+    sentence!(
+        "name the columns to read, e.g. {}",
+        Piece::argument_with("signal", example)
+    )
+}
 
-    /// The error of two columns that were found by their names and measure the same field. Columns that are named replace
-    /// all that were found, so the remedy names those of the other fields, too.
-    fn measured_twice(
-        &self,
-        spec: &SignalSpec,
-        other: &SignalSpec,
-        specs: &[SignalSpec],
-    ) -> DataError {
-        let field = spec.field.to_string();
-        let choice = format!("{field}={}", other.source);
-        let further = specs
-            .iter()
-            .filter(|further| further.field != spec.field)
-            .map(SignalSpec::description)
-            .collect();
-        let problem = sentence!(
-            "the columns {} and {} both measure {}",
-            &other.source,
-            &spec.source,
-            field
-        );
-        self.error(problem).with_remedy(sentence!(
-            "choose one, e.g. {}",
-            Piece::argument_with_all("signal", choice, further)
-        ))
-    }
+/// The decimal marks of a text table.
+struct Marks {
+    /// The one that is declared, or that a number has.
+    known: Option<Decimal>,
+    /// Whether commas separate the cells.
+    has_commas: bool,
+}
 
-    fn missing(&self, name: &str) -> DataError {
-        self.error(format!(
-            "no column {name}; there {}{}",
-            column::listed(&self.columns),
-            column::similar(name, &self.columns)
-        ))
-    }
-
-    /// The column of times.
-    fn clock<'a>(&'a self, name: Option<&'a str>) -> Result<Cells<'a>, DataError> {
-        if let Some(name) = name {
-            return self.cells(name, Dimension::Time);
+impl Marks {
+    fn new(cells: &Cells, declared: Option<Decimal>) -> Self {
+        Self {
+            known: declared,
+            has_commas: match cells {
+                Cells::Text { delimiter, .. } => *delimiter == Delimiter::Comma,
+                #[cfg(feature = "sweep")]
+                Cells::Numbers { .. } => false,
+            },
         }
-        match column::clocks(&self.columns, None)[..] {
-            [at] => self.cells_at(at, &self.columns[at], Dimension::Time),
-            [] if !self.is_named => Err(self.no_header()),
-            [] => {
-                let problem = sentence!(
-                    "no column of times; there {}",
-                    column::listed(&self.columns)
-                );
-                Err(self.error(problem).with_remedy(sentence!(
-                    "name it with {}, or add one: the number of the frame divided by the frame rate",
-                    Piece::argument("time")
-                )))
+    }
+
+    /// Refuses another mark than that of the other numbers.
+    fn check(&mut self, mark: Option<Decimal>) -> Result<(), Sentence> {
+        let declare = |decimal: &'static str| Piece::argument_with("decimal", decimal);
+        match (mark, self.known) {
+            (None, _) => Ok(()),
+            (Some(Decimal::Comma), None) if self.has_commas => Err(sentence!(
+                "commas separate the cells, so they are no decimal marks; if they are, {}",
+                declare(",")
+            )),
+            (Some(mark), None) => {
+                self.known = Some(mark);
+                Ok(())
             }
-            ref several => {
-                let names: Vec<&str> = several.iter().map(|at| &*self.columns[*at]).collect();
-                let problem =
-                    sentence!("several columns are named like times: {}", names.join(", "));
-                Err(self
-                    .error(problem)
-                    .with_remedy(self.rename_or_choose(&names)))
-            }
+            (Some(mark), Some(known)) if mark == known => Ok(()),
+            (Some(_), Some(_)) => Err(sentence!(
+                "points and commas are not both decimal marks; write numbers without separators of thousands, or declare {} or {}",
+                declare("."),
+                declare(",")
+            )),
         }
-    }
-
-    /// What helps with several columns of times: only a name that no other column has can be chosen.
-    fn rename_or_choose(&self, names: &[&str]) -> Sentence {
-        let mut choices = Vec::new();
-        for name in names {
-            if self.has_arguments && self.positions(name).len() == 1 {
-                choices.push(Piece::argument_with("time", *name).into());
-            }
-        }
-        if choices.is_empty() {
-            return sentence!("rename all but one");
-        }
-        let choices = Sentence::join(choices, " or ");
-        sentence!("rename all but one, or choose with {}", choices)
-    }
-
-    /// The error of a table in which no line names the columns.
-    fn no_header(&self) -> DataError {
-        let columns = self.columns.len();
-        if columns == 1 {
-            return self.error("a single column").with_remedy(sentence!(
-                "write the times beside the values, e.g. t,theta (deg)"
-            ));
-        }
-        let problem = sentence!("no line names the {} columns", columns.to_string());
-        let first_line = sentence!(
-            "write a first line that does, e.g. t,theta (deg) or t,theta (deg),phi (deg)"
-        );
-        self.error(problem).with_remedy(if self.has_arguments {
-            sentence!(
-                "{}, or use their numbers: {} {}",
-                first_line,
-                Piece::argument_with("time", "1"),
-                Piece::argument_with("signal", "theta=2 (deg)")
-            )
-        } else {
-            first_line
-        })
-    }
-
-    /// The columns that are named like fields, or else those that are within a data set.
-    fn named_signals(&self) -> Vec<SignalSpec> {
-        for field_of in [SignalSpec::from_column, SignalSpec::from_data_set] {
-            let named: Vec<_> = self.columns.iter().filter_map(|c| field_of(c)).collect();
-            if !named.is_empty() {
-                return named;
-            }
-        }
-        Vec::new()
-    }
-
-    fn signal(
-        &self,
-        spec: &SignalSpec,
-        times: &Cells<'_>,
-        file: usize,
-    ) -> Result<Signal, DataError> {
-        let dimension = Dimension::from_si(spec.field.unit());
-        let values = self.cells(&spec.source, dimension)?;
-        let deviations = match &spec.sigma {
-            SigmaSpec::Estimate | SigmaSpec::Number(..) => None,
-            SigmaSpec::Column(name) => Some(self.cells(name, dimension)?),
-        };
-        let (mut rows, mut missing) = (Vec::new(), 0);
-        for row in 0..self.rows.count() {
-            let sigma = match &deviations {
-                Some(cells) => {
-                    let Some(sigma) = self.cell(cells, row)? else {
-                        missing += 1;
-                        continue;
-                    };
-                    Some(self.check_sigma(cells, row, sigma)?)
-                }
-                None => None,
-            };
-            match (self.cell(times, row)?, self.cell(&values, row)?) {
-                (Some(time), Some(value)) => rows.push(SignalRow {
-                    time,
-                    value,
-                    sigma,
-                    line: self.rows.line(row),
-                }),
-                (Some(_) | None, Some(_) | None) => missing += 1,
-            }
-        }
-        if rows.is_empty() {
-            return Err(self.error(sentence!("column {} has no values", &spec.source)));
-        }
-        let signal = Signal::new(spec, file, rows, missing, Some(self.path))
-            .map_err(|error| error.in_file(self.path))?;
-        Ok(Signal {
-            is_unit_known: !values.unit.is_empty(),
-            ..signal
-        })
-    }
-
-    /// The column with a name. Its unit is that of its type, or else of the header, or else of the name.
-    fn cells<'a>(&'a self, name: &'a str, dimension: Dimension) -> Result<Cells<'a>, DataError> {
-        let at = self.only_position(name)?;
-        self.cells_at(at, name, dimension)
-    }
-
-    /// The column at an index.
-    fn cells_at<'a>(
-        &'a self,
-        at: usize,
-        name: &'a str,
-        dimension: Dimension,
-    ) -> Result<Cells<'a>, DataError> {
-        let column = &self.columns[at];
-        if self.rows.is_typed_time(at) {
-            // A unit in the name can be that of the ticks, which the type has already turned into seconds.
-            if dimension != Dimension::Time {
-                return Err(self.error(sentence!(
-                    "column {} has times, by its type; expected: {}",
-                    column,
-                    dimension.meaning()
-                )));
-            }
-            return Ok(Cells {
-                at,
-                name: column,
-                unit: "s",
-                factor: 1.0,
-            });
-        }
-        let unit = match split_header(column).1 {
-            "" => split_header(name).1,
-            unit => unit,
-        };
-        let factor = dimension
-            .factor(unit, column)
-            .map_err(|error| error.in_file(self.path))?;
-        Ok(Cells {
-            at,
-            name: column,
-            unit,
-            factor,
-        })
-    }
-
-    /// The column of times as signals know it. One that was named is beyond doubt.
-    fn clock_of(&self, cells: &Cells<'_>, is_named: bool) -> Clock {
-        let mut others = Vec::new();
-        for column in &self.columns {
-            if !is_named && column::is_time(column) && column != cells.name {
-                others.push(column.clone());
-            }
-        }
-        Clock {
-            name: cells.name.to_owned(),
-            is_unit_known: !cells.unit.is_empty() || is_unit(cells.name),
-            others,
-        }
-    }
-
-    /// The value of a cell in SI units; `None` if it is missing.
-    fn cell(&self, column: &Cells<'_>, row: usize) -> Result<Option<f64>, DataError> {
-        let number = match &self.rows {
-            TableRows::Text { lines, marks } => {
-                let text = lines[row].record.get(column.at).unwrap_or_default();
-                match Cell::parse(text) {
-                    Cell::Missing => None,
-                    Cell::Number(number, _) => Some(number),
-                    Cell::Unclear(number, mark) if marks[column.at] == Some(mark) => Some(number),
-                    Cell::Unclear(number, _) => {
-                        return Err(self.thousands(column, row, text, Some(number)));
-                    }
-                    Cell::Grouped => return Err(self.thousands(column, row, text, None)),
-                    Cell::Text => {
-                        let problem = format!("{:?} is not a number", shown(text));
-                        return Err(self.cell_error(column, row, problem));
-                    }
-                }
-            }
-            #[cfg(feature = "sweep")]
-            TableRows::Numbers { columns, .. } => {
-                columns[column.at].cells.get(row).copied().flatten()
-            }
-        };
-        Ok(number.map(|number| number * column.factor))
-    }
-
-    fn thousands(
-        &self,
-        column: &Cells<'_>,
-        row: usize,
-        text: &str,
-        decimal: Option<f64>,
-    ) -> DataError {
-        let meaning = match decimal {
-            Some(number) => format!("can be {number} or {}", 1e3 * number),
-            None => "has separators of thousands".to_owned(),
-        };
-        let text = shown(text);
-        let problem = format!("{text:?} {meaning}: write numbers without separators of thousands");
-        self.cell_error(column, row, problem)
-    }
-
-    fn check_sigma(&self, column: &Cells<'_>, row: usize, value: f64) -> Result<f64, DataError> {
-        if value > 0.0 {
-            return Ok(value);
-        }
-        let problem = format!("the standard deviation {value} is not positive");
-        Err(self.cell_error(column, row, problem))
     }
 }
 
-/// A text, cut for an error.
-fn shown(text: &str) -> String {
-    text.chars().take(MAX_SHOWN).collect()
-}
-
-/// The error of more rows than are held in memory.
-pub(super) fn too_long() -> DataError {
-    let limit = MAX_ROWS.to_string();
-    DataError::new(sentence!("more than {} rows: thin out the data", limit))
+/// Names with their verb: "are: t, theta".
+pub(super) fn listed(names: &[String]) -> String {
+    let verb = if names.len() == 1 { "is" } else { "are" };
+    format!("{verb}: {}", names.join(", "))
 }
 
 /// The error of a column, or topic and path, that would count twice.
@@ -492,30 +487,19 @@ pub(super) fn read_twice(source: &str) -> DataError {
     ))
 }
 
-/// A column: index, name, unit (may be empty), and size of the unit.
-struct Cells<'a> {
-    at: usize,
-    name: &'a str,
-    unit: &'a str,
-    factor: f64,
-}
-
 /// Whether a column is needed for these signals.
 #[cfg(feature = "sweep")]
-pub(super) fn is_needed(header: &str, specs: &[SignalSpec], time: Option<&str>) -> bool {
-    let is_clock = match time {
-        Some(time) => column::can_mean(header, time),
-        None => column::is_time(header),
+pub(super) fn is_needed(header: &str, specs: &[SignalSpec], layout: &Layout) -> bool {
+    let name = ColumnName::parse(header);
+    let is_called = |given: &str| header == given || name.is_called(&ColumnName::parse(given));
+    let is_clock = match &layout.time {
+        Some(time) => is_called(time),
+        None => name.meaning == Some(Meaning::Time),
     };
-    let mut is_named = specs.is_empty() && SignalSpec::from_data_set(header).is_some();
-    for spec in specs {
-        is_named |= column::can_mean(header, &spec.source);
-        if let Some(unsplit) = spec.unsplit() {
-            is_named |= column::can_mean(header, &unsplit.source);
-        }
-        if let SigmaSpec::Column(sigma) = &spec.sigma {
-            is_named |= column::can_mean(header, sigma);
-        }
-    }
-    is_clock || is_named
+    let is_named = specs.is_empty() && name.meaning.is_some();
+    let is_source = |spec: &SignalSpec| {
+        let is_sigma = matches!(&spec.sigma, SigmaSpec::Column(sigma) if is_called(sigma));
+        is_sigma || spec.resolved(is_called).is_some()
+    };
+    is_clock || is_named || specs.iter().any(is_source)
 }

@@ -1,4 +1,4 @@
-//! Units of measured columns.
+//! Units of measured columns, and the words of which names of columns and units consist.
 
 use super::error::DataError;
 use crate::words::sentence;
@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 
 /// What a column measures, as far as units are concerned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Dimension {
+pub(super) enum Dimension {
     Time,
     Angle,
     AngularRate,
@@ -16,41 +16,81 @@ pub(crate) enum Dimension {
     Number,
 }
 
-/// A unit: names, dimension and size in SI units.
-type Unit = (&'static [&'static str], Dimension, f64);
+/// A unit.
+#[derive(Debug, PartialEq)]
+pub(super) struct Unit {
+    /// Spellings, in lower case; the first one is written in reports.
+    pub names: &'static [&'static str],
+    pub dimension: Dimension,
+    /// Size in SI units.
+    pub factor: f64,
+}
+
+const fn unit(names: &'static [&'static str], dimension: Dimension, factor: f64) -> Unit {
+    Unit {
+        names,
+        dimension,
+        factor,
+    }
+}
 
 #[rustfmt::skip]
 const UNITS: &[Unit] = &[
-    (&["s", "sec", "secs", "second", "seconds"], Dimension::Time, 1.0),
-    (&["ms", "msec", "milliseconds"], Dimension::Time, 1e-3),
-    (&["µs", "μs", "us", "microseconds"], Dimension::Time, 1e-6),
-    (&["ns", "nanoseconds"], Dimension::Time, 1e-9),
-    (&["min", "minutes"], Dimension::Time, 60.0),
-    (&["rad", "radian", "radians"], Dimension::Angle, 1.0),
-    (&["mrad"], Dimension::Angle, 1e-3),
-    (&["deg", "°", "degree", "degrees"], Dimension::Angle, PI / 180.0),
-    (&["rev", "turn", "turns", "revolutions"], Dimension::Angle, TAU),
-    (&["rad/s", "rad s^-1", "rad·s⁻¹", "rad/sec", "1/s"], Dimension::AngularRate, 1.0),
-    (&["mrad/s"], Dimension::AngularRate, 1e-3),
-    (&["deg/s", "°/s", "dps", "deg/sec", "degrees/s"], Dimension::AngularRate, PI / 180.0),
-    (&["rpm", "rev/min", "1/min"], Dimension::AngularRate, TAU / 60.0),
-    (&["rev/s", "rps", "hz"], Dimension::AngularRate, TAU),
-    (&["rad/s²", "rad/s^2", "rad/s2", "rad/s/s"], Dimension::AngularAcceleration, 1.0),
-    (&["deg/s²", "deg/s^2", "deg/s2", "°/s²", "°/s^2"], Dimension::AngularAcceleration, PI / 180.0),
-    (&["m"], Dimension::Length, 1.0),
-    (&["cm"], Dimension::Length, 1e-2),
-    (&["mm"], Dimension::Length, 1e-3),
-    (&["m/s"], Dimension::Speed, 1.0),
-    (&["cm/s"], Dimension::Speed, 1e-2),
-    (&["mm/s"], Dimension::Speed, 1e-3),
+    unit(&["s", "sec", "secs", "second", "seconds"], Dimension::Time, 1.0),
+    unit(&["ms", "msec", "milliseconds"], Dimension::Time, 1e-3),
+    unit(&["µs", "μs", "us", "microseconds"], Dimension::Time, 1e-6),
+    unit(&["ns", "nanoseconds"], Dimension::Time, 1e-9),
+    unit(&["minutes"], Dimension::Time, 60.0),
+    unit(&["rad", "radian", "radians"], Dimension::Angle, 1.0),
+    unit(&["mrad"], Dimension::Angle, 1e-3),
+    unit(&["deg", "°", "degree", "degrees"], Dimension::Angle, PI / 180.0),
+    unit(&["rev", "turn", "turns", "revolutions"], Dimension::Angle, TAU),
+    unit(&["rad/s", "rad s^-1", "rad·s⁻¹", "rad/sec", "1/s"], Dimension::AngularRate, 1.0),
+    unit(&["mrad/s"], Dimension::AngularRate, 1e-3),
+    unit(&["deg/s", "°/s", "dps", "deg/sec", "degrees/s"], Dimension::AngularRate, PI / 180.0),
+    unit(&["rpm", "rev/min", "1/min"], Dimension::AngularRate, TAU / 60.0),
+    unit(&["rev/s", "rps", "hz"], Dimension::AngularRate, TAU),
+    unit(&["rad/s²", "rad/s^2", "rad/s2", "rad/s/s"], Dimension::AngularAcceleration, 1.0),
+    unit(&["deg/s²", "deg/s^2", "deg/s2", "°/s²", "°/s^2"], Dimension::AngularAcceleration, PI / 180.0),
+    unit(&["m"], Dimension::Length, 1.0),
+    unit(&["cm"], Dimension::Length, 1e-2),
+    unit(&["mm"], Dimension::Length, 1e-3),
+    unit(&["m/s"], Dimension::Speed, 1.0),
+    unit(&["cm/s"], Dimension::Speed, 1e-2),
+    unit(&["mm/s"], Dimension::Speed, 1e-3),
 ];
 
-/// Brackets around units.
-const BRACKETS: [(char, char); 2] = [('(', ')'), ('[', ']')];
+impl Unit {
+    /// The unit with this name.
+    pub(super) fn find(name: &str) -> Option<&'static Self> {
+        let lower = name.trim().to_lowercase();
+        UNITS.iter().find(|unit| unit.names.contains(&&*lower))
+    }
+
+    /// The longest unit with which some tokens begin, and the number of its tokens.
+    pub(super) fn beginning(words: &[Token]) -> Option<(&'static Self, usize)> {
+        let mut longest: Option<(&'static Self, usize)> = None;
+        for unit in UNITS {
+            for name in unit.names {
+                let spelled = tokens(name);
+                let is_longer = longest.is_none_or(|(_, length)| spelled.len() > length);
+                if is_longer && words.starts_with(&spelled) {
+                    longest = Some((unit, spelled.len()));
+                }
+            }
+        }
+        longest
+    }
+
+    /// The name in reports.
+    pub(super) fn name(&self) -> &'static str {
+        self.names[0]
+    }
+}
 
 impl Dimension {
     /// The dimension of a field with this SI unit.
-    pub(crate) fn from_si(unit: &str) -> Self {
+    pub(super) fn from_si(unit: &str) -> Self {
         match unit {
             "s" => Self::Time,
             "rad" => Self::Angle,
@@ -62,15 +102,10 @@ impl Dimension {
         }
     }
 
-    /// Units in which values are often given without saying so: names, and sizes in SI units.
-    pub(crate) fn mistakable(self) -> &'static [(&'static str, f64)] {
-        match self {
-            Self::Angle => &[("deg", PI / 180.0)],
-            Self::AngularRate => &[("deg/s", PI / 180.0), ("rpm", TAU / 60.0)],
-            Self::Time | Self::AngularAcceleration | Self::Length | Self::Speed | Self::Number => {
-                &[]
-            }
-        }
+    /// The SI unit; empty for pure numbers.
+    pub(super) fn si(self) -> &'static str {
+        let mut own = UNITS.iter().filter(|unit| unit.dimension == self);
+        own.find(|unit| unit.factor == 1.0).map_or("", Unit::name)
     }
 
     /// The quantity in words.
@@ -86,80 +121,71 @@ impl Dimension {
         }
     }
 
-    /// Size of a unit of this dimension in SI units; 1 for no unit.
-    pub(super) fn factor(self, unit: &str, column: &str) -> Result<f64, DataError> {
-        if unit.is_empty() {
-            return Ok(1.0);
+    /// The unit of this dimension with a name; `None` for no name, which stands for the SI unit.
+    pub(super) fn unit(self, name: &str) -> Result<Option<&'static Unit>, DataError> {
+        if name.is_empty() {
+            return Ok(None);
         }
-        match find(unit) {
-            Some((_, dimension, factor)) if *dimension == self => Ok(*factor),
+        match Unit::find(name) {
+            Some(unit) if unit.dimension == self => Ok(Some(unit)),
             Some(_) | None => {
-                let units = UNITS.iter().filter(|(_, dimension, _)| *dimension == self);
-                let allowed: Vec<&str> = units.map(|(names, ..)| names[0]).collect();
-                let problem = sentence!(
+                let units = UNITS.iter().filter(|unit| unit.dimension == self);
+                let allowed: Vec<&str> = units.map(Unit::name).collect();
+                Err(DataError::new(sentence!(
                     "{} is not a unit of {}; allowed: {}",
-                    format!("{unit:?}"),
+                    format!("{name:?}"),
                     self.meaning(),
                     allowed.join(", ")
-                );
-                Err(DataError::new(problem).in_column(column))
+                )))
             }
         }
     }
 }
 
-/// The unit with this name.
-fn find(name: &str) -> Option<&'static Unit> {
-    let lower = name.trim().to_lowercase();
-    UNITS.iter().find(|(names, ..)| names.contains(&&*lower))
-}
+/// A word in lower case, or a symbol that units have.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Token(String);
 
-/// Whether a text is the name of a unit.
-pub(super) fn is_unit(text: &str) -> bool {
-    find(text).is_some()
-}
-
-/// A unit without its brackets.
-pub(super) fn bare_unit(cell: &str) -> &str {
-    for (open, close) in BRACKETS {
-        let inner = cell.strip_prefix(open);
-        if let Some(unit) = inner.and_then(|inner| inner.strip_suffix(close)) {
-            return unit.trim();
-        }
+impl Token {
+    pub(super) fn text(&self) -> &str {
+        &self.0
     }
-    cell
+
+    pub(super) fn is_word(&self) -> bool {
+        self.0.chars().all(is_word_character)
+    }
+
+    pub(super) fn is_number(&self) -> bool {
+        self.0.chars().all(|letter| letter.is_ascii_digit())
+    }
 }
 
-/// Whether a text is a unit in brackets.
-pub(super) fn is_bracketed_unit(text: &str) -> bool {
-    let bare = bare_unit(text);
-    bare != text && is_unit(bare)
-}
-
-/// Splits a header such as `θ (deg)`, `Time [ms]`, `t / s` or `theta_deg` into name and unit; the unit may be empty.
-pub(crate) fn split_header(text: &str) -> (&str, &str) {
-    let header = text.trim();
-    for (open, close) in BRACKETS {
-        if let Some(inner) = header.strip_suffix(close)
-            && let Some((name, unit)) = inner.rsplit_once(open)
+/// Splits a name into words, at changes of case, too, and the symbols that units have.
+pub(super) fn tokens(text: &str) -> Vec<Token> {
+    const SYMBOLS: [char; 6] = ['/', '^', '°', '·', '⁻', '-'];
+    let mut tokens: Vec<Token> = Vec::new();
+    let mut before = ' ';
+    for letter in text.chars() {
+        let is_word = is_word_character(letter);
+        let goes_on = is_word
+            && is_word_character(before)
+            && !(before.is_lowercase() && letter.is_uppercase());
+        if !goes_on && (is_word || SYMBOLS.contains(&letter)) {
+            tokens.push(Token(String::new()));
+        }
+        if let Some(Token(token)) = tokens.last_mut()
+            && (is_word || SYMBOLS.contains(&letter))
         {
-            return (name.trim(), unit.trim());
+            token.extend(letter.to_lowercase());
         }
+        before = letter;
     }
-    // `rad/s` itself has a slash, names have underscores: `gyro_z_rad/s`.
-    // Earlier ones are the surer signs of a unit.
-    let splits = [
-        header.split_once(" / "),
-        header.split_once(" in "),
-        header.rsplit_once('_'),
-        header.split_once('/'),
-    ];
-    for (name, unit) in splits.into_iter().flatten() {
-        if is_unit(unit) && !name.is_empty() {
-            return (name.trim(), unit.trim());
-        }
-    }
-    (header, "")
+    tokens
+}
+
+/// Whether a character is part of a word: a letter, a digit, or a dot above a letter.
+fn is_word_character(letter: char) -> bool {
+    letter.is_alphanumeric() || ('\u{300}'..='\u{36f}').contains(&letter)
 }
 
 /// Splits a number with a unit, such as `2mrad` or `1e-3`.
@@ -180,24 +206,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn splits_headers_into_names_and_units() {
-        for (header, expected) in [
-            ("θ (deg)", ("θ", "deg")),
-            ("Time (s)", ("Time", "s")),
-            ("Gyroscope z (rad/s)", ("Gyroscope z", "rad/s")),
-            ("t [ms]", ("t", "ms")),
-            ("t / s", ("t", "s")),
-            ("omega/rad/s", ("omega", "rad/s")),
-            ("theta_deg", ("theta", "deg")),
-            ("gyro_z_rad/s", ("gyro_z", "rad/s")),
-            ("theta_dot", ("theta_dot", "")),
-            ("phi", ("phi", "")),
-        ] {
-            assert_eq!(split_header(header), expected, "{header}");
-        }
-    }
-
-    #[test]
     fn splits_numbers_from_units() {
         assert_eq!(split_number("2mrad"), Some((2.0, "mrad")));
         assert_eq!(split_number("1e-3"), Some((1e-3, "")));
@@ -207,10 +215,12 @@ mod tests {
 
     #[test]
     fn refuses_units_of_another_dimension() {
-        let factor = Dimension::Angle.factor("deg", "θ").unwrap();
-        assert!((180.0 * factor - PI).abs() < 1e-15);
-        let error = Dimension::Angle.factor("rpm", "θ").unwrap_err().to_string();
+        let degrees = Dimension::Angle.unit("deg").unwrap().unwrap();
+        assert!((180.0 * degrees.factor - PI).abs() < 1e-15);
+        let error = Dimension::Angle.unit("rpm").unwrap_err().to_string();
         assert!(error.contains("\"rpm\" is not a unit of angle"), "{error}");
         assert!(error.contains("deg"), "{error}");
+        assert_eq!(Dimension::AngularRate.si(), "rad/s");
+        assert_eq!(Dimension::Number.si(), "");
     }
 }

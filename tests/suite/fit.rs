@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::{Path, PathBuf};
 use toprise::fit::{
-    Data, Loss, Note, Report, Request, Signal, SignalSpec, Verdict, fit, read, read_bytes,
+    Data, Layout, Loss, Note, Report, Request, Signal, SignalSpec, Verdict, fit, read, read_bytes,
     sensitivities, usual_parameters,
 };
 use toprise::run::scenario::{Preset, Scenario};
@@ -80,10 +80,8 @@ pub(crate) fn measure(
         signals.push(Signal::from_values(*field, &times, &column, Some(*sigma)).unwrap());
     }
     Data {
-        signals,
-        files: 1,
         starts_with_run: true,
-        losses: Vec::new(),
+        ..Data::from_signals(signals)
     }
 }
 
@@ -116,10 +114,8 @@ fn val_derivatives_equal_the_reference() {
         signals.push(Signal::from_values(field, &times, &[0.0; 5], Some(1.0)).unwrap());
     }
     let data = Data {
-        signals,
-        files: 1,
         starts_with_run: true,
-        losses: Vec::new(),
+        ..Data::from_signals(signals)
     };
     let free = keys.map(|(_, key, _)| key);
     let columns = sensitivities(&Request::new(preset("full-coulomb"), data, &free)).unwrap();
@@ -216,7 +212,7 @@ pub(crate) fn data(files: &[&str], signals: &[&str]) -> Data {
         .iter()
         .map(|text| SignalSpec::parse(text).unwrap())
         .collect();
-    read(&files, &specs, None).unwrap()
+    read(&files, &specs, &Layout::default()).unwrap()
 }
 
 /// A report in words.
@@ -294,7 +290,7 @@ fn val_clock_offsets_are_found() {
     ];
     let data = data(&files, &signals);
     let report = fit(
-        &Request::new(scenario, data, &["friction.k", "initial"]),
+        &Request::new(scenario, data, &["friction.k", "initial", "offset"]),
         &|_| {},
     )
     .unwrap()
@@ -337,18 +333,14 @@ fn val_distinguishes_stribeck_from_other_laws() {
     assert_eq!(comparison.laws[0].law, "stribeck");
     for law in &comparison.laws {
         let chi2 = set["reference"][&law.law]["chi2"].as_f64().unwrap();
-        assert!(
-            law.quality.chi2 < chi2 + 0.5,
-            "{} {}",
-            law.law,
-            law.quality.chi2
-        );
-        assert_eq!(law.quality.p_value.unwrap() < 1e-3, law.law != "stribeck");
+        let quality = law.quality.as_ref().unwrap();
+        assert!(quality.chi2 < chi2 + 0.5, "{} {}", law.law, quality.chi2);
+        assert_eq!(quality.p_value.unwrap() < 1e-3, law.law != "stribeck");
         assert_eq!(law.verdict == Verdict::Fitted, law.law == "stribeck");
     }
     assert_eq!(
         (comparison.laws[0].delta_aic, comparison.laws[0].delta_bic),
-        (0.0, 0.0)
+        (Some(0.0), Some(0.0))
     );
 }
 
@@ -422,46 +414,39 @@ fn wrong_model_is_not_reported_as_constant_error() {
 }
 
 #[test]
-fn meaningless_deviations_do_not_describe_the_data() {
-    use toprise::fit::report::Oddity;
+fn deviations_far_above_the_scatter_do_not_describe_the_data() {
     let truth = preset("full-coulomb");
     let data = measure(&truth, 100.0, 2.0, &THETA_PHI, Some(3));
-    let outlier = with_unknown_sigma(data.clone(), |at, v| if at == 77 { 1e20 } else { v });
-    let report = fit(
-        &Request::new(truth.clone(), outlier, &["friction.k"]),
-        &|_| {},
-    )
-    .unwrap()
-    .report;
-    assert_eq!(report.verdict, Verdict::BadFit);
-    assert_eq!(
-        report.signals[0].oddity,
-        Some(Oddity::OneValue {
-            time: 0.77,
-            value: 1e20
-        })
-    );
-    // The sensor stands still until shortly before the end, which is held out.
-    let late = with_unknown_sigma(data, |at, v| if at < 170 { 0.5 } else { v });
-    let mut request = Request::new(truth, late, &["friction.k"]);
-    request.holdout = 0.2;
-    let report = fit(&request, &|_| {}).unwrap().report;
-    assert_eq!(report.verdict, Verdict::BadFit);
-    let oddity = report.signals[0].oddity;
-    assert_eq!(oddity, Some(Oddity::Constant { value: 0.5 }));
+    for (name, data) in [
+        (
+            "one wrong value",
+            with_unknown_sigma(data.clone(), |at, v| if at == 77 { 1e20 } else { v }),
+        ),
+        (
+            "some wrong values",
+            with_unknown_sigma(data, |at, v| if at % 50 == 7 { 0.0 } else { v }),
+        ),
+    ] {
+        let mut request = Request::new(truth.clone(), data, &["friction.k"]);
+        request.holdout = 0.2;
+        let report = fit(&request, &|_| {}).unwrap().report;
+        assert_eq!(report.verdict, Verdict::BadFit, "{name}");
+        let signal = &report.signals[0];
+        let ratio = signal.sigma / signal.scatter.unwrap();
+        assert!(ratio > 5.0, "{name}: {ratio}");
+        assert_contains(
+            &text(&report),
+            "times the scatter between neighbouring values",
+        );
+    }
 }
 
 #[test]
-fn refuses_constant_signals_without_a_standard_deviation() {
+fn constant_values_contradict_the_model() {
     let truth = preset("full-coulomb");
-    let data = measure(&truth, 100.0, 2.0, &THETA_PHI, Some(3));
-    let constant = with_unknown_sigma(data.clone(), |_, _| 0.5);
-    let mut request = Request::new(truth, constant, &["friction.k", "initial"]);
-    let error = fit(&request, &|_| {}).unwrap_err().to_string();
-    assert_contains(&error, "/top/state.theta: all values are 0.5 rad");
-    // With a standard deviation, they contradict the model or agree with it.
-    request.data = data;
-    request.data.signals[0].values.fill(0.5);
+    let mut data = measure(&truth, 100.0, 2.0, &THETA_PHI, Some(3));
+    data.signals[0].values.fill(0.5);
+    let request = Request::new(truth, data, &["friction.k", "initial"]);
     let report = fit(&request, &|_| {}).unwrap().report;
     assert_eq!(report.verdict, Verdict::BadFit);
 }
@@ -480,19 +465,13 @@ fn suggests_units_that_data_seem_to_have() {
             "inclination in degrees",
             "t,theta,phi",
             [180.0 / PI, 1.0],
-            "most values of theta are above π (median 27.7",
+            "most values are above π (median 27.7",
         ),
         (
-            "azimuth in degrees",
-            "t,theta,phi",
-            [1.0, 180.0 / PI],
-            "write the unit into the header, or after the name: --signal phi=\"phi (deg)\" --signal theta=theta; if they",
-        ),
-        (
-            "rate in rpm",
-            "t,theta,gyro_z",
-            [1.0, 30.0 / PI],
-            "write the unit into the header, or after the name: --signal omega_body.z=\"gyro_z (rpm)\" --signal theta=theta; if they",
+            "inclination from the side",
+            "t,theta (deg),phi",
+            [-180.0 / PI, 1.0],
+            "most values are negative (median −0.48",
         ),
     ] {
         let second = if header.contains("phi") { 1 } else { 2 };
@@ -522,52 +501,6 @@ fn table(header: &str, rows: &Data, scales: [f64; 4]) -> String {
 }
 
 #[test]
-fn accepts_stated_units() {
-    let folder = Folder::new();
-    folder.toprise("run full-coulomb --set stop.duration=2 -o run.mcap", 0);
-    let fields = [
-        (state::THETA, 1e-3),
-        (state::PHI, 1e-3),
-        (pose::OMEGA_BODY.z(), 0.1),
-    ];
-    let data = measure(&preset("full-coulomb"), 100.0, 2.0, &fields, Some(2));
-    let units = table("t,theta (rad),phi (rad),omega_n (rad/s)", &data, [1.0; 4]);
-    folder.write("units.csv", units);
-    folder.write("none.csv", table("t,theta,phi,omega_n", &data, [1.0; 4]));
-    // A spin that is 9.5 times too slow looks like one measured in rpm.
-    let start = preset("full-coulomb").with([
-        ("initial.psi_dot", 17.8.into()),
-        ("formulation", "body".into()),
-        ("stop.theta_fallen", PI.into()),
-    ]);
-    let start = start.unwrap();
-    for (name, file, signal, is_doubted) in [
-        ("recording", "run.mcap", "/top/pose.omega_body.z:0.1", false),
-        ("unit in the header", "units.csv", "omega_n:0.1", false),
-        (
-            "unit in --signal",
-            "none.csv",
-            "omega_n=\"omega_n (rad/s)\":0.1",
-            false,
-        ),
-        ("no unit", "none.csv", "omega_n:0.1", true),
-    ] {
-        let spec = SignalSpec::parse(signal).unwrap();
-        let data = read(&[folder.at(file)], &[spec], None).unwrap();
-        let free = ["friction.k", "initial.psi_dot"];
-        let fitted = fit(&Request::new(start.clone(), data, &free), &|_| {});
-        match fitted {
-            Ok(fitted) => {
-                assert!(!is_doubted, "{name}");
-                let spin = &fitted.report.parameters[1];
-                assert!((spin.value - 170.0).abs() < 0.5, "{name}: {}", spin.value);
-            }
-            Err(error) => assert!(is_doubted, "{name}: {error}"),
-        }
-    }
-}
-
-#[test]
 fn noise_of_hanging_top_is_not_a_wrong_unit() {
     let scenario = preset("tippe-top").with([
         ("initial.theta", 3.1405.into()),
@@ -579,7 +512,7 @@ fn noise_of_hanging_top_is_not_a_wrong_unit() {
         let data = measure(&scenario, 100.0, 0.3, &[(state::THETA, 0.02)], Some(seed));
         folder.write("tilt.csv", table("t,theta", &data, [1.0; 4]));
         let spec = SignalSpec::parse("theta:20mrad").unwrap();
-        let data = read(&[folder.at("tilt.csv")], &[spec], None).unwrap();
+        let data = read(&[folder.at("tilt.csv")], &[spec], &Layout::default()).unwrap();
         let result = fit(
             &Request::new(scenario.clone(), data, &["initial.theta"]),
             &|_| {},
@@ -623,7 +556,7 @@ fn members_of_json_messages_can_have_units() {
         "phi=/camera/pose.az_deg",
     ]
     .map(|text| SignalSpec::parse(text).unwrap());
-    let found = read(&path, &specs, None).unwrap();
+    let found = read(&path, &specs, &Layout::default()).unwrap();
     for (signal, expected) in found.signals.iter().zip(&data.signals) {
         for (value, expected) in signal.values.iter().zip(&expected.values) {
             assert!((value - expected).abs() < 1e-12, "{}", signal.name);
@@ -647,38 +580,22 @@ fn members_of_json_messages_can_have_units() {
         for text in signals {
             specs.push(SignalSpec::parse(text).unwrap());
         }
-        let message = read(&path, &specs, None).unwrap_err().to_string();
+        let message = read(&path, &specs, &Layout::default())
+            .unwrap_err()
+            .to_string();
         assert_contains(&message, expected);
     }
     let bare = SignalSpec::parse("theta=/camera/pose.tilt:2mrad").unwrap();
-    let bare = read(&path, &[bare], None).unwrap();
+    let bare = read(&path, &[bare], &Layout::default()).unwrap();
     let error = fit(
         &Request::new(preset("full-coulomb"), bare, &["friction.k"]),
         &|_| {},
     );
     let message = error.unwrap_err().to_string();
-    assert_contains(&message, "signal = theta=/camera/pose.tilt (deg)");
-}
-
-#[test]
-fn suggests_degrees_for_wrapped_azimuths() {
-    let folder = Folder::new();
-    let data = measure(
-        &preset("full-coulomb"),
-        100.0,
-        4.0,
-        &[(state::PHI, 1e-3)],
-        Some(2),
+    assert_contains(
+        &message,
+        "write /camera/pose.tilt (deg) into the header, or after the name in signal",
     );
-    let mut text = "t,phi\n".to_owned();
-    for (time, value) in data.signals[0].times.iter().zip(&data.signals[0].values) {
-        let wrapped = (value + PI).rem_euclid(2.0 * PI) - PI;
-        text += &format!("{time},{}\n", wrapped.to_degrees());
-    }
-    folder.write("data.csv", text);
-    let line = "fit full-coulomb data.csv --free friction.k";
-    let stderr = folder.toprise(line, 2).stderr;
-    assert_contains(&stderr, "--signal phi=\"phi (deg)\"");
 }
 
 #[test]
@@ -699,7 +616,12 @@ fn suggests_units_of_long_times() {
         assert!(stderr.contains("--time \"t (ms)\""), "{name}: {stderr}");
     }
     let spec = [SignalSpec::parse("theta:1mrad").unwrap()];
-    let found = read(&[folder.at("data.csv")], &spec, Some("t (us)")).unwrap();
+    let found = read(
+        &[folder.at("data.csv")],
+        &spec,
+        &Layout::with_time("t (us)"),
+    )
+    .unwrap();
     assert_eq!(found.signals[0].times.last(), Some(&2.0));
 }
 
@@ -825,7 +747,7 @@ fn omits_parameters_that_a_gyroscope_cannot_determine() {
         report
             .notes
             .iter()
-            .any(|note| matches!(note, Note::HardlySeen { .. })),
+            .any(|note| matches!(note, Note::Kept { .. })),
         "{:?}",
         report.notes
     );
@@ -1039,40 +961,15 @@ fn rejects_data_that_no_motion_fits() {
         .iter()
         .map(|swing| if *swing < 0.0 { PI } else { 0.0 })
         .collect();
-    let data = Data {
-        signals: vec![
-            Signal::from_values(state::THETA, &times, &theta, None).unwrap(),
-            Signal::from_values(state::PHI, &times, &phi, None).unwrap(),
-        ],
-        files: 1,
-        starts_with_run: false,
-        losses: Vec::new(),
-    };
-    let mut request = Request::new(preset("full-coulomb"), data, &["friction.k", "initial"]);
-    request.profile = vec!["friction.k".to_owned()];
-    let report = fit(&request, &|_| {}).unwrap().report;
-    assert_eq!(report.verdict, Verdict::NotConverged);
-    // Without a minimum, χ² grows from nothing.
-    assert!(report.profiles.is_empty());
-    assert!(
-        report
-            .parameters
-            .iter()
-            .all(|p| p.sd.is_none() && p.interval.is_none())
-    );
-    let mut sections = report.words(false).sections;
-    sections.retain(|section| section.title.to_string() == "Remarks");
-    let remarks = markdown(&sections, Argument::plain);
-    assert_contains(
-        &remarks,
-        "The search was given up after 1000 times the steps",
-    );
-    assert_contains(
-        &remarks,
-        "To find a minimum, start closer to the motion (set)",
-    );
-    for finding in ["correlated", "level", "huber"] {
-        assert!(!remarks.contains(finding), "{remarks}");
+    let data = Data::from_signals(vec![
+        Signal::from_values(state::THETA, &times, &theta, None).unwrap(),
+        Signal::from_values(state::PHI, &times, &phi, None).unwrap(),
+    ]);
+    let request = Request::new(preset("full-coulomb"), data, &["friction.k", "initial"]);
+    // How it is seen that no motion of the top is like this does not matter.
+    match fit(&request, &|_| {}) {
+        Err(error) => assert!(error.is_of_motion(), "{error}"),
+        Ok(fitted) => assert_ne!(fitted.report.verdict, Verdict::Fitted),
     }
 }
 
@@ -1175,7 +1072,7 @@ fn notes_overestimated_sigma() {
 fn reads_bytes_as_files() {
     let path = data_file("offset_camera.csv");
     let bytes = fs::read(&path).unwrap();
-    let from_file = read(std::slice::from_ref(&path), &[], None).unwrap();
+    let from_file = read(std::slice::from_ref(&path), &[], &Layout::default()).unwrap();
     assert_eq!(read_bytes(&path, bytes.clone(), &[]).unwrap(), from_file);
     let utf16: Vec<u8> = bytes.iter().flat_map(|byte| [*byte, 0]).collect();
     let folder = Folder::new();
@@ -1187,7 +1084,7 @@ fn reads_bytes_as_files() {
     ] {
         folder.write("a.csv", &content);
         let path = folder.at("a.csv");
-        let expected = read(std::slice::from_ref(&path), &[], None).unwrap_err();
+        let expected = read(std::slice::from_ref(&path), &[], &Layout::default()).unwrap_err();
         let error = read_bytes(&path, content, &[]).unwrap_err();
         assert_eq!(error.to_string(), expected.to_string(), "{name}");
     }
@@ -1220,7 +1117,7 @@ fn exit_codes_distinguish_bad_fits_from_bad_input() {
     folder.write("bad.csv", "t,theta\n0,0.5\n0.1,abc\n");
     folder.write("single.csv", "theta\n0.5\n0.4\n0.3\n");
     folder.write("twice.csv", "t,theta,theta\n0,0.5,0.5\n0.1,0.5,0.5\n");
-    folder.write("clocks.csv", "a: t,b: t,theta\n0,0,0.5\n1,1,0.4\n");
+    folder.write("clocks.csv", "t,time,theta\n0,0,0.5\n1,1,0.4\n");
     folder.write("clock.csv", "t,t,theta\n0,0,0.5\n1,1,0.4\n");
     folder.write("bare.csv", "0,0.5\n0.1,0.4\n");
     folder.write("both.csv", "t,theta,tilt\n0,0.5,0.5\n0.1,0.5,0.5\n");
@@ -1259,7 +1156,7 @@ fn exit_codes_distinguish_bad_fits_from_bad_input() {
         ),
         (
             "fit full-coulomb frames.csv --until 0.3 --free friction.k",
-            "frames.csv: the times in column t have no unit",
+            "frames.csv: column t has no unit, and read as s, the data span 29 s with a value every 1 s",
         ),
         (
             "fit full-coulomb a.csv --free friction.k,top.peg_radius",
@@ -1287,7 +1184,7 @@ fn exit_codes_distinguish_bad_fits_from_bad_input() {
         ),
         (
             "fit full-coulomb single.csv --free friction.k",
-            "single.csv: a single column; write the times beside the values",
+            "single.csv: no line names the times above rows with as many cells",
         ),
         (
             "fit full-coulomb a.csv --free friction.k --signal phi",
@@ -1303,19 +1200,19 @@ fn exit_codes_distinguish_bad_fits_from_bad_input() {
         ),
         (
             "fit full-coulomb a.csv --free friction.k --start 7",
-            "/top/state.theta has no value from t = 7 s: its times are 0 to 0.5 s",
+            "--start 7: the data are from t = 0 to 0.5 s",
         ),
         (
             "fit full-coulomb twice.csv --free friction.k",
-            "twice.csv: several columns are called theta",
+            "twice.csv: the columns theta and theta both measure /top/state.theta",
         ),
         (
             "fit full-coulomb clocks.csv --free friction.k",
-            "rename all but one, or choose with --time \"a: t\" or --time \"b: t\"",
+            "several columns are named like times: t, time",
         ),
         (
             "fit full-coulomb clock.csv --free friction.k",
-            "clock.csv: several columns are named like times: t, t; rename all but one",
+            "clock.csv: several columns are named like times: t, t; choose one",
         ),
         (
             "fit full-coulomb clock.csv --free friction.k --time t",
@@ -1323,7 +1220,7 @@ fn exit_codes_distinguish_bad_fits_from_bad_input() {
         ),
         (
             "fit full-coulomb bare.csv --free friction.k",
-            "or use their numbers: --time 1 --signal theta=\"2 (deg)\"",
+            "the first lines are understood as “0 | 0.5”, “0.1 | 0.4”; write a first line",
         ),
         (
             "fit frictionless a.csv --free friction.k",
@@ -1470,7 +1367,9 @@ fn refuses_unknown_signals() {
             .iter()
             .map(|text| SignalSpec::parse(text).unwrap())
             .collect();
-        let message = read(&paths, &specs, None).unwrap_err().to_string();
+        let message = read(&paths, &specs, &Layout::default())
+            .unwrap_err()
+            .to_string();
         for part in expected {
             assert!(message.contains(part), "{name}: {message}");
         }

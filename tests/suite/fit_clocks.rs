@@ -2,19 +2,19 @@
 
 use crate::fit::{THETA_PHI, data, data_set, measure, preset};
 use toprise::fit::report::{Estimate, Report};
-use toprise::fit::{Data, Request, Signal, Verdict, fit};
+use toprise::fit::{Data, FileReading, Request, Signal, Verdict, fit};
 use toprise::telemetry::fields::{pose, state};
 
 /// Adds the signals of a further file, whose clock shows `early` s less.
 fn add_file(all: &mut Data, mut file: Data, early: f64) {
     for signal in &mut file.signals {
-        signal.file = all.files;
+        signal.file = all.files.len();
         for time in &mut signal.times {
             *time -= early;
         }
     }
     all.signals.extend(file.signals);
-    all.files += 1;
+    all.files.push(FileReading::default());
 }
 
 /// The estimate of the second file's offset.
@@ -41,7 +41,7 @@ fn offsets_are_as_exact_for_clocks_that_differ_by_much() {
                 *time += shift;
             }
         }
-        let request = Request::new(scenario.clone(), data, &["friction.k", "initial"]);
+        let request = Request::new(scenario.clone(), data, &["friction.k", "initial", "offset"]);
         let report = fit(&request, &|_| {}).unwrap().report;
         assert_eq!(report.verdict, Verdict::Fitted, "{name}");
         let offset = report.parameters.iter().find(|p| p.name == "offset");
@@ -75,7 +75,7 @@ fn minima_of_an_offset_are_compared_over_the_same_points() {
             Some(100 + seed),
         );
         add_file(&mut both, rates, EARLY);
-        let request = Request::new(truth.clone(), both, &["friction.k", "initial"]);
+        let request = Request::new(truth.clone(), both, &["friction.k", "initial", "offset"]);
         let report = fit(&request, &|_| {}).unwrap().report;
         assert_eq!(report.verdict, Verdict::Fitted, "{seed}");
         let at = report.parameters.iter().position(|p| p.name == "offset");
@@ -112,7 +112,7 @@ fn other_minima_of_a_preferred_law_are_not_its_own() {
             measure(&truth, 100.0, 3.0, &noisy, Some(100 + seed)),
             0.4,
         );
-        let mut request = Request::new(viscous.clone(), both, &["friction.k", "initial"]);
+        let mut request = Request::new(viscous.clone(), both, &["friction.k", "initial", "offset"]);
         request.compare = vec!["coulomb".to_owned()];
         let report = fit(&request, &|_| {}).unwrap().report;
         assert_eq!(report.law, "coulomb", "{seed}");
@@ -145,7 +145,7 @@ fn clocks_of_files_that_are_much_longer_than_the_motion_are_found() {
     values.resize(times.len(), 0.0);
     *signal = Signal::from_values(signal.field, &times, &values, Some(0.05)).unwrap();
     add_file(&mut both, rate, 0.0);
-    let request = Request::new(truth, both, &["friction.k", "initial"]);
+    let request = Request::new(truth, both, &["friction.k", "initial", "offset"]);
     let report = fit(&request, &|_| {}).unwrap().report;
     assert_eq!(report.verdict, Verdict::Fitted);
     let found = offset(&report);
@@ -167,7 +167,7 @@ fn turns_of_an_angle_follow_the_offset() {
     assert!(values[0] > std::f64::consts::PI);
     later.signals[0] = Signal::from_values(state::PHI, times, values, Some(1e-3)).unwrap();
     add_file(&mut both, later, 7.5);
-    let request = Request::new(truth, both, &["friction.k", "initial"]);
+    let request = Request::new(truth, both, &["friction.k", "initial", "offset"]);
     let fitted = fit(&request, &|_| {}).unwrap();
     let report = &fitted.report;
     assert_eq!(report.verdict, Verdict::Fitted, "{report:#?}");
@@ -201,7 +201,7 @@ fn refuses_offsets_that_leave_a_file_outside_the_motion() {
             *time *= 100.0 / rate;
         }
         add_file(&mut both, rates, 0.0);
-        let mut request = Request::new(truth.clone(), both, &["friction.k", "initial"]);
+        let mut request = Request::new(truth.clone(), both, &["friction.k", "initial", "offset"]);
         request
             .bounds
             .extend(bounds.map(|bounds| ("offset".to_owned(), bounds)));
@@ -219,7 +219,7 @@ fn refuses_offsets_of_missing_files() {
         measure(&truth, 100.0, 0.5, &THETA_PHI, None),
         0.0,
     );
-    let request = Request::new(truth, both, &["friction.k", "offset.3"]);
+    let request = Request::new(truth, both, &["friction.k", "offset", "offset.3"]);
     let error = fit(&request, &|_| {}).unwrap_err().to_string();
     assert!(
         error.starts_with("offset.3 can't be fitted: there is no file"),
@@ -233,7 +233,7 @@ fn points_of_all_files_are_held_out() {
     let mut both = measure(&truth, 100.0, 2.0, &THETA_PHI, Some(3));
     let rate = measure(&truth, 100.0, 2.0, &[(pose::OMEGA_BODY.z(), 0.05)], Some(4));
     add_file(&mut both, rate, 0.25);
-    let mut request = Request::new(truth, both, &["friction.k", "initial"]);
+    let mut request = Request::new(truth, both, &["friction.k", "initial", "offset"]);
     request.holdout = 0.25;
     let report = fit(&request, &|_| {}).unwrap().report;
     let mut samples = Vec::new();

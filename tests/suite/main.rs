@@ -32,6 +32,8 @@ mod file_graph;
 #[cfg(feature = "fit")]
 mod fit;
 #[cfg(feature = "fit")]
+mod fit_cases;
+#[cfg(feature = "fit")]
 mod fit_clocks;
 #[cfg(feature = "fit")]
 mod fit_laws;

@@ -3,7 +3,7 @@
 use crate::archive::publish::{
     Draft, Drafts, Existing, check_not_an_input, check_target, is_same_file,
 };
-use crate::cli::arguments::{Override, parse_override, parse_positive};
+use crate::cli::arguments::{Override, parse_override};
 use crate::cli::extension::{FeatureArguments as _, ShowFit, ShowFitArguments};
 use crate::cli::file_kind::FileKind;
 use crate::cli::input::open_scenario;
@@ -13,7 +13,9 @@ use crate::cli::report::{self, Completed, WrittenFile};
 use crate::cli::status::Status;
 use crate::cli::terminal;
 use crate::figures;
-use crate::fit::{self, Fit, FitError, Loss, Report, Request, SignalSpec, Verdict};
+use crate::fit::{
+    self, Decimal, Delimiter, Fit, FitError, Layout, Loss, Report, Request, SignalSpec, Verdict,
+};
 use crate::run::scenario::Scenario;
 use crate::words::{Section, markdown};
 use anyhow::Context as _;
@@ -49,12 +51,13 @@ pub(in crate::cli) struct FitArguments {
     #[arg(value_name = "SCENARIO")]
     scenario: PathBuf,
 
-    /// Measured data: CSV files, recordings, MCAP files with JSON messages. Each file after the first has a clock of
-    /// its own, whose offset is fitted
+    /// Measured data: CSV files, recordings, MCAP files with JSON messages. Files share one clock; `--free offset` gives
+    /// those after the first clocks of their own
     #[arg(value_name = "DATA", required = true)]
     data: Vec<PathBuf>,
 
-    /// Free parameters: keys (comma-separated), and `initial` for all of the start that the signals show
+    /// Free parameters: keys (comma-separated), `initial` for all of the start that the signals show, and `offset` for the
+    /// clocks of further files
     #[arg(long, value_name = "KEYS", value_delimiter = ',', required = true, value_parser = parse_name)]
     free: Vec<String>,
 
@@ -63,9 +66,17 @@ pub(in crate::cli) struct FitArguments {
     #[arg(long = "signal", value_name = "FIELD=COLUMN:SIGMA", value_parser = parse_signal)]
     signals: Vec<SignalSpec>,
 
-    /// The column of times [default: t or time]
+    /// The column of times, or the member of JSON messages [default: that which is named so; log times]
     #[arg(long, value_name = "COLUMN")]
     time: Option<String>,
+
+    /// What separates the cells: comma, semicolon or tab [default: what makes rows of the first lines]
+    #[arg(long, value_name = "CHARACTER")]
+    delimiter: Option<Delimiter>,
+
+    /// The decimal mark: point or comma [default: both where no commas separate the cells]
+    #[arg(long, value_name = "MARK")]
+    decimal: Option<Decimal>,
 
     /// Set a key of the scenario, e.g. friction.k=0.02
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = parse_override)]
@@ -79,8 +90,8 @@ pub(in crate::cli) struct FitArguments {
     #[arg(long, value_name = "TIME", value_parser = parse_finite)]
     start: Option<f64>,
 
-    /// Use only the data until this time after the start, s
-    #[arg(long, value_name = "TIME", value_parser = parse_positive)]
+    /// Use only the data until this time on their clock, s
+    #[arg(long, value_name = "TIME", value_parser = parse_finite)]
     until: Option<f64>,
 
     /// How residuals count: squares, or huber for data with outliers
@@ -248,8 +259,12 @@ impl FitArguments {
         let show = self.show.plan(())?;
         self.check_outputs(&inputs, show.as_deref())?;
         let scenario = open_scenario(&self.scenario, &self.overrides)?;
-        let data =
-            fit::read(&self.data, &self.signals, self.time.as_deref()).map_err(FitFailure::from)?;
+        let layout = Layout {
+            time: self.time.clone(),
+            delimiter: self.delimiter,
+            decimal: self.decimal,
+        };
+        let data = fit::read(&self.data, &self.signals, &layout).map_err(FitFailure::from)?;
         Ok(FitPlan {
             request: Request {
                 scenario,

@@ -3,9 +3,8 @@
 use super::degeneracy::{Combination, Degeneracy};
 use super::model::{Effort, Point, Problem, Refusal};
 use super::parameter::{Parameter, SelectedParameter, Target};
-use super::plausibility::check_units;
 use crate::fit::error::{FitError, change_start, nothing_free, too_few};
-use crate::fit::note::Note;
+use crate::fit::note::{KeptParameter, Note};
 use crate::fit::statistics::{NULL_EIGENVALUE, ScaledGram};
 use crate::measured::Signal;
 use crate::physics::kinematics::Tilt;
@@ -18,6 +17,9 @@ use std::f64::consts::TAU;
 /// differences it is the error of a derivative.
 const ROUNDING: f64 = 1e-12;
 
+/// An eigenvalue that is zero within the error of one-sided derivatives, 1e-4.
+const ONE_SIDED_EIGENVALUE: f64 = 1e-8;
+
 /// A component of a direction without effect that is zero: well above the error of the derivatives, 1e-5 or less.
 const NO_COMPONENT: f64 = 1e-3;
 
@@ -25,6 +27,8 @@ const NO_COMPONENT: f64 = 1e-3;
 pub(in crate::fit) struct Identified {
     /// The parameters that the data show.
     pub parameters: Vec<Parameter>,
+    /// Parameters of a group that the data show less well than their priors do: they are kept at their start.
+    pub kept: Vec<Parameter>,
     /// Remarks on parameters of a group that were left out.
     pub notes: Vec<Note>,
 }
@@ -38,7 +42,6 @@ pub(in crate::fit) fn identify(
     let start = problem.start();
     let points = reached(problem, &start)?;
     let predicted = problem.predict(&start, &points)?;
-    check_units(problem, &points, &predicted)?;
     let fixed = vec![false; start.len()];
     let jacobian = problem.jacobian(Effort::Final, &start, &predicted, &points, &fixed);
     let noise = derivative_noise(&points, &predicted);
@@ -89,7 +92,16 @@ pub(in crate::fit) fn identify(
     for at in scanned {
         free.push(problem.parameters[at].clone());
     }
-    let mut degeneracies = degeneracies(&parameters, &ScaledGram::new(&gram));
+    // One-sided derivatives, at a bound, are less exact.
+    let is_at_bound = parameters
+        .iter()
+        .any(|parameter| parameter.start == parameter.bounds[0]);
+    let zero = if is_at_bound {
+        ONE_SIDED_EIGENVALUE
+    } else {
+        NULL_EIGENVALUE
+    };
+    let mut degeneracies = degeneracies(&parameters, &ScaledGram::new(&gram), zero);
     if !degeneracies.is_empty() && is_too_few {
         return Err(too_few);
     }
@@ -116,13 +128,18 @@ pub(in crate::fit) fn identify(
             parameters: left_out,
         });
     }
-    if !hardly_shown.is_empty() {
-        notes.push(Note::HardlySeen {
-            parameters: hardly_shown,
+    let kept: Vec<Parameter> = hardly_shown
+        .into_iter()
+        .map(|at| problem.parameters[at].clone())
+        .collect();
+    if !kept.is_empty() {
+        notes.push(Note::Kept {
+            parameters: kept.iter().map(KeptParameter::from).collect(),
         });
     }
     Ok(Identified {
         parameters: free,
+        kept,
         notes,
     })
 }
@@ -202,14 +219,14 @@ fn gram(jacobian: &[Vec<f64>], columns: &[usize]) -> DMatrix<f64> {
 }
 
 /// Removes the parameters of a group that the data determine less well than the weak priors from `shown`, and returns
-/// their names: such directions have no minimum that could be found. Directions that involve a parameter that was named
+/// them: such directions have no minimum that could be found. Directions that involve a parameter that was named
 /// by itself stay.
 fn leave_out_weak(
     problem: &Problem,
     selected: &[SelectedParameter],
     jacobian: &[Vec<f64>],
     shown: &mut Vec<usize>,
-) -> Vec<String> {
+) -> Vec<usize> {
     /// Square of a component above which a parameter is involved in a direction.
     const INVOLVED: f64 = 0.01;
     let mut left_out = Vec::new();
@@ -233,7 +250,7 @@ fn leave_out_weak(
             }
         }
         let worst = direction.map(f64::abs).imax();
-        left_out.push(problem.parameters[shown.remove(worst)].name());
+        left_out.push(shown.remove(worst));
     }
     left_out
 }
@@ -260,8 +277,8 @@ fn norm(column: &[f64]) -> f64 {
 }
 
 /// The directions along which the data don't change.
-fn degeneracies(parameters: &[Parameter], gram: &ScaledGram) -> Vec<Degeneracy> {
-    let directions = gram.null_directions(NULL_EIGENVALUE);
+fn degeneracies(parameters: &[Parameter], gram: &ScaledGram, zero: f64) -> Vec<Degeneracy> {
+    let directions = gram.null_directions(zero);
     match &directions[..] {
         [] => Vec::new(),
         [direction] => vec![degeneracy(

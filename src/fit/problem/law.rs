@@ -2,6 +2,7 @@
 
 use super::model::Problem;
 use super::parameter::{self, INITIAL, Parameter, Target};
+use super::prepare::SharedClock;
 use super::request::Request;
 use crate::fit::error::FitError;
 use crate::fit::failure::Failure;
@@ -87,7 +88,7 @@ pub fn usual_parameters(scenario: &Scenario) -> Vec<String> {
 
 /// A request with another law, from the scenario's start.
 pub(in crate::fit) fn request_for(request: &Request, law: &Law) -> Result<Request, FitError> {
-    let duration = request.data.duration();
+    let duration = SharedClock::new(&request.data, &[]).duration();
     let speed = slip_speed(&request.scenario, duration)?;
     let mut other = request.clone();
     other.scenario = scenario_with(&request.scenario, law, speed)?;

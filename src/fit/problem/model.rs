@@ -4,6 +4,7 @@ use super::parameter::{Parameter, Target};
 use crate::fit::error::FitError;
 use crate::fit::search::step_limit::StepLimit;
 use crate::measured::Signal;
+use crate::physics::kinematics::Tilt;
 use crate::run::scenario::{Scenario, ScenarioError};
 use crate::run::simulation::{Sample, SimulationError, StopReason, sample_at_while};
 use schemars::JsonSchema;
@@ -38,6 +39,12 @@ impl Loss {
             }
             Self::Huber | Self::Squares => residual,
         }
+    }
+
+    /// What a residual counts.
+    pub(in crate::fit) fn of(self, residual: f64) -> f64 {
+        let deviate = self.transformed(residual);
+        deviate * deviate
     }
 
     /// The residual as far as it pulls at the parameters: half the derivative of the loss.
@@ -129,6 +136,8 @@ pub struct Problem {
     pub scenario: Scenario,
     /// The free parameters.
     pub parameters: Vec<Parameter>,
+    /// Parameters that are kept at their start, though little is known of them.
+    pub kept: Vec<Parameter>,
     /// The measured signals.
     pub signals: Vec<Signal>,
     /// How residuals count.
@@ -170,6 +179,7 @@ impl From<Refusal> for FitError {
                 end: time,
                 reason,
                 needed,
+                until: None,
             },
         }
     }
@@ -200,6 +210,7 @@ impl Problem {
         let mut problem = Self {
             scenario: exact,
             parameters,
+            kept: Vec::new(),
             signals,
             loss,
             precision: PRECISION,
@@ -213,6 +224,7 @@ impl Problem {
     /// Collects the points of all signals, relative to the start of the model. Points before it are left out.
     fn collect_points(&mut self, origin: f64) {
         for (index, signal) in self.signals.iter().enumerate() {
+            let has_own_clock = self.has_own_clock(signal.file);
             for (at, time) in signal.times.iter().enumerate() {
                 let point = Point {
                     signal: index,
@@ -220,8 +232,8 @@ impl Problem {
                     value: signal.values[at],
                     sigma: signal.sigmas[at],
                 };
-                // Points of other files may be moved into the motion by their offset.
-                if point.time >= 0.0 || signal.file > 0 {
+                // An offset may move points into the motion.
+                if point.time >= 0.0 || has_own_clock {
                     self.points.push(point);
                 }
             }
@@ -231,9 +243,11 @@ impl Problem {
     /// Leaves out the points after a time since the start, s.
     pub(in crate::fit) fn keep_until(&mut self, until: Option<f64>) {
         if let Some(until) = until {
-            let signals = &self.signals;
-            self.points
-                .retain(|point| point.time <= until || signals[point.signal].file > 0);
+            let mut points = std::mem::take(&mut self.points);
+            points.retain(|point| {
+                point.time <= until || self.has_own_clock(self.signals[point.signal].file)
+            });
+            self.points = points;
         }
     }
 
@@ -243,6 +257,7 @@ impl Problem {
         let before = self.step_limit.taken();
         let motion = self.predict(&self.start(), points);
         let steps = self.step_limit.taken() - before;
+        let duration = points.iter().map(|point| point.time).fold(0.0, f64::max);
         self.step_limit.begin(
             motions,
             match motion {
@@ -253,7 +268,31 @@ impl Problem {
                 }
                 Err(_) => 0,
             },
+            duration,
         );
+    }
+
+    /// Whether a file has a clock of its own, whose offset is fitted. All others share one.
+    pub(in crate::fit) fn has_own_clock(&self, file: usize) -> bool {
+        self.parameters
+            .iter()
+            .any(|parameter| matches!(parameter.target, Target::Offset(own) if own == file))
+    }
+
+    /// Whether the times of a point are those of the model.
+    pub(in crate::fit) fn is_on_clock(&self, point: &Point) -> bool {
+        !self.has_own_clock(self.signals[point.signal].file)
+    }
+
+    /// The time of a nutation at the start, s.
+    pub(in crate::fit) fn nutation_period(&self) -> f64 {
+        let tilt = Tilt::from_rates(self.scenario.angles.theta, self.scenario.rates);
+        TAU / self
+            .scenario
+            .model
+            .top
+            .nutation_frequency(tilt.axial_rate())
+            .abs()
     }
 
     /// All points of a file.
@@ -284,7 +323,7 @@ impl Problem {
 
     /// Offset of the clock of a file, s.
     pub(in crate::fit) fn offset(&self, values: &[f64], file: usize) -> f64 {
-        // The first file has no offset: its clock is that of the model.
+        // Files without an offset share the clock of the model.
         for (parameter, value) in self.parameters.iter().zip(values) {
             if matches!(parameter.target, Target::Offset(known) if known == file) {
                 return *value;
@@ -372,14 +411,15 @@ impl Problem {
             }
             taken = index + 1;
         };
+        let most = self.step_limit.most_per_motion(needed);
         let mut steps = 0;
         let ended = sample_at_while(&scenario, &times, &mut take, &mut || {
             steps += 1;
-            steps <= self.step_limit.most_per_motion()
+            steps <= most
         });
         self.step_limit.add(steps);
         let end = ended.map_err(Refusal::Failed)?;
-        if steps > self.step_limit.most_per_motion() {
+        if steps > most {
             return Err(Refusal::TooManySteps);
         }
         if taken < times.len() || predicted.iter().any(|value| !value.is_finite()) {
@@ -400,47 +440,30 @@ impl Problem {
         points: &[Point],
     ) -> Result<Vec<f64>, Refusal> {
         let predicted = self.predict_with(effort, values, points)?;
-        Ok(self.residuals_of(&predicted, points))
+        Ok(Self::residuals_of(&predicted, points))
     }
 
     /// The residuals of a motion that is known at these points.
-    pub(in crate::fit) fn residuals_of(&self, predicted: &[f64], points: &[Point]) -> Vec<f64> {
+    pub(in crate::fit) fn residuals_of(predicted: &[f64], points: &[Point]) -> Vec<f64> {
         let mut residuals = Vec::with_capacity(predicted.len());
         for (value, point) in predicted.iter().zip(points) {
-            residuals.push(self.residual(*value, point));
+            residuals.push(Self::residual(*value, point));
         }
         residuals
     }
 
     /// The residual of a point at which the model has this value, in σ.
-    pub(in crate::fit) fn residual(&self, predicted: f64, point: &Point) -> f64 {
-        let signal = &self.signals[point.signal];
+    fn residual(predicted: f64, point: &Point) -> f64 {
+        (predicted - point.value) / point.sigma
+    }
+
+    /// The residual of a point whose turn is not known yet, in σ.
+    pub(in crate::fit) fn residual_to_nearest_turn(&self, predicted: f64, point: &Point) -> f64 {
         let mut difference = predicted - point.value;
-        // The turn in which an angle of a further file begins is known only when the offset of its clock is.
-        if signal.file > 0 && signal.is_turning() {
+        if self.signals[point.signal].is_turning() {
             difference -= (difference / TAU).round() * TAU;
         }
         difference / point.sigma
-    }
-
-    /// The whole turns from the angles of a further file to those of the model, rad; `None` for other signals.
-    pub(in crate::fit) fn turns(
-        &self,
-        signal: usize,
-        predicted: &[f64],
-        points: &[Point],
-    ) -> Option<f64> {
-        if self.signals[signal].file == 0 || !self.signals[signal].is_turning() {
-            return None;
-        }
-        let mut turns = Vec::new();
-        for (point, predicted) in points.iter().zip(predicted) {
-            if point.signal == signal {
-                turns.push(((predicted - point.value) / TAU).round());
-            }
-        }
-        turns.sort_by(f64::total_cmp);
-        turns.get(turns.len() / 2).map(|turns| turns * TAU)
     }
 
     /// The loss at these points: the sum of the squared residuals, or Huber's.
@@ -452,8 +475,7 @@ impl Problem {
     ) -> Result<f64, Refusal> {
         let mut loss = 0.0;
         for residual in self.residuals(effort, values, points)? {
-            let deviate = self.loss.transformed(residual);
-            loss += deviate * deviate;
+            loss += self.loss.of(residual);
         }
         Ok(loss)
     }

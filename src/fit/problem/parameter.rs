@@ -54,7 +54,7 @@ const START_OF_CENTER: [&str; 2] = ["initial.center_x_dot", "initial.center_y_do
 
 /// Name of the group of all keys of the start.
 pub(in crate::fit) const INITIAL: &str = "initial";
-/// Name of the offset of the second file's clock.
+/// Name of the offset of the second file's clock, and of the group of all offsets.
 const OFFSET: &str = "offset";
 
 impl Parameter {
@@ -93,7 +93,9 @@ impl Parameter {
         };
         let [low, high] = key.typical.unwrap_or([start.abs(), start.abs()]);
         let half = 0.5 * (high - low);
-        let (change, prior) = if low >= 0.0 && bounds[0] >= 0.0 && section != "initial" {
+        // At 0, which switches an effect off, only the range says what a change is.
+        let is_magnitude = low >= 0.0 && bounds[0] >= 0.0 && section != "initial" && start != 0.0;
+        let (change, prior) = if is_magnitude {
             // Magnitudes that span decades: a part of a typical range would be larger than most of their values.
             let smallest = low.max(1e-3 * high);
             (smallest, start.abs().max(smallest))
@@ -285,7 +287,7 @@ pub(in crate::fit) struct SelectedParameter {
     pub is_optional: bool,
 }
 
-/// The parameters of these names, with these bounds, and the offsets of further files.
+/// The parameters of these names, with these bounds. `offset` stands for the clocks of all further files.
 pub(in crate::fit) fn select(
     names: &[String],
     bounds: &[(String, [f64; 2])],
@@ -298,24 +300,29 @@ pub(in crate::fit) fn select(
             for key in keys_of_start(scenario) {
                 add(&mut all, key, true, scenario)?;
             }
-        } else if name == OFFSET && files < 2 {
+        } else if is_offset(name) && files < 2 {
             return Err(unfit_offset(
                 name,
-                "a time offset of all data together and a free start are the same motion; the offset of a second file is fitted without being named",
+                "a time offset of all data together and a free start are the same motion; name it for further files that have a clock of their own",
             ));
         } else if !is_offset(name) {
-            // Offsets of further files are always free.
             add(&mut all, name, false, scenario)?;
         }
     }
     for file in 1..files {
-        all.push(SelectedParameter {
-            parameter: Parameter::from_offset(file),
-            is_optional: false,
-        });
+        let offset = Parameter::from_offset(file);
+        if names
+            .iter()
+            .any(|name| name == OFFSET || *name == offset.name())
+        {
+            all.push(SelectedParameter {
+                parameter: offset,
+                is_optional: false,
+            });
+        }
     }
     for name in names.iter().filter(|name| is_offset(name)) {
-        if !all.iter().any(|one| one.parameter.name() == *name) {
+        if *name != OFFSET && !all.iter().any(|one| one.parameter.name() == *name) {
             return Err(no_file(name));
         }
     }

@@ -1,16 +1,15 @@
 //! From a request to a problem, with the checks that come before a fit.
 
 use super::degeneracy::pronoun;
+use super::meeting::{check_precession, check_rest};
 use super::model::Problem;
 use super::parameter::{PROFILE, SelectedParameter, Target};
-use super::plausibility::{check_signals, check_span, check_steps};
+use super::plausibility::check_ranges;
 use super::request::Request;
 use super::{identify, parameter};
 use crate::fit::error::{FitError, bare_time, nothing_free, time, too_few};
 use crate::fit::note::Note;
-use crate::measured::Place;
-use crate::measured::Signal;
-use crate::telemetry::fields::state;
+use crate::measured::{Data, Place, Signal};
 use crate::words::{Piece, Sentence, sentence};
 
 /// A problem whose data determine its parameters.
@@ -26,76 +25,145 @@ pub(in crate::fit) struct Prepared {
 pub(in crate::fit) fn prepare(request: &Request) -> Result<Prepared, FitError> {
     let scenario = &request.scenario;
     let data = &request.data;
-    let mut selected = parameter::select(&request.free, &request.bounds, scenario, data.files)?;
+    let mut selected =
+        parameter::select(&request.free, &request.bounds, scenario, data.files.len())?;
     // A wrong name is reported before anything is fitted.
     for name in &request.profile {
         parameter::find_free(&mut selected, name, PROFILE, scenario)?;
     }
-    let origin = request.origin.unwrap_or_else(|| data.origin());
+    let own_clocks = own_clocks(&selected);
+    let clock = SharedClock::new(data, &own_clocks);
+    let origin = clock.origin(request)?;
     let mut signals = data.signals.clone();
     align_clocks(&mut selected, &mut signals, origin);
     let parameters = selected
         .iter()
         .map(|selected| selected.parameter.clone())
         .collect();
-    // An angle may be measured from another whole turn than the scenario's start.
-    for signal in &mut signals {
-        for (field, start) in [
-            (state::PHI, scenario.angles.phi),
-            (state::PSI, scenario.angles.psi),
-        ] {
-            if signal.field == field {
-                signal.turn_towards(start);
-            }
-        }
-    }
     check_values(&signals)?;
-    check_gaps(&signals, origin, request.until)?;
+    check_gaps(&signals, data, &own_clocks, origin, request.until)?;
+    let signals = joined(signals, &own_clocks);
     let mut problem = Problem::new(scenario, parameters, signals, request.loss, origin)?;
-    // A cut leaves few of the times by which their unit is judged.
-    check_steps(&problem)?;
-    problem.keep_until(request.until);
-    check_range(&problem, origin, request.until)?;
+    check_ranges(&problem, &data.signals, &data.files)?;
+    problem.keep_until(request.until.map(|until| until - origin));
     check_duration(&problem, origin)?;
-    check_span(&problem)?;
-    check_signals(&problem)?;
+    check_range(&problem, origin, request.until)?;
+    check_rest(&problem, origin)?;
+    check_precession(&problem)?;
     if selected.is_empty() {
         return Err(nothing_free());
     }
     let identified = identify::identify(&problem, &selected)?;
     problem.parameters = identified.parameters;
+    problem.kept = identified.kept;
     if problem.points.len() <= problem.parameters.len() {
         return Err(too_few(problem.points.len(), problem.parameters.len()));
     }
-    let mut notes = notes_on_clocks(&problem.signals);
-    notes.extend(identified.notes);
     Ok(Prepared {
         problem,
-        notes,
+        notes: identified.notes,
         origin,
     })
 }
 
-/// Remarks on files with several columns that are named like times.
-fn notes_on_clocks(signals: &[Signal]) -> Vec<Note> {
-    let mut notes = Vec::new();
-    for (at, signal) in signals.iter().enumerate() {
-        // Signals of one file share its clock.
-        let is_first = signals[..at].iter().all(|other| other.file != signal.file);
-        if let Some(clock) = &signal.clock
-            && is_first
-            && !clock.others.is_empty()
-        {
-            notes.push(Note::Clock {
-                column: clock.name.clone(),
-                others: clock.others.clone(),
-            });
-        }
-    }
-    notes
+/// The time in the data at which the scenario of a request starts, s.
+pub(in crate::fit) fn origin(request: &Request) -> Result<f64, FitError> {
+    let Request {
+        free,
+        bounds,
+        scenario,
+        data,
+        ..
+    } = request;
+    let selected = parameter::select(free, bounds, scenario, data.files.len())?;
+    SharedClock::new(data, &own_clocks(&selected)).origin(request)
 }
 
-/// Lets the first sample of each further file be at the start of the motion, and offsets count from there.
+/// The files that have a clock of their own.
+fn own_clocks(selected: &[SelectedParameter]) -> Vec<usize> {
+    let mut files = Vec::new();
+    for one in selected {
+        if let Target::Offset(file) = one.parameter.target {
+            files.push(file);
+        }
+    }
+    files
+}
+
+/// The times on the clock that files share.
+pub(super) struct SharedClock {
+    first: f64,
+    last: f64,
+    /// Whether it is that of a run of toprise.
+    starts_with_run: bool,
+}
+
+impl SharedClock {
+    pub(super) fn new(data: &Data, own_clocks: &[usize]) -> Self {
+        let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
+        for signal in &data.signals {
+            // Times are ascending.
+            if let ([start, ..], [.., end]) = (&signal.times[..], &signal.times[..])
+                && !own_clocks.contains(&signal.file)
+            {
+                (first, last) = (first.min(*start), last.max(*end));
+            }
+        }
+        Self {
+            first,
+            last,
+            starts_with_run: data.starts_with_run,
+        }
+    }
+
+    /// The time in the data at which the scenario starts, s.
+    fn origin(&self, request: &Request) -> Result<f64, FitError> {
+        let Some(origin) = request.origin else {
+            let start = if self.starts_with_run {
+                0.0
+            } else {
+                self.first
+            };
+            return Ok(if start.is_finite() { start } else { 0.0 });
+        };
+        // A release may be known to be somewhat before the first value.
+        let earliest = self.first - (self.last - self.first).max(1.0);
+        if (earliest..=self.last).contains(&origin) {
+            return Ok(origin);
+        }
+        Err(FitError::refused(sentence!(
+            "{}: the data are from t = {} to {}",
+            Piece::argument_with("start", origin.to_string()),
+            bare_time(self.first),
+            time(self.last)
+        )))
+    }
+
+    /// The time from the first value to the last, s.
+    pub(super) fn duration(&self) -> f64 {
+        (self.last - self.first).max(0.0)
+    }
+}
+
+/// Signals of one field that go on in another file are one.
+fn joined(signals: Vec<Signal>, own_clocks: &[usize]) -> Vec<Signal> {
+    let mut joined: Vec<Signal> = Vec::new();
+    for signal in signals {
+        let is_shared = |signal: &Signal| !own_clocks.contains(&signal.file);
+        let part = joined.iter_mut().find(|part| {
+            let is_alike =
+                part.field == signal.field && part.is_sigma_estimated == signal.is_sigma_estimated;
+            is_alike && is_shared(part) && is_shared(&signal) && !part.overlaps(&signal)
+        });
+        match part {
+            Some(part) => part.join(signal),
+            None => joined.push(signal),
+        }
+    }
+    joined
+}
+
+/// Lets the first sample of each file with a clock of its own be at the start of the motion, and offsets count from there.
 fn align_clocks(selected: &mut [SelectedParameter], signals: &mut [Signal], origin: f64) {
     for SelectedParameter { parameter, .. } in selected {
         let Target::Offset(file) = parameter.target else {
@@ -138,16 +206,25 @@ fn check_values(signals: &[Signal]) -> Result<(), FitError> {
 
 /// Refuses data with a gap that no motion can be followed through: a mistaken time of one row would otherwise make the
 /// simulation many times longer than the data.
-fn check_gaps(signals: &[Signal], origin: f64, until: Option<f64>) -> Result<(), FitError> {
+fn check_gaps(
+    signals: &[Signal],
+    data: &Data,
+    own_clocks: &[usize],
+    origin: f64,
+    until: Option<f64>,
+) -> Result<(), FitError> {
     /// Usual steps that a camera may lose without being suspected of a wrong time.
     const MAX_LOST_STEPS: f64 = 100.0;
     /// So few values don't determine a motion by themselves.
     const MAX_STRAY: usize = 3;
     /// Gap beyond which so few values count as stray, relative to the time of all others.
     const MAX_STRAY_GAP: f64 = 0.1;
-    let end = origin + until.unwrap_or(f64::INFINITY);
+    let end = until.unwrap_or(f64::INFINITY);
     let mut times: Vec<f64> = Vec::new();
-    for signal in signals.iter().filter(|signal| signal.file == 0) {
+    for signal in signals
+        .iter()
+        .filter(|signal| !own_clocks.contains(&signal.file))
+    {
         let is_fitted = |time: &&f64| (origin..=end).contains(*time);
         times.extend(signal.times.iter().filter(is_fitted));
     }
@@ -173,13 +250,16 @@ fn check_gaps(signals: &[Signal], origin: f64, until: Option<f64>) -> Result<(),
     if gap <= MAX_LOST_STEPS * usual || gap <= limit {
         return Ok(());
     }
+    if let Some(apart) = files_apart(signals, data, own_clocks, [from, to]) {
+        return Err(apart);
+    }
     let is_stray_first = before < after;
     let (nearest, side, cut) = if is_stray_first {
         let start = Piece::argument_with("start", to.to_string());
         (from, "before it", start)
     } else {
         // Half of a usual step: a decimal fraction may be rounded.
-        let until = rounded(from - origin + usual / 2.0);
+        let until = rounded(from + usual / 2.0);
         let until = Piece::argument_with("until", until.to_string());
         (to, "after it", until)
     };
@@ -199,6 +279,37 @@ fn check_gaps(signals: &[Signal], origin: f64, until: Option<f64>) -> Result<(),
     )))
 }
 
+/// The error of files between which a gap is: they don't share a clock.
+fn files_apart(
+    signals: &[Signal],
+    data: &Data,
+    own_clocks: &[usize],
+    [from, to]: [f64; 2],
+) -> Option<FitError> {
+    let (mut before, mut after) = (None, None);
+    for signal in signals
+        .iter()
+        .filter(|signal| !own_clocks.contains(&signal.file))
+    {
+        let is_early = signal.times.iter().all(|time| *time <= from);
+        let is_late = signal.times.iter().all(|time| *time >= to);
+        match (is_early, is_late) {
+            (true, false) => before = Some(signal.file),
+            (false, true) => after = Some(signal.file),
+            (true | false, _) => return None,
+        }
+    }
+    let [before, after] = [before?, after?].map(|file| data.files[file].file.clone());
+    Some(FitError::refused(sentence!(
+        "{} ends at t = {}, {} begins at {}: files share one clock; if these don't, add offset to {}",
+        before,
+        bare_time(from),
+        after,
+        time(to),
+        Piece::argument("free")
+    )))
+}
+
 /// Where stray rows are, after their number; `place` is that of the one next to the gap.
 fn stray_place(stray: usize, place: Option<Place>) -> Sentence {
     match place {
@@ -208,9 +319,9 @@ fn stray_place(stray: usize, place: Option<Place>) -> Sentence {
     }
 }
 
-/// The line of a time of the first file.
+/// The line of a time.
 fn find_time(signals: &[Signal], time: f64) -> Option<Place> {
-    for signal in signals.iter().filter(|signal| signal.file == 0) {
+    for signal in signals {
         // Times are ascending.
         let at = signal.times.partition_point(|earlier| *earlier < time);
         if signal.times.get(at) == Some(&time) {
@@ -225,11 +336,12 @@ fn rounded(time: f64) -> f64 {
     (time * 1e6).round() / 1e6
 }
 
-/// Refuses signals of the first file without a value in the time that is fitted.
+/// Refuses signals without a value in the time that is fitted.
 fn check_range(problem: &Problem, origin: f64, until: Option<f64>) -> Result<(), FitError> {
     for (index, signal) in problem.signals.iter().enumerate() {
         let mut points = problem.points.iter();
-        if signal.file == 0 && !points.any(|point| point.signal == index) {
+        let has_own_clock = problem.has_own_clock(signal.file);
+        if !has_own_clock && !points.any(|point| point.signal == index) {
             let [first, last] = [signal.times.first(), signal.times.last()]
                 .map(|time| time.copied().unwrap_or(f64::NAN));
             return Err(FitError::refused(sentence!(
@@ -237,7 +349,7 @@ fn check_range(problem: &Problem, origin: f64, until: Option<f64>) -> Result<(),
                 Piece::field(signal.field.to_string()),
                 time(origin),
                 match until {
-                    Some(until) => sentence!(" to {}", time(origin + until)),
+                    Some(until) => sentence!(" to {}", time(until)),
                     None => Sentence::default(),
                 },
                 bare_time(first),
@@ -254,7 +366,7 @@ fn check_range(problem: &Problem, origin: f64, until: Option<f64>) -> Result<(),
 fn check_duration(problem: &Problem, origin: f64) -> Result<(), FitError> {
     let mut samples = 0;
     for point in &problem.points {
-        if problem.signals[point.signal].file > 0 {
+        if !problem.is_on_clock(point) {
             continue;
         }
         if point.time > 0.0 {
@@ -275,6 +387,7 @@ fn check_duration(problem: &Problem, origin: f64) -> Result<(), FitError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::telemetry::fields::state;
 
     #[test]
     fn refuses_long_gaps() {
@@ -307,7 +420,7 @@ mod tests {
             let values = vec![0.5; times.len()];
             let signal = Signal::from_values(state::THETA, &times, &values, Some(1e-3)).unwrap();
             let origin = signal.times[0];
-            let error = check_gaps(&[signal], origin, until).err();
+            let error = check_gaps(&[signal], &Data::default(), &[], origin, until).err();
             let message = error.map(|error| error.to_string());
             match (&message, expected) {
                 (None, None) => {}

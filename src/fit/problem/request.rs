@@ -20,7 +20,7 @@ pub struct Request {
     /// Time in the data at which the scenario starts, s. By default that of the first sample, and 0 for recordings of
     /// toprise.
     pub origin: Option<f64>,
-    /// Use only the data until this time after the start, s.
+    /// Use only the data until this time on their clock, s.
     pub until: Option<f64>,
     /// Part of the time at the end that is not fitted, but predicted.
     pub holdout: f64,

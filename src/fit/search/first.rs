@@ -6,14 +6,17 @@ use super::solve::{Solution, grow_window, refused_step};
 use super::spin_guess::start_with_measured_spin;
 use super::step_limit::MAX_MOTIONS;
 use super::{modes, offset, sigma};
+use crate::fit::apart::Apart;
 use crate::fit::error::FitError;
 use crate::fit::failure::Failure;
 use crate::fit::note::Note;
 use crate::fit::problem::law;
 use crate::fit::problem::law::Refused;
+use crate::fit::problem::meeting;
 use crate::fit::problem::model::Problem;
-use crate::fit::problem::prepare::{Prepared, prepare};
+use crate::fit::problem::prepare::{self, Prepared, prepare};
 use crate::fit::problem::request::Request;
+use crate::fit::report::Verdict;
 
 /// χ² per value above which a minimum may be that of another phase of the nutation; wrong models and standard deviations
 /// give less, as a rule.
@@ -21,6 +24,9 @@ const FAR: f64 = 100.0;
 
 /// The motions whose steps a search may take that starts with the spin of the data: these took the steps of 40 to 310.
 const NEAR_MOTIONS: u64 = MAX_MOTIONS / 2;
+
+/// The part of the data that a model must reach for advice to fit only this part.
+const MIN_PART: f64 = 0.25;
 
 /// The first law that can be fitted.
 pub(in crate::fit) struct First {
@@ -39,12 +45,13 @@ pub(in crate::fit) fn first(request: &Request, monitor: &Monitor<'_>) -> Result<
     let laws = law::find_laws(&request.compare)?;
     // Another law can help only where the motion ends too early.
     let failure = match fit_law(request, monitor) {
-        Err(error) if error.is_of_motion() => error,
+        Err(error) if error.is_of_motion() || error.is_of_law() => error,
         other => return other,
     };
     let own = request.scenario.word("friction.law");
     let mut refused = Vec::new();
-    if let Some(law) = law::find(own) {
+    // Another law may contain the motion in which parameters of this one have no effect.
+    if let Some(law) = law::find(own).filter(|_| failure.is_of_motion()) {
         refused.push(Refused {
             law: law.name,
             reason: Failure::from(&failure),
@@ -61,7 +68,45 @@ pub(in crate::fit) fn first(request: &Request, monitor: &Monitor<'_>) -> Result<
             Err(error) => return Err(error),
         }
     }
-    Err(failure)
+    Err(with_tried_advice(failure, request, monitor))
+}
+
+/// An error with advice that a fit has followed with success.
+fn with_tried_advice(error: FitError, request: &Request, monitor: &Monitor<'_>) -> FitError {
+    let succeeds = |origin: Option<f64>, until: Option<f64>| {
+        let mut advised = request.clone();
+        advised.origin = origin.or(request.origin);
+        advised.until = until.or(request.until);
+        let fitted = fit_law(&advised, monitor);
+        fitted.is_ok_and(|first| first.fitted.verdict() == Verdict::Fitted)
+    };
+    match error {
+        FitError::ModelEnds {
+            end,
+            reason,
+            needed,
+            ..
+        } if end > MIN_PART * needed => {
+            let origin = prepare::origin(request).unwrap_or_default();
+            // A later end would be after that of the model.
+            let until = origin + (end * 1e3).floor() / 1e3;
+            FitError::ModelEnds {
+                end,
+                reason,
+                needed,
+                until: Some(until).filter(|until| succeeds(None, Some(*until))),
+            }
+        }
+        FitError::Apart { seen, .. } => FitError::Apart {
+            seen,
+            is_tried: match seen {
+                Apart::RestBefore { until } => succeeds(Some(until), None),
+                Apart::RestAfter { from } => succeeds(None, Some(from)),
+                Apart::Rest | Apart::Precession { .. } | Apart::Unlike => false,
+            },
+        },
+        error => error,
+    }
 }
 
 /// Fits the law of a request's scenario.
@@ -90,8 +135,14 @@ fn fit_law(request: &Request, monitor: &Monitor<'_>) -> Result<First, FitError> 
         split,
         modes: Vec::new(),
     };
-    notes.extend(modes::settle(&mut fitted, monitor)?);
-    fitted.align_turns()?;
+    let scanned = modes::settle(&mut fitted, monitor)?;
+    // A minimum far from the data is that of another spin, and says nothing about the model.
+    if scanned.is_some() && fitted.verdict() == Verdict::BadFit {
+        fitted.solution.is_converged = false;
+        fitted.modes.clear();
+    }
+    notes.extend(scanned);
+    fitted.align_held_out();
     Ok(First {
         fitted,
         notes,
@@ -132,7 +183,7 @@ fn solve_from_any(
     };
     let guess = start_with_measured_spin(&unsolved);
     let Some(start) = guess.filter(|_| leads_nowhere) else {
-        return solved;
+        return solved.map_err(|error| explain(error, problem));
     };
     let mut again = unsolved;
     match solve_all(&mut again, request, &start.values, NEAR_MOTIONS, monitor) {
@@ -142,7 +193,18 @@ fn solve_from_any(
             Ok((solution, split))
         }
         Err(error) if !error.is_of_motion() => Err(error),
-        Ok(_) | Err(_) => solved,
+        Ok(_) | Err(_) => solved.map_err(|error| explain(error, problem)),
+    }
+}
+
+/// An error with what is seen of data that no motion is like.
+fn explain(error: FitError, problem: &Problem) -> FitError {
+    match error {
+        FitError::Apart {
+            seen: Apart::Unlike,
+            ..
+        } => meeting::explained(problem).into(),
+        error => error,
     }
 }
 
@@ -154,11 +216,12 @@ fn solve_all(
     max_motions: u64,
     monitor: &Monitor<'_>,
 ) -> Result<(Solution, Split), FitError> {
-    let mut split = Split::from_first_file(problem, request.holdout);
-    let has_offsets = request.data.files > 1;
-    problem.limit_steps(&split.fitted, max_motions * request.data.files as u64);
-    // The first file alone gives a motion with which the clocks of the others are compared.
-    let mut solution = grow_window(problem, &split.fitted, start, has_offsets, monitor)?;
+    let mut split = Split::on_clock(problem, request.holdout);
+    let clocks = 1 + offset::clocks(problem).len() as u64;
+    let has_offsets = clocks > 1;
+    problem.limit_steps(&split.fitted, max_motions * clocks);
+    // The points on the model's clock give a motion with which the other clocks are compared.
+    let mut solution = grow_window(problem, &mut split.fitted, start, has_offsets, monitor)?;
     if has_offsets {
         let (joint, points) = offset::fit_offsets(problem, solution.values, &split, monitor)?;
         split.fit_points(problem, &joint.values, points);

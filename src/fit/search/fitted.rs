@@ -1,10 +1,9 @@
 //! The fit of one law, before it is reported.
 
 use super::solve::Solution;
-use crate::fit::error::FitError;
-use crate::fit::estimate::quality;
+use crate::fit::estimate::{PointResiduals, quality, signals, verdict};
 use crate::fit::problem::model::{Point, Problem};
-use crate::fit::report::{Mode, Quality};
+use crate::fit::report::{Mode, Quality, Verdict};
 
 /// Points to fit and points to predict.
 #[derive(Clone, Debug)]
@@ -13,14 +12,19 @@ pub(in crate::fit) struct Split {
     pub held_out: Vec<Point>,
     /// End of the fitted part, s.
     pub end: f64,
-    /// End of the data of the first file, s.
+    /// End of the data on the model's clock, s.
     pub last: f64,
 }
 
 impl Split {
-    /// The points of the first file, whose clock is the model's. The last part of its time is held out.
-    pub(in crate::fit) fn from_first_file(problem: &Problem, holdout: f64) -> Self {
-        let first = problem.points_in_file(0);
+    /// The points on the model's clock. The last part of their time is held out.
+    pub(in crate::fit) fn on_clock(problem: &Problem, holdout: f64) -> Self {
+        let first: Vec<Point> = problem
+            .points
+            .iter()
+            .copied()
+            .filter(|point| problem.is_on_clock(point))
+            .collect();
         let last = first.iter().map(|point| point.time).fold(0.0, f64::max);
         let end = last * (1.0 - holdout);
         let (fitted, held_out) = first.into_iter().partition(|point| point.time <= end);
@@ -32,7 +36,7 @@ impl Split {
         }
     }
 
-    /// Replaces the points to fit. Points of the other files are held out in the time in which those of the first are.
+    /// Replaces the points to fit. Points of files with clocks of their own are held out in the time in which the others are.
     pub(in crate::fit) fn fit_points(
         &mut self,
         problem: &Problem,
@@ -40,13 +44,12 @@ impl Split {
         points: Vec<Point>,
     ) {
         self.fitted = points;
-        self.held_out
-            .retain(|point| problem.signals[point.signal].file == 0);
+        self.held_out.retain(|point| problem.is_on_clock(point));
         // Their times in the model are known only when the offsets of their clocks are.
         for point in &problem.points {
             let time = problem.model_time(values, point);
             let is_held_out = time > self.end && time <= self.last;
-            if problem.signals[point.signal].file > 0 && is_held_out {
+            if !problem.is_on_clock(point) && is_held_out {
                 self.held_out.push(*point);
             }
         }
@@ -69,31 +72,26 @@ impl Fitted {
         self.problem.scenario.word("friction.law")
     }
 
-    /// Moves the angles of further files by whole turns, to those of the motion.
-    pub(in crate::fit) fn align_turns(&mut self) -> Result<(), FitError> {
+    /// Chooses the turns and signs of the values that were held out.
+    pub(in crate::fit) fn align_held_out(&mut self) {
         let Self {
             problem,
             solution,
             split,
             ..
         } = self;
-        // Residuals don't depend on whole turns, but data that are drawn or recorded do.
-        let predicted = problem.predict(&solution.values, &split.fitted)?;
-        for signal in 0..problem.signals.len() {
-            let Some(turns) = problem.turns(signal, &predicted, &split.fitted) else {
-                continue;
-            };
-            for value in &mut problem.signals[signal].values {
-                *value += turns;
-            }
-            let points = problem.points.iter_mut();
-            for point in points.chain(&mut split.fitted).chain(&mut split.held_out) {
-                if point.signal == signal {
-                    point.value += turns;
-                }
-            }
+        if let Ok(predicted) = problem.predict(&solution.values, &split.held_out) {
+            problem.choose_turns(&predicted, &mut split.held_out);
         }
-        Ok(())
+    }
+
+    /// The verdict on the law.
+    pub(in crate::fit) fn verdict(&self) -> Verdict {
+        let fitted = PointResiduals {
+            points: &self.split.fitted,
+            residuals: &self.solution.residuals,
+        };
+        verdict(&self.quality(), &signals(&self.problem, fitted, None))
     }
 
     /// Goodness of the fit.

@@ -4,6 +4,7 @@
 use super::fitted::Fitted;
 use super::monitor::Monitor;
 use super::offset::{self, Rivals};
+use super::sigma;
 use super::solve::{DRAFT_ERROR, Draft, Solution, complete, draft, minimise, promising_draft};
 use crate::fit::error::FitError;
 use crate::fit::note::Note;
@@ -40,6 +41,9 @@ const MAX_MOTIONS: u64 = 10_000;
 /// Beyond the start value and the first minimum the scan ends after this many trials in a row that are worse than
 /// [`KEPT`].
 const FAILURES: usize = 6;
+
+/// The part of the spin by which trials go to both sides while none describes the data.
+const MIN_RANGE: f64 = 0.25;
 
 /// Maximum number of trials on each side.
 pub(in crate::fit) const MAX_TRIALS: usize = 100;
@@ -165,15 +169,28 @@ fn find_spin_rates(
         return Ok(None);
     };
     let points = &split.fitted;
+    // The other parameters of a minimum far from the data lead astray, and its spin may be on either side.
+    let is_far = !describes(problem, points, solution.chi2);
+    let from = if is_far {
+        problem.start()
+    } else {
+        solution.values.clone()
+    };
+    let step = step(problem, points);
     let scan = Scan {
         problem,
         points,
         spin: at,
-        centre: solution.values[at],
-        step: step(problem, points),
+        centre: from[at],
+        range: if is_far {
+            MIN_RANGE * from[at].abs()
+        } else {
+            0.0
+        },
+        step,
         reach: SAME * solution.covariance[(at, at)].sqrt(),
     };
-    let [low, high] = scan.both_sides(solution, monitor)?;
+    let [low, high] = scan.both_sides(&from, solution.chi2, monitor)?;
     let scanned = ScannedSpins {
         range: [low.last(at), high.last(at)],
         is_complete: low.is_complete && high.is_complete,
@@ -185,13 +202,31 @@ fn find_spin_rates(
     let best = minima.remove(0);
     if best.values != solution.values {
         let free = vec![false; best.values.len()];
-        *solution = minimise(problem, points, &best.values, None, &free, monitor)?;
+        let moved = minimise(problem, points, &best.values, None, &free, monitor)?;
+        *solution = sigma::settle(problem, split, moved, monitor)?;
     }
     minima.retain(|other| other.is_converged && other.chi2 - solution.chi2 < highest);
     for other in &minima {
         modes.push(mode(problem, other, other.chi2 - solution.chi2));
     }
     Ok(Some(scanned))
+}
+
+/// Whether a χ² is that of a motion near the data, whose noise is given or seen in the scatter of neighbours.
+fn describes(problem: &Problem, points: &[Point], chi2: f64) -> bool {
+    /// χ² of noise that is a little larger than it seems.
+    const FACTOR: f64 = 1.5;
+    let mut expected = 0.0;
+    for (index, signal) in problem.signals.iter().enumerate() {
+        let own = points.iter().filter(|point| point.signal == index).count() as f64;
+        let noise = if signal.is_sigma_estimated {
+            signal.scatter() / signal.sigmas[0]
+        } else {
+            1.0
+        };
+        expected += own * noise * noise;
+    }
+    chi2 < FACTOR * expected
 }
 
 /// Distance of trial spin rates, rad/s.
@@ -224,6 +259,8 @@ struct Scan<'a> {
     spin: usize,
     /// The spin rate of the minimum that was found, rad/s.
     centre: f64,
+    /// The trials go at least so far to both sides while none describes the data, rad/s.
+    range: f64,
     /// Distance of trials, rad/s.
     step: f64,
     /// A minimum that differs by less is the same, rad/s.
@@ -234,16 +271,17 @@ impl Scan<'_> {
     /// Tries spin rates below and above that of the minimum that was found.
     fn both_sides(
         &self,
-        from: &Solution,
+        from: &[f64],
+        chi2: f64,
         monitor: &Monitor<'_>,
     ) -> Result<[SideOfSpins; 2], FitError> {
-        let mut low = SideOfSpins::new(-1.0, from);
-        let mut high = SideOfSpins::new(1.0, from);
+        let mut low = SideOfSpins::new(-1.0, from, chi2);
+        let mut high = SideOfSpins::new(1.0, from, chi2);
         let most = self.problem.step_limit.after(MAX_MOTIONS);
         while !(low.is_over && high.is_over) {
             let (a, b) = rayon::join(|| low.advance(self), || high.advance(self));
             monitor.set_spins(low.trials + high.trials);
-            monitor.count(a? + b?, from.chi2);
+            monitor.count(a? + b?, chi2);
             if self.problem.step_limit.taken() > most {
                 low.give_up();
                 high.give_up();
@@ -343,14 +381,14 @@ struct SideOfSpins {
 }
 
 impl SideOfSpins {
-    fn new(sign: f64, from: &Solution) -> Self {
+    fn new(sign: f64, from: &[f64], chi2: f64) -> Self {
         Self {
             sign,
-            values: from.values.clone(),
+            values: from.to_vec(),
             trials: 0,
             failures: 0,
             drafts: Vec::new(),
-            best: from.chi2,
+            best: chi2,
             is_over: false,
             is_complete: true,
         }
@@ -400,7 +438,9 @@ impl SideOfSpins {
         self.values = held;
         let is_failure = self.is_worse(scan, &silent)?;
         // The start value is what a person knows of the spin: all minima between it and the one that was found count.
-        let counts = is_failure && distance > self.sign * (parameter.start - scan.centre);
+        let is_within = distance < scan.range && !describes(scan.problem, scan.points, self.best);
+        let counts =
+            is_failure && !is_within && distance > self.sign * (parameter.start - scan.centre);
         self.failures = if counts { self.failures + 1 } else { 0 };
         self.is_over = self.failures == FAILURES;
         Ok(silent.evaluations())

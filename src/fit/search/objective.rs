@@ -181,7 +181,7 @@ impl<'a> Objective<'a> {
         self.monitor.count(1, f64::NAN);
         let predicted = motion.ok()?;
         let evaluated = Rc::new(Evaluated {
-            residuals: self.problem.residuals_of(&predicted, self.points),
+            residuals: Problem::residuals_of(&predicted, self.points),
             values: values.to_vec(),
             predicted,
         });

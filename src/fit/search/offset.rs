@@ -7,7 +7,7 @@ use super::fitted::{Fitted, Split};
 use super::monitor::Monitor;
 use super::scan::{Scanned, highest_equal, is_within, scan, step};
 use super::sigma;
-use super::solve::{DRAFT_ERROR, Draft, Solution, minimise, promising_draft};
+use super::solve::{DRAFT_ERROR, Draft, Solution, choose_turns, minimise, promising_draft};
 use crate::fit::error::FitError;
 use crate::fit::problem::model::{Point, Problem};
 use crate::fit::problem::parameter::Target;
@@ -34,7 +34,7 @@ const MAX_ROUNDS: usize = 5;
 /// An offset this close to a minimum, in steps of the scan, belongs to it.
 const SAME: f64 = 2.0;
 
-/// Finds the offsets of the clocks of all files but the first, whose points gave `values`. Returns the solution for all
+/// Finds the offsets of all clocks but that of the model, whose points gave `values`. Returns the solution for all
 /// points that are to be fitted and within the motion, and these points.
 pub(in crate::fit) fn fit_offsets(
     problem: &Problem,
@@ -66,6 +66,7 @@ pub(in crate::fit) fn fit_offsets(
                     both.push(*point);
                 }
             }
+            choose_turns(problem, &start, &mut both)?;
             let trial = minimise(problem, &both, &start, None, &later, monitor)?;
             let mean = trial.chi2 / both.len() as f64;
             // Among those that noise can't tell apart, the first one has the most points.
@@ -93,10 +94,12 @@ fn minimise_within(
 ) -> Result<(Solution, Vec<Point>), FitError> {
     let fixed = vec![false; values.len()];
     let mut points = points_within(problem, values, end);
+    choose_turns(problem, values, &mut points)?;
     let mut solution = minimise(problem, &points, values, None, &fixed, monitor)?;
     // A point at an edge may go in and out.
     for _ in 1..MAX_ROUNDS {
-        let within = points_within(problem, &solution.values, end);
+        let mut within = points_within(problem, &solution.values, end);
+        choose_turns(problem, &solution.values, &mut within)?;
         if within == points {
             break;
         }
@@ -106,13 +109,13 @@ fn minimise_within(
     Ok((solution, points))
 }
 
-/// The points of the first file that are to be fitted, and those of the others that are within the motion.
+/// The points on the model's clock that are to be fitted, and those of the others that are within the motion.
 fn points_within(problem: &Problem, values: &[f64], end: f64) -> Vec<Point> {
     let step = step(problem, end);
     let mut points = Vec::new();
     for point in &problem.points {
         let time = problem.model_time(values, point);
-        let is_first = problem.signals[point.signal].file == 0;
+        let is_first = problem.is_on_clock(point);
         if (is_first && time <= end) || is_within(time, step, end) {
             points.push(*point);
         }

@@ -229,7 +229,7 @@ impl SampledMotion {
 
     /// The loss of a point, which is not before the start; `None` after the end.
     fn loss(&self, problem: &Problem, point: &Point, offset: f64) -> Option<f64> {
-        let residual = problem.residual(self.value(point, offset)?, point);
+        let residual = problem.residual_to_nearest_turn(self.value(point, offset)?, point);
         let deviate = problem.loss.transformed(residual);
         Some(deviate * deviate)
     }

@@ -3,6 +3,7 @@
 use super::monitor::Monitor;
 use super::objective::Objective;
 use crate::fit::error::FitError;
+use crate::fit::problem::meeting::check_likeness;
 use crate::fit::problem::model::{Effort, Loss, Point, Problem, Refusal};
 use crate::fit::problem::parameter::Target;
 use crate::fit::statistics::{NULL_EIGENVALUE, ScaledGram};
@@ -20,6 +21,9 @@ const CONVERGED: f64 = 1e-2;
 
 /// The first window, s; each further one is twice as long.
 const FIRST_WINDOW: f64 = 0.1;
+
+/// The first window after which motion and data must be alike, s: it has several nutations, and a part of the precession.
+const LIKENESS_WINDOW: f64 = 1.6;
 
 /// Relative change of χ² at which a window that isn't the last ends.
 const WINDOW_PRECISION: f64 = 1e-4;
@@ -263,7 +267,7 @@ pub(in crate::fit) fn evaluate(
     monitor: &Monitor<'_>,
 ) -> Result<Solution, FitError> {
     let here = problem.predict(&values, points)?;
-    let residuals = problem.residuals_of(&here, points);
+    let residuals = Problem::residuals_of(&here, points);
     let jacobian = problem.jacobian(Effort::Final, &values, &here, points, fixed);
     monitor.count(1 + 2 * jacobian.len() as u64, f64::NAN);
     let size = values.len();
@@ -334,6 +338,46 @@ pub(in crate::fit) fn evaluate(
     })
 }
 
+/// The covariance of a solution with what is not known of the parameters that were kept: an error of such a parameter by its
+/// width moves the minimum.
+pub(in crate::fit) fn covariance_with_kept(
+    problem: &Problem,
+    points: &[Point],
+    solution: &Solution,
+) -> DMatrix<f64> {
+    let mut covariance = solution.covariance.clone();
+    let mut whole = problem.clone();
+    whole.parameters.extend(problem.kept.iter().cloned());
+    let mut values = solution.values.clone();
+    values.extend(problem.kept.iter().map(|kept| kept.start));
+    let Ok(here) = whole.predict(&values, points) else {
+        return covariance;
+    };
+    let fixed = vec![false; values.len()];
+    let jacobian = whole.jacobian(Effort::Final, &values, &here, points, &fixed);
+    let own = solution.values.len();
+    let mut free = solution.gram.clone();
+    for j in (0..own).filter(|j| solution.held[*j]) {
+        free.row_mut(j).fill(0.0);
+        free.column_mut(j).fill(0.0);
+    }
+    let inverse = ScaledGram::new(&free).inverse();
+    for (kept, column) in problem.kept.iter().zip(&jacobian[own..]) {
+        let coupling = DVector::from_fn(own, |j, _| {
+            let products = jacobian[j].iter().zip(column).zip(&solution.residuals);
+            products
+                .map(|((a, b), residual)| {
+                    let slope = problem.loss.slope(*residual);
+                    a * b * slope * slope
+                })
+                .sum()
+        });
+        let moved = &inverse * coupling * kept.prior;
+        covariance += &moved * moved.transpose();
+    }
+    covariance
+}
+
 /// The end of the motion that stopped the optimiser where it gave up: that of the next step, shortened until it is small.
 pub(in crate::fit) fn refused_step(
     problem: &Problem,
@@ -368,11 +412,13 @@ pub(in crate::fit) fn refused_step(
 /// show; the last window has none unless `keeps_priors`.
 pub(in crate::fit) fn grow_window(
     problem: &Problem,
-    points: &[Point],
+    points: &mut [Point],
     start: &[f64],
     keeps_priors: bool,
     monitor: &Monitor<'_>,
 ) -> Result<Solution, FitError> {
+    /// Maximum number of times that turns are chosen by the last motion.
+    const MAX_ROUNDS: usize = 3;
     let mut values = start.to_vec();
     let fixed = vec![false; values.len()];
     let end = points
@@ -383,24 +429,52 @@ pub(in crate::fit) fn grow_window(
     // A short window has one minimum; each solution is close enough to that of a window twice as long.
     while window < end {
         let mut within: Vec<Point> = Vec::new();
-        for point in points {
+        for point in &*points {
             if problem.model_time(start, point) <= window {
                 within.push(*point);
             }
         }
         // Short windows only guide the way: a part of dense data does that as well.
-        let part = thinned(&within);
+        let mut part = thinned(&within);
         if !part.is_empty() {
             monitor.set_window(window, end);
             values = complete(problem, &part, values)?;
+            choose_turns(problem, &values, &mut part)?;
             values = approach_minimum(problem, &part, &values, start, monitor)?;
+            // Longer windows would only cost more.
+            if window >= LIKENESS_WINDOW
+                && let Ok(residuals) = problem.residuals(Effort::Draft, &values, &part)
+            {
+                check_likeness(problem, &part, &residuals)?;
+            }
         }
         window *= 2.0;
     }
     monitor.set_window(end, end);
     values = complete(problem, points, values)?;
+    choose_turns(problem, &values, points)?;
     let priors = keeps_priors.then_some(start);
-    minimise(problem, points, &values, priors, &fixed, monitor)
+    let mut solution = minimise(problem, points, &values, priors, &fixed, monitor)?;
+    for _ in 1..MAX_ROUNDS {
+        if !choose_turns(problem, &solution.values, points)? {
+            break;
+        }
+        solution = minimise(problem, points, &solution.values, priors, &fixed, monitor)?;
+    }
+    Ok(solution)
+}
+
+/// Chooses turns by the motion of these values. Returns whether any has changed.
+pub(in crate::fit) fn choose_turns(
+    problem: &Problem,
+    values: &[f64],
+    points: &mut [Point],
+) -> Result<bool, FitError> {
+    if !problem.has_equivalences() {
+        return Ok(false);
+    }
+    let predicted = problem.predict(values, points)?;
+    Ok(problem.choose_turns(&predicted, points))
 }
 
 /// Values whose motion is complete: the friction is halved while the model rises before the data end.

@@ -4,6 +4,7 @@ use crate::fit::problem::identify::spin_rate;
 use crate::fit::problem::model::Problem;
 use crate::physics::math::cos;
 use crate::telemetry::fields::state;
+use std::f64::consts::TAU;
 
 /// Time in which the precession is measured, s: several nutations of a fast top, in which it hardly changes.
 const WINDOW: f64 = 1.0;
@@ -38,25 +39,45 @@ pub(in crate::fit) fn start_with_measured_spin(problem: &Problem) -> Option<Gues
     .filter(|start| start.spin.is_finite())
 }
 
-/// The slope of φ in the first file at the beginning of the data, rad/s.
-fn precession_rate(problem: &Problem) -> Option<f64> {
-    let mut values = Vec::new();
-    for point in &problem.points {
-        let signal = &problem.signals[point.signal];
-        if signal.field == state::PHI && signal.file == 0 && point.time <= WINDOW {
-            values.push((point.time, point.value));
+/// The median slope of φ between neighbours at the beginning of the data, rad/s. Turns and outliers don't change it.
+pub(in crate::fit) fn precession_rate(problem: &Problem) -> Option<f64> {
+    let mut slopes = Vec::new();
+    for pair in problem.points.windows(2) {
+        let [a, b] = [pair[0], pair[1]];
+        let signal = &problem.signals[a.signal];
+        let is_pair = a.signal == b.signal && a.time < b.time && b.time <= WINDOW;
+        if signal.field == state::PHI && is_pair && problem.is_on_clock(&a) {
+            let step = b.value - a.value;
+            slopes.push((step - (step / TAU).round() * TAU) / (b.time - a.time));
         }
     }
-    if values.len() < MIN_VALUES {
+    if slopes.len() < MIN_VALUES {
         return None;
     }
-    let count = values.len() as f64;
-    let mean_time = values.iter().map(|(time, _)| time).sum::<f64>() / count;
-    let mean = values.iter().map(|(_, value)| value).sum::<f64>() / count;
-    let (mut covariance, mut variance) = (0.0, 0.0);
-    for (time, value) in values {
-        covariance += (time - mean_time) * (value - mean);
-        variance += (time - mean_time) * (time - mean_time);
-    }
-    Some(covariance / variance).filter(|rate| *rate != 0.0 && rate.is_finite())
+    slopes.sort_by(f64::total_cmp);
+    let rate = slopes[slopes.len() / 2];
+    // Differences of neighbours are noisy. From a rotation with their rate, φ departs by less than a turn.
+    let [early, late] = [0.0, 0.5 * WINDOW].map(|start| {
+        let mut departures = Vec::new();
+        for point in &problem.points {
+            let signal = &problem.signals[point.signal];
+            let is_within = (start..start + 0.5 * WINDOW).contains(&point.time);
+            if signal.field == state::PHI && problem.is_on_clock(point) && is_within {
+                departures.push(point.value - rate * point.time);
+            }
+        }
+        departures
+    });
+    let (Some(first), false) = (early.first().copied(), late.is_empty()) else {
+        return Some(rate);
+    };
+    let [early, late] = [early, late].map(|mut departures| {
+        for departure in &mut departures {
+            *departure -= ((*departure - first) / TAU).round() * TAU;
+        }
+        departures.sort_by(f64::total_cmp);
+        departures[departures.len() / 2]
+    });
+    let rate = rate + (late - early) / (0.5 * WINDOW);
+    Some(rate).filter(|rate| *rate != 0.0 && rate.is_finite())
 }

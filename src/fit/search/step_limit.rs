@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub(in crate::fit) const MAX_MOTIONS: u64 = 1000;
 
 /// Number of motions like that at the start whose steps a single one may take.
-pub(in crate::fit) const MAX_RATIO: u64 = 50;
+pub(in crate::fit) const MAX_RATIO: u64 = 20;
 
 /// The fewest steps that a motion counts as: a start that is much slower than the data must not end their fit.
 const LEAST_STEPS: u64 = 2500;
@@ -18,9 +18,9 @@ const LEAST_STEPS: u64 = 2500;
 pub(in crate::fit) struct StepLimit {
     taken: AtomicU64,
     most: u64,
-    /// Steps of a motion near the start, and the most that a single one may take.
+    /// Steps of a motion near the start, and its duration, s; 0 without a limit.
     motion: u64,
-    most_per_motion: u64,
+    duration: f64,
 }
 
 impl StepLimit {
@@ -30,7 +30,7 @@ impl StepLimit {
             taken: AtomicU64::new(0),
             most: u64::MAX,
             motion: LEAST_STEPS,
-            most_per_motion: u64::MAX,
+            duration: 0.0,
         }
     }
 
@@ -44,10 +44,10 @@ impl StepLimit {
         self.taken.load(Ordering::Relaxed)
     }
 
-    /// Allows so many motions with these steps each.
-    pub(in crate::fit) fn begin(&mut self, motions: u64, steps: u64) {
+    /// Allows so many motions with these steps in a duration, s, each.
+    pub(in crate::fit) fn begin(&mut self, motions: u64, steps: u64, duration: f64) {
         self.motion = steps.max(LEAST_STEPS);
-        self.most_per_motion = MAX_RATIO.saturating_mul(self.motion);
+        self.duration = duration;
         self.most = self.after(motions);
     }
 
@@ -57,15 +57,17 @@ impl StepLimit {
             .saturating_add(motions.saturating_mul(self.motion))
     }
 
-    /// Number of steps that a single motion may take.
-    pub(in crate::fit) fn most_per_motion(&self) -> u64 {
-        self.most_per_motion
+    /// Number of steps that a single motion of this duration, s, may take.
+    pub(in crate::fit) fn most_per_motion(&self, duration: f64) -> u64 {
+        let part = duration / self.duration;
+        // Without a limit, the part is infinite.
+        (((MAX_RATIO * self.motion) as f64 * part) as u64).saturating_add(LEAST_STEPS)
     }
 
     /// Allows any number of motions.
     pub(in crate::fit) fn lift(&mut self) {
         self.most = u64::MAX;
-        self.most_per_motion = u64::MAX;
+        self.duration = 0.0;
     }
 
     pub(in crate::fit) fn is_exceeded(&self) -> bool {

@@ -23,6 +23,15 @@ pub(super) fn section(report: &Report, comparison: &Comparison) -> Section {
         }
     }
     section.table(table(report, comparison));
+    for law in &comparison.laws {
+        if let Some(inner) = &law.reduces_to {
+            section.line(sentence!(
+                "The best fit of {} reduces to that of {}, which it contains: its own parameters can't be determined.",
+                &law.law,
+                inner
+            ));
+        }
+    }
     section.line(comparison.conclusion().sentence());
     let extensions: Vec<Sentence> = comparison.extensions.iter().map(extension).collect();
     let describes = comparison.laws.first().map(|law| law.verdict) == Some(Verdict::Fitted);
@@ -91,24 +100,31 @@ impl LawColumns {
     }
 
     fn row(self, law: &LawFit) -> Vec<Sentence> {
-        let quality = &law.quality;
-        let mut row = vec![
-            Sentence::from(&law.law),
-            law.parameters.len().to_string().into(),
-            if self.has_estimated_sigma {
-                let sigmas = law
-                    .sigmas
-                    .iter()
-                    .map(|sigma| Piece::rounded(*sigma, 4, "").into());
-                Sentence::join(sigmas, ", ")
-            } else {
-                Piece::rounded(quality.chi2 / quality.freedom as f64, 5, "").into()
-            },
-            or_dash(quality.p_value.map(Piece::probability)),
-            or_dash(law.residual_p_value.map(Piece::probability)),
-            Piece::fixed(law.delta_aic, 1, "").into(),
-            Piece::fixed(law.delta_bic, 1, "").into(),
-        ];
+        let quality = law.quality.as_ref();
+        let mut row =
+            vec![
+                Sentence::from(&law.law),
+                law.parameters.len().to_string().into(),
+                if self.has_estimated_sigma {
+                    let sigmas = law
+                        .sigmas
+                        .iter()
+                        .map(|sigma| Piece::rounded(*sigma, 4, "").into());
+                    Sentence::join(sigmas, ", ")
+                } else {
+                    or_dash(quality.map(|quality| {
+                        Piece::rounded(quality.chi2 / quality.freedom as f64, 5, "")
+                    }))
+                },
+                or_dash(
+                    quality
+                        .and_then(|quality| quality.p_value)
+                        .map(Piece::probability),
+                ),
+                or_dash(law.residual_p_value.map(Piece::probability)),
+                or_dash(law.delta_aic.map(|delta| Piece::fixed(delta, 1, ""))),
+                or_dash(law.delta_bic.map(|delta| Piece::fixed(delta, 1, ""))),
+            ];
         if self.has_held_out {
             row.push(or_dash(
                 law.held_out_rms.map(|rms| Piece::rounded(rms, 3, "")),
@@ -116,6 +132,7 @@ impl LawColumns {
         }
         row.push(
             match law.verdict {
+                _ if law.reduces_to.is_some() => "reduces to another law",
                 Verdict::Fitted => "describes the data",
                 Verdict::BadFit => "does not",
                 Verdict::Undecided | Verdict::NotConverged => "no minimum found",

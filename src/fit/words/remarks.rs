@@ -2,8 +2,7 @@
 
 use super::super::estimate::REJECTED;
 use super::super::note::Note;
-use super::super::report::{Oddity, Quality, Report, SignalReport, Verdict};
-use super::cells::time;
+use super::super::report::{Quality, Report, SignalReport, Verdict};
 use super::minima;
 use crate::fit::problem::model::Loss;
 use crate::fit::problem::parameter::is_offset;
@@ -18,6 +17,15 @@ pub(super) fn remarks(report: &Report) -> Vec<Sentence> {
     remarks.extend(report.notes.iter().map(Note::sentence));
     for loss in &report.losses {
         remarks.push(sentence!("Not read: {}.", loss));
+    }
+    for file in &report.files {
+        if let Some(clock) = file.unread_clock() {
+            remarks.push(sentence!(
+                "The times of {} are those of logging, which may be late: its messages have times of their own, {}.",
+                &file.file,
+                Piece::argument_with("time", clock)
+            ));
+        }
     }
     // Where there is no minimum, the residuals say nothing about the data.
     if !report.quality.is_converged {
@@ -49,6 +57,11 @@ pub(super) fn remarks(report: &Report) -> Vec<Sentence> {
     if has_offsets && report.verdict == Verdict::BadFit {
         remarks.push(sentence!(
             "Clocks are aligned with the motion that the first file shows by itself: begin with the file that shows most, such as the angles of a camera."
+        ));
+    } else if report.files.len() > 1 && report.verdict == Verdict::BadFit {
+        remarks.push(sentence!(
+            "The files share one clock. If they don't, add offset to {}.",
+            Piece::argument("free")
         ));
     }
     remarks
@@ -119,19 +132,13 @@ fn on_signal(signal: &SignalReport) -> Vec<Sentence> {
             field.clone()
         ));
     }
-    match signal.oddity {
-        Some(Oddity::Constant { value }) => remarks.push(sentence!(
-            "All values of {} are {}: they have no noise from which σ could be estimated. Check the sensor, or give σ.",
+    if let Some(ratio) = signal.excess_scatter() {
+        remarks.push(sentence!(
+            "The residuals of {} are {} times the scatter between neighbouring values, so the fit does not describe the data. If a few values are wrong, use {}.",
             field,
-            Piece::rounded(value, 6, signal.unit.clone())
-        )),
-        Some(Oddity::OneValue { time: at, value }) => remarks.push(sentence!(
-            "One value of {}, {} at {} after the start, makes most of the estimated σ. Remove it, or give σ.",
-            field,
-            Piece::rounded(value, 6, signal.unit.clone()),
-            time(at)
-        )),
-        None => {}
+            Piece::rounded(ratio, 2, ""),
+            Piece::argument_with("loss", "huber")
+        ));
     }
     remarks
 }
