@@ -23,4 +23,4 @@ pub use self::sanitize::{
 };
 pub use self::section::{Column, Part, Section, Table, Tone};
 pub(crate) use self::sentence::sentence;
-pub use self::sentence::{Sentence, and, capitalized, placeholders};
+pub use self::sentence::{Sentence, and, capitalized, placeholders, span};

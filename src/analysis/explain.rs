@@ -209,14 +209,10 @@ pub struct Explainer {
 impl Explainer {
     /// Creates an explainer of a run of this scenario.
     pub fn new(scenario: &Scenario) -> Self {
-        let mut history = RunHistory::new(Some(scenario), None);
-        let peg_radius = scenario.model.top.peg_radius;
-        // From the scenario, because the topics that show it may not be recorded.
-        history.set_flight_at_start(scenario.start().is_in_flight(peg_radius));
         Self {
+            history: RunHistory::new(Some(scenario), None),
             observations: Observations::new(&scenario.model),
             scenario: scenario.clone(),
-            history,
         }
     }
 

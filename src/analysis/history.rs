@@ -5,12 +5,14 @@ pub(crate) mod curve;
 mod cycle;
 pub(crate) mod energy;
 mod event;
+mod extent;
 pub(crate) mod level;
 mod peg;
 mod summary;
 
 pub(crate) use self::cycle::Cycle;
-pub(crate) use self::event::{Constancy, Event};
+pub(crate) use self::event::Event;
+pub(crate) use self::extent::Extent;
 pub(crate) use self::peg::{Interval, PegHistory, in_phase};
 pub use self::peg::{PegPhase, PegSummary};
 pub use self::summary::RunSummary;
@@ -18,7 +20,6 @@ pub use self::summary::RunSummary;
 use self::curve::CubicCurve;
 use self::energy::Energies;
 use self::level::FirstCrossing;
-use crate::analysis::normal_force::NormalForce;
 use crate::analysis::slip::SlipHistory;
 use crate::archive::format::{Entries, INVERSION_TIME, SAMPLE_COUNT, STOP_REASON, STOP_TIME};
 use crate::archive::recording::Missing;
@@ -69,7 +70,7 @@ pub(crate) struct RunHistory {
     pub(crate) states: Option<[State; 2]>,
     pub(crate) energies: Option<Energies>,
     /// The angular momentum about the vertical, kg m²/s.
-    pub(crate) vertical_momentum: Option<Constancy>,
+    pub(crate) vertical_momentum: Option<Extent>,
     /// Time of inversion (θ = π/2), s: from the end record, otherwise interpolated between samples.
     pub(crate) inverted: Option<f64>,
     /// Length of the path slipped, m.
@@ -77,7 +78,7 @@ pub(crate) struct RunHistory {
     /// The slip, if the scenario is known.
     pub(crate) slip: Option<SlipHistory>,
     /// The normal force, if it is recorded.
-    pub(crate) normal_force: Option<NormalForce>,
+    pub(crate) normal_force: Option<Extent>,
     /// First crossing of the requested θ level, if there is one.
     pub(crate) rise: Option<FirstCrossing>,
     /// The phases of a free peg.
@@ -97,7 +98,7 @@ impl RunHistory {
         Self {
             peg: scenario
                 .filter(|scenario| scenario.model.support.is_free())
-                .map(|scenario| PegHistory::new(&scenario.model)),
+                .map(PegHistory::new),
             slip: scenario.map(SlipHistory::new),
             rise: level.map(FirstCrossing::at_level),
             sample_period_ns: scenario.map(|scenario| scenario.sample_period_ns),
@@ -121,13 +122,13 @@ impl RunHistory {
             ENERGY => Energies::take(&mut self.energies, message),
             MOMENTUM => {
                 let vertical = momentum::VERTICAL.of(message);
-                Constancy::take(&mut self.vertical_momentum, vertical);
+                Extent::take(&mut self.vertical_momentum, vertical);
             }
             CONTACT => {
                 if let Some(slip) = &mut self.slip {
                     slip.take_contact(message);
                 }
-                NormalForce::take_contact(&mut self.normal_force, message);
+                Extent::take(&mut self.normal_force, contact::NORMAL_FORCE.of(message));
                 self.slip_path = Some(contact::SLIP_PATH.of(message)).filter(|p| !p.is_nan());
             }
             NUTATION => self.cycles.push(Cycle::from_message(message)),
@@ -200,13 +201,6 @@ impl RunHistory {
             peg.add_event(&event);
         }
         self.events.push(event);
-    }
-
-    /// Sets whether a free peg starts in the air, which a recording of few topics doesn't show.
-    pub(crate) fn set_flight_at_start(&mut self, is_in_flight: bool) {
-        if let Some(peg) = &mut self.peg {
-            peg.flies_at_first = is_in_flight;
-        }
     }
 
     /// Sets the end of the run, and the messages that its recording lacks.
@@ -382,7 +376,7 @@ impl RunHistory {
             energy_imbalance: self.energies.map(|energies| energies.imbalance),
             slip_path: self.slip_path,
             vertical_momentum_deviation: momentum
-                .map(|momentum| momentum.deviation / momentum.first.abs())
+                .map(|momentum| momentum.deviation() / momentum.first.abs())
                 .filter(|deviation| deviation.is_finite()),
             peg: self.peg.as_ref().map(|peg| self.peg_summary(peg)),
         }

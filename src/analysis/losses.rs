@@ -7,75 +7,36 @@ use serde::Serialize;
 
 /// The torques that take energy from a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
-#[serde(into = "LossFlags")]
-#[schemars(with = "LossFlags")]
-pub enum Losses {
-    /// None acts.
-    Absent,
-    /// Friction at the contact point.
-    Friction,
-    /// Air drag.
-    AirDrag,
-    /// Friction at the contact point and air drag.
-    Both,
-}
-
-/// The losses in reports.
-#[derive(Serialize, JsonSchema)]
-struct LossFlags {
+pub struct Losses {
     /// Whether there is friction at the contact point.
-    has_friction: bool,
+    pub has_friction: bool,
     /// Whether there is air drag.
-    has_air_drag: bool,
-}
-
-impl From<Losses> for LossFlags {
-    fn from(losses: Losses) -> Self {
-        Self {
-            has_friction: matches!(losses, Losses::Friction | Losses::Both),
-            has_air_drag: matches!(losses, Losses::AirDrag | Losses::Both),
-        }
-    }
+    pub has_air_drag: bool,
 }
 
 impl Losses {
     /// The losses of a model.
     pub fn new(friction: &Friction) -> Self {
-        Self::acting(friction.acts_at_contact(), friction.has_air_drag())
-    }
-
-    /// Those of friction at the contact point and air drag that act.
-    pub(crate) fn acting(has_friction: bool, has_air_drag: bool) -> Self {
-        match (has_friction, has_air_drag) {
-            (false, false) => Self::Absent,
-            (true, false) => Self::Friction,
-            (false, true) => Self::AirDrag,
-            (true, true) => Self::Both,
+        Self {
+            has_friction: friction.acts_at_contact(),
+            has_air_drag: friction.has_air_drag(),
         }
     }
 
     /// Their names, and impacts if there are any; friction if nothing acts.
     pub(crate) fn list(self, has_impacts: bool) -> Sentence {
-        acting(self.with_impacts(has_impacts))
+        acting([self.has_friction, self.has_air_drag, has_impacts])
     }
 
     /// The same of a common effect. What several do is known of all together only: each of them may do the opposite.
     pub(crate) fn names(self, has_impacts: bool) -> Sentence {
         let names = self.list(has_impacts);
-        match self.with_impacts(has_impacts) {
+        match [self.has_friction, self.has_air_drag, has_impacts] {
             [true, true, _] | [true, _, true] | [_, true, true] => {
                 sentence!("{} together", names)
             }
             _ => names,
         }
-    }
-
-    fn with_impacts(self, has_impacts: bool) -> [bool; 3] {
-        let LossFlags {
-            has_friction,
-            has_air_drag,
-        } = self.into();
-        [has_friction, has_air_drag, has_impacts]
     }
 }
 
@@ -100,11 +61,15 @@ mod tests {
 
     #[test]
     fn names_only_what_acts() {
-        for (losses, has_impacts, expected) in [
-            (Losses::Absent, true, "impacts"),
-            (Losses::AirDrag, true, "air drag and impacts together"),
-            (Losses::Both, false, "friction and air drag together"),
+        for (has_friction, has_air_drag, has_impacts, expected) in [
+            (false, false, true, "impacts"),
+            (false, true, true, "air drag and impacts together"),
+            (true, true, false, "friction and air drag together"),
         ] {
+            let losses = Losses {
+                has_friction,
+                has_air_drag,
+            };
             assert_eq!(losses.names(has_impacts).to_string(), expected);
         }
     }

@@ -1,8 +1,7 @@
 //! The normal forces of two runs.
 
-use crate::telemetry::Message;
-use crate::telemetry::fields::contact;
-use crate::words::{Piece, Sentence, sentence};
+use crate::analysis::history::Extent;
+use crate::words::{Piece, Sentence, sentence, span};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -24,27 +23,21 @@ pub struct NormalForces {
     pub b: Option<NormalForce>,
 }
 
-impl NormalForce {
-    /// Takes a sample of the contact.
-    pub(crate) fn take_contact(range: &mut Option<Self>, message: &Message<'_>) {
-        let force = contact::NORMAL_FORCE.of(message);
-        if !force.is_finite() {
-            return;
+impl From<Extent> for NormalForce {
+    fn from(force: Extent) -> Self {
+        Self {
+            least: force.least,
+            greatest: force.greatest,
         }
-        let range = range.get_or_insert(Self {
-            least: force,
-            greatest: force,
-        });
-        range.least = range.least.min(force);
-        range.greatest = range.greatest.max(force);
     }
+}
 
+impl NormalForce {
     fn words(self) -> Sentence {
         if self.least == self.greatest {
             return sentence!("a constant {}", Piece::number(self.least, 3, "N"));
         }
-        let [least, greatest] = Piece::range([self.least, self.greatest], 3, "N");
-        sentence!("{} to {}", least, greatest)
+        span([self.least, self.greatest], 3, "N")
     }
 }
 

@@ -97,6 +97,12 @@ impl<P: Into<Piece>> From<P> for Sentence {
     }
 }
 
+/// Two values of a quantity, see [`Piece::range`]: "0.5000 to 0.0200 rad".
+pub fn span(values: [f64; 2], digits: usize, unit: &'static str) -> Sentence {
+    let [first, last] = Piece::range(values, digits, unit);
+    sentence!("{} to {}", first, last)
+}
+
 /// Joins a list: "a", "a and b", "a, b and c".
 pub fn and(parts: Vec<Sentence>) -> Sentence {
     let last = parts.len().saturating_sub(1);

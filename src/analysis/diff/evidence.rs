@@ -45,12 +45,23 @@ impl Evidence<'_> {
 
     /// The error of the difference of two values of such a field.
     pub(super) fn error_of_field(&self, name: &str, values: [f64; 2]) -> IntegrationError {
+        let field = full_name(STATE.name(), name);
+        self.error(values, |integrations, side| {
+            integrations.errors.of(side).field(&field)
+        })
+    }
+
+    /// The error of the difference of two numbers; `own` is that of the number of one run.
+    pub(super) fn error(
+        &self,
+        numbers: [f64; 2],
+        own: impl Fn(&Integrations, Side) -> Option<f64>,
+    ) -> IntegrationError {
         let Some(integrations) = self.integrations else {
             return IntegrationError::Unknown;
         };
-        let errors = [&integrations.errors.a, &integrations.errors.b];
-        match errors.map(|error| error.field(&full_name(STATE.name(), name))) {
-            [Some(a), Some(b)] => IntegrationError::Within(combined([a, b], values)),
+        match Side::BOTH.map(|side| own(integrations, side)) {
+            [Some(a), Some(b)] => IntegrationError::Within(combined([a, b], numbers)),
             [None, _] | [_, None] => IntegrationError::Undetermined,
         }
     }
@@ -63,17 +74,10 @@ impl Evidence<'_> {
 
     /// The error of the difference of a number that each run has for itself.
     fn error_of(&self, number: impl Fn(&RunHistory) -> Option<f64>) -> IntegrationError {
-        let Some(integrations) = self.integrations else {
-            return IntegrationError::Unknown;
-        };
-        let errors = Side::BOTH.map(|side| integrations.error_of(side, &number));
-        match errors {
-            [Some(a), Some(b)] => {
-                let numbers = self.histories().map(|run| number(run).unwrap_or_default());
-                IntegrationError::Within(combined([a, b], numbers))
-            }
-            [None, _] | [_, None] => IntegrationError::Undetermined,
-        }
+        let numbers = self.histories().map(|run| number(run).unwrap_or_default());
+        self.error(numbers, |integrations, side| {
+            integrations.error_of(side, &number)
+        })
     }
 
     /// A finding about a number that each run has for itself, if it does not depend on the integration.

@@ -139,20 +139,18 @@ fn end(evidence: &Evidence<'_>) -> Option<Finding> {
 
 /// The error of the difference of two ends; undetermined if another integration ends for another reason.
 fn end_error(evidence: &Evidence<'_>, times: [Option<f64>; 2]) -> IntegrationError {
-    let Some(integrations) = evidence.integrations else {
-        return IntegrationError::Unknown;
-    };
     let reasons = evidence.histories().map(RunHistory::stop_reason);
-    let errors = Side::BOTH
-        .map(|side| integrations.error_of(side, |run| stop_time_for(run, reasons[side.index()])));
-    let [Some(a), Some(b)] = errors else {
-        return IntegrationError::Undetermined;
-    };
-    // `stop.duration` is exact.
-    if reasons == [Some(StopReason::Duration); 2] {
-        return IntegrationError::Within(0.0);
+    let times = times.map(Option::unwrap_or_default);
+    let error = evidence.error(times, |integrations, side| {
+        integrations.error_of(side, |run| stop_time_for(run, reasons[side.index()]))
+    });
+    match error {
+        // `stop.duration` is exact.
+        IntegrationError::Within(_) if reasons == [Some(StopReason::Duration); 2] => {
+            IntegrationError::Within(0.0)
+        }
+        error => error,
     }
-    IntegrationError::Within(combined([a, b], times.map(Option::unwrap_or_default)))
 }
 
 /// The time of the end of a run, if it ends for this reason, s.
@@ -201,8 +199,7 @@ fn largest_ripple(evidence: &Evidence<'_>, side: Side) -> Option<f64> {
         Some(simulated) if recorded.cycles.is_empty() => simulated,
         _ => recorded,
     };
-    let [earliest, latest] = ripple(nutating, time)?;
-    Some(earliest.abs().max(latest.abs()))
+    ripple(nutating, time)
 }
 
 /// The time at which a tippe top inverts and stays so to its end, if it is exact in both runs.
@@ -231,7 +228,7 @@ fn energy_lost(evidence: &Evidence<'_>) -> Option<Finding> {
     let field = energy::TOTAL.to_string();
     let errors = evidence.integrations.map(|integrations| {
         let errors = &integrations.errors;
-        [&errors.a, &errors.b].map(|error| error.field(&field).unwrap_or_default())
+        Side::BOTH.map(|side| errors.of(side).field(&field).unwrap_or_default())
     });
     let lost = Side::BOTH.map(|side| {
         // At equal times: `common` has only samples with a partner.

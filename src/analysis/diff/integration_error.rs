@@ -82,6 +82,14 @@ impl IntegratorError {
 }
 
 impl IntegrationErrors {
+    /// The errors of a run.
+    pub(super) fn of(&self, side: Side) -> &IntegratorError {
+        match side {
+            Side::A => &self.a,
+            Side::B => &self.b,
+        }
+    }
+
     /// The errors of a field, A's and B's together.
     pub(super) fn field(&self, field: &str) -> Option<f64> {
         Some(self.a.field(field)? + self.b.field(field)?)
@@ -166,9 +174,9 @@ impl Integrations {
         &self.sides[side.index()].own
     }
 
-    /// The errors of A's and B's averages.
-    pub(super) fn average_errors(&self) -> [&AverageErrors; 2] {
-        self.sides.each_ref().map(|side| &side.averages)
+    /// The errors of the averages of a run.
+    pub(super) fn averages(&self, side: Side) -> &AverageErrors {
+        &self.sides[side.index()].averages
     }
 }
 

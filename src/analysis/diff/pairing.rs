@@ -15,7 +15,7 @@ use super::tolerance::{Options, full_name};
 use super::topic::TopicTally;
 use crate::analysis::history::RunHistory;
 use crate::analysis::history::energy::Energies;
-use crate::analysis::normal_force::NormalForces;
+use crate::analysis::normal_force::{NormalForce, NormalForces};
 use crate::analysis::slip::{SlipComparison, SlipHistory};
 use crate::analysis::subject::{ReadEnd, Subject};
 use crate::archive::memory::Owned;
@@ -86,7 +86,8 @@ impl Paired {
 
     /// The normal forces of both runs.
     pub(super) fn normal_forces(&self) -> NormalForces {
-        let [a, b] = self.runs.each_ref().map(|run| run.history.normal_force);
+        let forces = self.runs.each_ref().map(|run| run.history.normal_force);
+        let [a, b] = forces.map(|force| force.map(NormalForce::from));
         NormalForces { a, b }
     }
 

@@ -9,7 +9,7 @@ use super::averages::{self, Averaged};
 use super::discrepancy::{Discrepancy, Residuals};
 use super::evidence::Evidence;
 use super::findings::contrast::{Contrast, contrasts};
-use super::findings::finding::Finding;
+use super::findings::finding::{Finding, FindingReport, with_conclusions};
 use super::findings::findings;
 use super::integration_error::{IntegrationErrors, Integrations};
 use super::others::{self, TopicBytes};
@@ -50,6 +50,8 @@ pub struct Report {
     /// The differences in the set-up.
     pub setup: SetupDifferences,
     /// The findings, the most important first; empty for foreign files.
+    #[serde(serialize_with = "with_conclusions")]
+    #[schemars(with = "Vec<FindingReport<'_>>")]
     pub findings: Vec<Finding>,
     /// The findings that set the motions apart, the most important first.
     pub contrasts: Vec<Contrast>,

@@ -6,7 +6,7 @@
 //! A top that spins the other way moves as its mirror image, and its angular momentum points down. Angles are therefore
 //! those of a line: the angular momentum times the sign of its vertical part at the start, which is kept for the run.
 
-use crate::analysis::history::Constancy;
+use crate::analysis::history::Extent;
 use crate::physics::dynamics::{Model, Support};
 use crate::physics::math::{atan2, hypot, sin_cos};
 use crate::run::time::seconds;
@@ -159,15 +159,15 @@ pub(super) struct MomentumHistory {
     /// Change of the horizontal part by friction in impacts since the previous sample, kg m²/s.
     by_impacts: f64,
     /// From the first sample to the last.
-    whole: Option<MomentumSpan>,
-    /// From the last mark to the last sample.
-    since_mark: Option<MomentumSpan>,
+    pub(super) whole: Option<MomentumSpan>,
+    /// From the last mark, or from the first sample, to the last.
+    pub(super) since_mark: Option<MomentumSpan>,
     /// The part about the vertical.
-    vertical: Option<Constancy>,
+    pub(super) vertical: Option<Extent>,
     /// The part about the symmetry axis.
-    axial: Option<Constancy>,
+    pub(super) axial: Option<Extent>,
     /// The largest magnitude, kg m²/s.
-    largest: f64,
+    pub(super) largest: f64,
 }
 
 impl MomentumHistory {
@@ -180,34 +180,9 @@ impl MomentumHistory {
         }
     }
 
-    /// From the first sample to the last.
-    pub(super) fn whole(&self) -> Option<MomentumSpan> {
-        self.whole
-    }
-
-    /// From the last mark, or from the first sample, to the last.
-    pub(super) fn since_mark(&self) -> Option<MomentumSpan> {
-        self.since_mark
-    }
-
     /// Marks the last sample.
     pub(super) fn mark(&mut self) {
         self.since_mark = self.whole.map(|span| MomentumSpan::new(span.to));
-    }
-
-    /// The part about the vertical.
-    pub(super) fn vertical(&self) -> Option<Constancy> {
-        self.vertical
-    }
-
-    /// The part about the symmetry axis.
-    pub(super) fn axial(&self) -> Option<Constancy> {
-        self.axial
-    }
-
-    /// The largest magnitude, kg m²/s.
-    pub(super) fn largest(&self) -> f64 {
-        self.largest
     }
 
     pub(super) fn take(&mut self, message: &Message<'_>) {
@@ -261,8 +236,8 @@ impl MomentumHistory {
     fn add(&mut self, state: MomentumState, shortening: f64, contact_friction: f64) {
         let vertical = self.whole.map_or(state, |span| span.from).vertical;
         let state = state.with_sense(if vertical < 0.0 { -1.0 } else { 1.0 });
-        Constancy::take(&mut self.vertical, state.vertical);
-        Constancy::take(&mut self.axial, state.axial);
+        Extent::take(&mut self.vertical, state.vertical);
+        Extent::take(&mut self.axial, state.axial);
         self.largest = self.largest.max(state.size());
         // The trapezoidal rule: the torque of friction hardly changes within a sampling period.
         let mean = 0.5 * (self.shortening + shortening);

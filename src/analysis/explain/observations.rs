@@ -1,6 +1,7 @@
 //! Quantities of a run that only an explanation needs.
 
 use super::momentum::{MomentumHistory, MomentumSpan};
+use crate::analysis::history::Extent;
 use crate::physics::dynamics::Model;
 use crate::run::simulation::{EventKind, Regime};
 use crate::run::time::seconds;
@@ -9,23 +10,6 @@ use crate::telemetry::fields::{
     CENTER_OF_MASS, CONTACT, ENERGY, EVENTS, IMPACTS, NUTATION, STATE, center_of_mass, contact,
     energy, events, state,
 };
-
-/// A quantity in the first and in the last sample.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Ends {
-    pub(super) first: f64,
-    pub(super) last: f64,
-}
-
-impl Ends {
-    fn take(ends: &mut Option<Self>, value: f64) {
-        if value.is_finite() {
-            // The recording may lack the first sample, then the first that it has.
-            let first = ends.map_or(value, |known| known.first);
-            *ends = Some(Self { first, last: value });
-        }
-    }
-}
 
 /// The samples since the contact point stopped slipping.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,10 +20,10 @@ pub(super) struct GripSpan {
     pub(super) theta_at_start: f64,
     /// The motion before.
     pub(super) before: Passage,
-    /// The least and the greatest inclination in the samples since then, rad; absent if there are none.
-    pub(super) theta_range: Option<[f64; 2]>,
+    /// Inclination in the samples since then, rad; absent if there are none.
+    pub(super) theta: Option<Extent>,
     /// Energy in these samples, J.
-    pub(super) energy: Option<Ends>,
+    pub(super) energy: Option<Extent>,
 }
 
 /// The motion since the end of the last nutation, or since the start.
@@ -80,9 +64,9 @@ pub(super) struct Observations {
     /// The motion in each nutation; the first one begins with the run.
     pub(super) nutations: Vec<Passage>,
     /// Kinetic energy, J.
-    pub(super) kinetic: Option<Ends>,
+    pub(super) kinetic: Option<Extent>,
     /// Height of a free top's centre of mass above the table, m.
-    pub(super) center_height: Option<Ends>,
+    pub(super) center_height: Option<Extent>,
     /// The samples since the contact point stopped slipping; absent if it slips or is in the air at the end.
     pub(super) grip: Option<GripSpan>,
     pub(super) impacts: Option<ImpactTimes>,
@@ -103,21 +87,19 @@ impl Observations {
         self.momentum.take(message);
         match message.topic() {
             STATE => {
-                let theta = state::THETA.of(message);
                 if let Some(grip) = &mut self.grip {
-                    let [least, greatest] = grip.theta_range.unwrap_or([theta; 2]);
-                    grip.theta_range = Some([least.min(theta), greatest.max(theta)]);
+                    Extent::take(&mut grip.theta, state::THETA.of(message));
                 }
             }
             ENERGY => {
-                Ends::take(&mut self.kinetic, energy::KINETIC.of(message));
+                Extent::take(&mut self.kinetic, energy::KINETIC.of(message));
                 if let Some(grip) = &mut self.grip {
-                    Ends::take(&mut grip.energy, energy::TOTAL.of(message));
+                    Extent::take(&mut grip.energy, energy::TOTAL.of(message));
                 }
             }
             CENTER_OF_MASS => {
                 let height = center_of_mass::POSITION.z().of(message);
-                Ends::take(&mut self.center_height, height);
+                Extent::take(&mut self.center_height, height);
             }
             NUTATION => {
                 let nutation = self.latest();
@@ -140,7 +122,7 @@ impl Observations {
     /// The motion since the last nutation.
     pub(super) fn latest(&self) -> Passage {
         Passage {
-            span: self.momentum.since_mark(),
+            span: self.momentum.since_mark,
             impacts: self.impacts.map_or(0, |impacts| impacts.count),
         }
     }

@@ -1,8 +1,9 @@
 //! The phases of a free peg (sliding, rolling, flight), its impacts, and the energy dissipated in each.
 
-use super::event::{Constancy, Event};
-use crate::physics::dynamics::Model;
+use super::event::Event;
+use super::extent::Extent;
 use crate::physics::math::hypot;
+use crate::run::scenario::Scenario;
 use crate::run::simulation::{EventKind, Regime};
 use crate::telemetry::Message;
 use crate::telemetry::fields::{
@@ -68,7 +69,8 @@ pub(crate) struct PegHistory {
     center_distance: f64,
     peg_radius: f64,
     changes: Vec<PhaseChange>,
-    pub(super) flies_at_first: bool,
+    /// Whether it flies at first: it starts in the air, or lifts off at once.
+    flies_at_first: bool,
     /// Whether there are events: without them the phases are not known.
     has_events: bool,
     impacts: u64,
@@ -81,7 +83,7 @@ pub(crate) struct PegHistory {
     /// The angular momentum about the symmetry axis in the last sample, kg m²/s.
     axial: Option<f64>,
     /// Jellett's integral, kg m³/s.
-    jellett: Option<Constancy>,
+    jellett: Option<Extent>,
     /// The largest sum of the magnitudes of its terms, |l L_n| + |R L_z′|, kg m³/s, which may cancel.
     jellett_terms: f64,
     /// Energy dissipated by sliding, other losses, restitution and friction in impacts, J.
@@ -91,10 +93,13 @@ pub(crate) struct PegHistory {
 }
 
 impl PegHistory {
-    pub(super) fn new(model: &Model) -> Self {
+    pub(super) fn new(scenario: &Scenario) -> Self {
+        let top = &scenario.model.top;
         Self {
-            center_distance: model.top.center_distance,
-            peg_radius: model.top.peg_radius,
+            center_distance: top.center_distance,
+            peg_radius: top.peg_radius,
+            // From the scenario, because the topics that show it may not be recorded.
+            flies_at_first: scenario.start().is_in_flight(top.peg_radius),
             ..Self::default()
         }
     }
@@ -105,7 +110,7 @@ impl PegHistory {
     }
 
     /// Jellett's integral at the start, and its largest deviation, kg m³/s.
-    pub(crate) fn jellett(&self) -> Option<Constancy> {
+    pub(crate) fn jellett(&self) -> Option<Extent> {
         self.jellett
     }
 
@@ -156,7 +161,7 @@ impl PegHistory {
     }
 
     fn add_contact(&mut self, message: &Message<'_>) {
-        // A peg that is thrown up starts at the height of the table, but in flight.
+        // A peg that lifts off at once starts at the height of the table, but in flight.
         let regime = Regime::from_code(contact::REGIME.of(message));
         self.flies_at_first |= self.travel.is_none() && regime == Some(Regime::Flying);
         let point = contact::CONTACT_POINT.of(message);
@@ -170,9 +175,8 @@ impl PegHistory {
 
     fn add_free_peg(&mut self, message: &Message<'_>) {
         let gap = free_peg::GAP.of(message);
-        self.flies_at_first |= self.lost.is_none() && gap > 0.0;
         self.highest = self.highest.max(gap);
-        Constancy::take(&mut self.jellett, free_peg::JELLETT.of(message));
+        Extent::take(&mut self.jellett, free_peg::JELLETT.of(message));
         let lost = [
             free_peg::LOST_SLIDING,
             free_peg::LOST_LOSSES,
@@ -250,7 +254,7 @@ impl PegHistory {
             jellett: self.jellett.map(|jellett| jellett.first),
             jellett_deviation: self
                 .jellett
-                .map(|jellett| jellett.deviation / self.jellett_terms.max(jellett.first.abs())),
+                .map(|jellett| jellett.deviation() / self.jellett_terms.max(jellett.first.abs())),
             farthest: self.travel.map(|travel| travel.farthest),
         }
     }

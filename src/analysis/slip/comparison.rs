@@ -1,7 +1,7 @@
 //! The slip of two runs in words.
 
 use super::history::{Slip, stand_apart};
-use crate::words::{Piece, Sentence, sentence};
+use crate::words::{Piece, Sentence, sentence, span};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -71,8 +71,8 @@ impl Slip {
 /// A coefficient of friction that rises or falls with the slip speed.
 fn change([from, to]: [f64; 2], cause: &'static str) -> Sentence {
     let verb = verb(to - from);
-    let [from, to] = Piece::range([from, to], 3, "");
-    sentence!("μ {} from {} to {} as the slip {}", verb, from, to, cause)
+    let coefficients = span([from, to], 3, "");
+    sentence!("μ {} from {} as the slip {}", verb, coefficients, cause)
 }
 
 fn verb(change: f64) -> &'static str {

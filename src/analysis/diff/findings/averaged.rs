@@ -3,24 +3,26 @@
 use super::crossing::MeanCrossing;
 use super::finding::{Dependence, Finding};
 use super::quantity::Quantity;
-use crate::analysis::diff::averages::{AverageErrors, Deviation};
+use crate::analysis::diff::averages::Deviation;
 use crate::analysis::diff::evidence::Evidence;
-use crate::analysis::diff::integration_error::{IntegrationError, combined};
+use crate::analysis::diff::integration_error::combined;
 use crate::analysis::diff::topic::derived::{AXIAL_SPIN, AXIS_ANGLE};
 use crate::analysis::diff::topic::field::FieldDifference;
 use crate::analysis::history::{Cycle, RunHistory};
 use crate::physics::math::sin;
 use crate::run::time::seconds;
 use crate::telemetry::fields::{NumberField, nutation, state};
+use crate::telemetry::side::Side;
 use std::f64::consts::TAU;
 
 /// The times at which the averaged motions cross a common level.
 pub(super) fn crossing(evidence: &Evidence<'_>) -> Option<Finding> {
     let [a, b] = evidence.histories();
     let errors = match evidence.integrations {
-        Some(integrations) => integrations
-            .average_errors()
-            .map(|errors| combined([errors.largest(nutation::THETA_MEAN), 0.0], [0.0; 2])),
+        Some(integrations) => Side::BOTH.map(|side| {
+            let error = integrations.averages(side).largest(nutation::THETA_MEAN);
+            combined([error, 0.0], [0.0; 2])
+        }),
         None => [0.0; 2],
     };
     let found = MeanCrossing::find(a, b, errors)?;
@@ -79,8 +81,8 @@ fn mean(
     deviation: &Deviation,
     quantity: Quantity,
 ) -> Option<Finding> {
-    let error = error_of_averages(evidence, deviation.values, |errors| {
-        errors.field(field, deviation.at)
+    let error = evidence.error(deviation.values, |integrations, side| {
+        integrations.averages(side).field(field, deviation.at)
     });
     Finding::new(quantity, deviation.values.map(Some)).with_error(error)
 }
@@ -133,7 +135,9 @@ pub(super) fn phase_lead(evidence: &Evidence<'_>) -> Option<Finding> {
     let phase = evidence.averaged?.phase.as_ref()?;
     // The lead is the difference of two numbers of cycles.
     let cycles = evidence.histories().map(|run| run.cycles.len() as f64);
-    let error = error_of_averages(evidence, cycles, |errors| errors.phase(phase.at));
+    let error = evidence.error(cycles, |integrations, side| {
+        integrations.averages(side).phase(phase.at)
+    });
     let quantity = Quantity::PhaseLead { at: phase.at };
     Finding::from_difference(quantity, phase.ahead).with_error(error)
 }
@@ -142,22 +146,9 @@ pub(super) fn phase_lead(evidence: &Evidence<'_>) -> Option<Finding> {
 pub(super) fn amplitude(evidence: &Evidence<'_>) -> Option<Finding> {
     let averaged = evidence.averaged?;
     let amplitudes = averaged.amplitudes?;
-    let error = error_of_averages(evidence, amplitudes, |errors| errors.amplitude(averaged.to));
+    let error = evidence.error(amplitudes, |integrations, side| {
+        integrations.averages(side).amplitude(averaged.to)
+    });
     let quantity = Quantity::Amplitude { at: averaged.to };
     Finding::new(quantity, amplitudes.map(Some)).with_error(error)
-}
-
-/// The error of the difference of two averages, from those of A and B.
-fn error_of_averages(
-    evidence: &Evidence<'_>,
-    values: [f64; 2],
-    error: impl Fn(&AverageErrors) -> Option<f64>,
-) -> IntegrationError {
-    let Some(integrations) = evidence.integrations else {
-        return IntegrationError::Unknown;
-    };
-    match integrations.average_errors().map(error) {
-        [Some(a), Some(b)] => IntegrationError::Within(combined([a, b], values)),
-        [None, _] | [_, None] => IntegrationError::Undetermined,
-    }
 }

@@ -3,8 +3,8 @@
 use super::quantity::{Durations, Quantity};
 use crate::analysis::diff::integration_error::IntegrationError;
 use crate::words::{Piece, Sentence, sentence};
-use schemars::{JsonSchema, Schema, SchemaGenerator};
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Serialize, Serializer};
 use std::borrow::Cow;
 
 /// A dependence of a difference, other than on numerical errors.
@@ -35,10 +35,10 @@ impl Dependence {
 }
 
 /// A pair of corresponding numbers.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(into = "FindingReport")]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Finding {
     /// The compared quantity.
+    #[serde(flatten)]
     pub quantity: Quantity,
     /// A's number; absent if it has none.
     pub a: Option<f64>,
@@ -48,66 +48,40 @@ pub struct Finding {
     pub difference: Option<f64>,
     /// Error of the difference due to the two integrations alone; absent if it is not known.
     pub integration_error: Option<f64>,
-    /// What else the difference depends on.
+    /// What else the difference depends on: the chosen level, the phase of the nutation.
     pub dependences: Vec<Dependence>,
     /// Whether the numbers are equal within the tolerances that were set.
     pub is_tolerated: bool,
 }
 
-/// A pair of corresponding numbers, in reports.
+/// A finding in reports.
 #[derive(Serialize, JsonSchema)]
-struct FindingReport {
+#[schemars(rename = "Finding")]
+pub(in crate::analysis::diff) struct FindingReport<'f> {
     #[serde(flatten)]
-    quantity: Quantity,
+    finding: Cow<'f, Finding>,
     /// The compared quantity in words.
     what: String,
     /// The unit, empty for pure numbers.
     unit: &'static str,
-    /// A's number; absent if it has none.
-    a: Option<f64>,
-    /// B's number; absent if it has none.
-    b: Option<f64>,
-    /// The difference B − A; absent if the numbers are unlike, e.g. times of ends of two kinds.
-    difference: Option<f64>,
     /// The integration error and the largest dependence together; absent if neither is known.
     uncertainty: Option<f64>,
-    /// Error of the difference due to the two integrations alone; absent if it is not known.
-    integration_error: Option<f64>,
-    /// What else the difference depends on: the chosen level, the phase of the nutation.
-    dependences: Vec<Dependence>,
-    /// Whether the numbers are equal within the tolerances that were set.
-    is_tolerated: bool,
     /// Whether the numbers differ by more than the tolerances, the integration error and the ripple of the nutation.
     differs: bool,
 }
 
-impl From<Finding> for FindingReport {
-    fn from(finding: Finding) -> Self {
-        Self {
-            quantity: finding.quantity,
-            what: finding.quantity.label().to_string(),
-            unit: finding.quantity.unit(),
-            a: finding.a,
-            b: finding.b,
-            difference: finding.difference,
-            uncertainty: finding.uncertainty(),
-            integration_error: finding.integration_error,
-            differs: finding.differs(),
-            is_tolerated: finding.is_tolerated,
-            dependences: finding.dependences,
-        }
-    }
-}
-
-/// As it is serialized: with the label and the unit of the quantity.
-impl JsonSchema for Finding {
-    fn schema_name() -> Cow<'static, str> {
-        "Finding".into()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        FindingReport::json_schema(generator)
-    }
+/// Serializes findings with what follows from their numbers.
+pub(in crate::analysis::diff) fn with_conclusions<S: Serializer>(
+    findings: &[Finding],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(findings.iter().map(|finding| FindingReport {
+        finding: Cow::Borrowed(finding),
+        what: finding.quantity.label().to_string(),
+        unit: finding.quantity.unit(),
+        uncertainty: finding.uncertainty(),
+        differs: finding.differs(),
+    }))
 }
 
 impl Finding {

@@ -4,7 +4,7 @@ use crate::analysis::explain::chapters;
 use crate::analysis::explain::claim::Claim;
 use crate::analysis::explain::evidence::{Evidence, ROUNDED};
 use crate::analysis::explain::fact::Fact;
-use crate::analysis::history::Constancy;
+use crate::analysis::history::Extent;
 
 pub(super) fn conserves(evidence: &Evidence) -> Option<Claim> {
     let peg = evidence.summary.peg.as_ref();
@@ -17,9 +17,9 @@ pub(super) fn conserves(evidence: &Evidence) -> Option<Claim> {
         .imbalance
         .max((energies.last - energies.first).abs());
     let momentum = &evidence.observations.momentum;
-    let (vertical, axial) = (momentum.vertical()?, momentum.axial()?);
+    let (vertical, axial) = (momentum.vertical?, momentum.axial?);
     // Both may be zero: what counts is the size of the angular momentum.
-    let size = momentum.largest();
+    let size = momentum.largest;
     let is_constant = energy_deviation <= ROUNDED * energies.size
         && is_constant(vertical, size)
         && is_constant(axial, size);
@@ -29,12 +29,12 @@ pub(super) fn conserves(evidence: &Evidence) -> Option<Claim> {
     };
     is_constant.then_some(Claim::Conserves {
         energy_deviation,
-        momentum_deviations: [vertical.deviation, axial.deviation],
+        momentum_deviations: [vertical.deviation(), axial.deviation()],
         mean_theta,
     })
 }
 
 /// Whether a part of a vector of this size is constant.
-pub(super) fn is_constant(constancy: Constancy, size: f64) -> bool {
-    constancy.deviation <= ROUNDED * size
+pub(super) fn is_constant(part: Extent, size: f64) -> bool {
+    part.deviation() <= ROUNDED * size
 }

@@ -17,7 +17,7 @@ pub(super) fn weak_top_falls(evidence: &Evidence) -> Option<Claim> {
     let model = &evidence.scenario.model;
     let top = model.nutating_top();
     let fallen = history.first(EventKind::Fallen)?;
-    let span = evidence.observations.momentum.whole()?;
+    let span = evidence.observations.momentum.whole?;
     if top.gravity_moment() <= 0.0 {
         return None;
     }

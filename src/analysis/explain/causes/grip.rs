@@ -2,7 +2,7 @@
 
 use crate::analysis::explain::claim::{Claim, Effect, Hold, Inversion, Stopped};
 use crate::analysis::explain::evidence::{Evidence, ROUNDED};
-use crate::analysis::explain::observations::{Ends, GripSpan};
+use crate::analysis::explain::observations::GripSpan;
 use crate::analysis::history::PegPhase;
 use crate::physics::math::sin_cos;
 use crate::run::simulation::{EventKind, StopReason};
@@ -13,11 +13,13 @@ pub(super) fn slip_ends(evidence: &Evidence, claims: &[Claim]) -> Option<Claim> 
     let GripSpan {
         from,
         theta_at_start,
-        theta_range,
+        theta,
         energy,
         ..
     } = evidence.observations.grip?;
-    let (theta_range, Ends { first, last }) = (theta_range?, energy?);
+    let (theta, energy) = (theta?, energy?);
+    let theta_range = [theta.least, theta.greatest];
+    let (first, last) = (energy.first, energy.last);
     let is_constant = (last - first).abs() <= ROUNDED * first.abs().max(last.abs());
     let has_losses = evidence.scenario.model.friction.has_losses();
     // A change of energy that nothing explains is an error.

@@ -24,7 +24,7 @@ pub(super) fn friction_raises(evidence: &Evidence, stretch: &Stretch) -> Option<
     let is_by_friction = change < 0.0 && span.by_friction < 0.5 * change;
     let is_vertical_constant = !friction.turns_about_vertical()
         && is_constant(
-            evidence.observations.momentum.vertical()?,
+            evidence.observations.momentum.vertical?,
             span.from.vertical.abs(),
         );
     (must_follow && is_by_friction).then_some(Claim::FrictionRaises {
@@ -36,7 +36,7 @@ pub(super) fn friction_raises(evidence: &Evidence, stretch: &Stretch) -> Option<
         theta: [span.from.theta, span.to.theta],
         from: span.from.time,
         until: span.to.time,
-        theta_at_end: evidence.observations.momentum.whole()?.to.theta,
+        theta_at_end: evidence.observations.momentum.whole?.to.theta,
         losses: stretch.losses(evidence),
     })
 }
@@ -87,7 +87,7 @@ pub(super) fn losses_align(evidence: &Evidence) -> Option<Claim> {
     if !is_oblate || model.friction.dissipation.drops_euler_terms() {
         return None;
     }
-    let span = evidence.observations.momentum.whole()?;
+    let span = evidence.observations.momentum.whole?;
     let energies = evidence.history.energies?;
     let decrease = span.from.angle_to_axis - span.to.angle_to_axis;
     // The inclination of the axis is within `inclination` of its angle to the angular momentum.

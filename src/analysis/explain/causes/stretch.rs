@@ -32,7 +32,10 @@ impl Stretch {
     /// The losses that act in it.
     pub(super) fn losses(&self, evidence: &Evidence) -> Losses {
         let friction = &evidence.scenario.model.friction;
-        Losses::acting(self.span.contact_friction > 0.0, friction.has_air_drag())
+        Losses {
+            has_friction: self.span.contact_friction > 0.0,
+            has_air_drag: friction.has_air_drag(),
+        }
     }
 }
 
@@ -99,7 +102,7 @@ pub(super) fn stretches(evidence: &Evidence) -> Vec<Stretch> {
 /// The nutations, and the motion after them. `None` if momenta are missing.
 fn means(evidence: &Evidence) -> Option<Vec<Mean>> {
     let observations = &evidence.observations;
-    let whole = observations.momentum.whole()?;
+    let whole = observations.momentum.whole?;
     let (end, theta, rest) = match observations.grip {
         Some(grip) => (grip.from, grip.theta_at_start, grip.before),
         None => (whole.to.time, whole.to.theta, observations.latest()),
@@ -174,7 +177,7 @@ pub(super) fn mean_inclination_changes(evidence: &Evidence, stretch: &Stretch) -
     // Only on the table is there a regular precession.
     let is_on_table = span.contact_friction > 0.0 || !evidence.scenario.model.support.is_free();
     // In a plane, both angular momenta are zero.
-    let least_momentum = ROUNDED * evidence.observations.momentum.largest();
+    let least_momentum = ROUNDED * evidence.observations.momentum.largest;
     let precesses = at_means
         .iter()
         .all(|at| at.vertical.abs().max(at.axial.abs()) > least_momentum);

@@ -18,7 +18,7 @@ pub(super) fn inverts(evidence: &Evidence) -> Option<Claim> {
         return None;
     }
     let jellett_deviation = evidence.summary.peg.as_ref()?.jellett_deviation?;
-    let span = observations.momentum.whole()?;
+    let span = observations.momentum.whole?;
     let vertical = [span.from.vertical, span.to.vertical];
     let axial = [span.from.axial, span.to.axial];
     let theta = [span.from.theta, span.to.theta];
@@ -85,13 +85,13 @@ impl JellettIntegral {
         let integral = evidence.history.peg.as_ref()?.jellett()?;
         let top = &evidence.scenario.model.top;
         let terms =
-            (top.center_distance.abs() + top.peg_radius) * evidence.observations.momentum.largest();
+            (top.center_distance.abs() + top.peg_radius) * evidence.observations.momentum.largest;
         // Without spin, its terms are rounding errors of a motion that has angular momentum all the same.
         let recorded = evidence.summary.peg.as_ref()?.jellett_deviation?;
         let deviation = if recorded <= ROUNDED {
             recorded
         } else {
-            integral.deviation / terms
+            integral.deviation() / terms
         };
         (deviation <= ROUNDED).then_some(Self {
             value: integral.first,

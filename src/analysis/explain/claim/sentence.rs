@@ -3,7 +3,7 @@
 use super::{Claim, Hold, SufficientSpin, Weakness};
 use crate::analysis::explain::fact::times;
 use crate::analysis::losses::Losses;
-use crate::words::{Piece, Sentence, sentence};
+use crate::words::{Piece, Sentence, sentence, span};
 
 impl Claim {
     /// The claim as sentences, the first of which continues after its time.
@@ -18,10 +18,10 @@ impl Claim {
             Self::FrictionRaises {
                 vertical, losses, ..
             } => {
-                let [first, last] = Piece::range(*vertical, 4, "kg m²/s");
+                let vertical = span(*vertical, 4, "kg m²/s");
                 raises(
                     *losses,
-                    sentence!("while the vertical part changed from {} to {}", first, last),
+                    sentence!("while the vertical part changed from {}", vertical),
                 )
             }
             Self::FrictionSpeedsPrecession { .. } => sentence!(
@@ -141,12 +141,10 @@ fn weak_top_falls(weakness: Weakness, losses: Losses) -> Sentence {
 }
 
 fn lowers(axial: [f64; 2], losses: Losses, verb: &str) -> Sentence {
-    let [first, last] = Piece::range(axial.map(f64::abs), 4, "kg m²/s");
     sentence!(
-        "{} shortened the part of the angular momentum about the axis, from {} to {}. So the axis turned away from the line of the angular momentum, and the top {}.",
+        "{} shortened the part of the angular momentum about the axis, from {}. So the axis turned away from the line of the angular momentum, and the top {}.",
         losses.names(false),
-        first,
-        last,
+        span(axial.map(f64::abs), 4, "kg m²/s"),
         verb
     )
 }
@@ -157,13 +155,11 @@ fn mean_inclination_changes(
     regular_theta: [f64; 2],
     causes: Sentence,
 ) -> Sentence {
-    let [first, last] = Piece::range(mean_theta, 4, "rad");
     let by_momenta = regular_theta[1] - regular_theta[0];
     let by_nutation = (mean_theta[1] - mean_theta[0]) - by_momenta;
     sentence!(
-        "the mean inclination changed from {} to {}: by {} because {} changed the angular momenta, and with them the inclination at which the top would precess without nutation, and by {} because the nutation changed.",
-        first,
-        last,
+        "the mean inclination changed from {}: by {} because {} changed the angular momenta, and with them the inclination at which the top would precess without nutation, and by {} because the nutation changed.",
+        span(mean_theta, 4, "rad"),
         Piece::number(by_momenta, 2, "rad"),
         causes,
         Piece::number(by_nutation, 2, "rad")

@@ -4,7 +4,7 @@ use super::{Fact, PrecessionRoot};
 use crate::physics::friction::Dissipation;
 use crate::run::scenario::find_dissipation;
 use crate::words::number::{pair, significant};
-use crate::words::{Piece, Sentence, sentence};
+use crate::words::{Piece, Sentence, sentence, span};
 
 /// The zero of the potential energy in recordings, wherever an energy and not its change is shown.
 pub const ENERGY_ZERO: &str = "zero at the height of the peg's centre";
@@ -168,34 +168,24 @@ impl Fact {
                 } else {
                     "The"
                 };
-                let [first, last] = Piece::range([*first, *last], 4, "kg m²/s");
                 sentence!(
-                    "{} horizontal part of the angular momentum decreased from {} to {}.",
+                    "{} horizontal part of the angular momentum decreased from {}.",
                     start,
-                    first,
-                    last
+                    span([*first, *last], 4, "kg m²/s")
                 )
             }
             Self::AngleToMomentum { largest } => sentence!(
                 "Meanwhile the axis was always within {} of the line of the angular momentum.",
                 Piece::number(*largest, 2, "rad")
             ),
-            Self::AngleToMomentumChange { first, last } => {
-                let [first, last] = Piece::range([*first, *last], 3, "rad");
-                sentence!(
-                    "The angle between the axis and the line of the angular momentum decreased from {} to {}.",
-                    first,
-                    last
-                )
-            }
-            Self::TurnsAway { first, last, .. } => {
-                let [first, last] = Piece::range([*first, *last], 3, "rad");
-                sentence!(
-                    "After the axis was least inclined, the angle between it and the line of the angular momentum increased from {} to {}.",
-                    first,
-                    last
-                )
-            }
+            Self::AngleToMomentumChange { first, last } => sentence!(
+                "The angle between the axis and the line of the angular momentum decreased from {}.",
+                span([*first, *last], 3, "rad")
+            ),
+            Self::TurnsAway { first, last, .. } => sentence!(
+                "After the axis was least inclined, the angle between it and the line of the angular momentum increased from {}.",
+                span([*first, *last], 3, "rad")
+            ),
             Self::EnergyToTurnOver { energy, needed } => {
                 let [energy, needed] = Piece::distinct([*energy, *needed], 4, "J");
                 sentence!(
@@ -219,11 +209,9 @@ impl Fact {
                 if size.to_string() == Piece::number(*first, 4, "kg m²/s").to_string() {
                     sentence!("The angular momentum about the axis stayed at {}.", size)
                 } else {
-                    let [first, last] = Piece::range([*first, *last], 4, "kg m²/s");
                     sentence!(
-                        "The angular momentum about the axis changed from {} to {}.",
-                        first,
-                        last
+                        "The angular momentum about the axis changed from {}.",
+                        span([*first, *last], 4, "kg m²/s")
                     )
                 }
             }
@@ -231,14 +219,10 @@ impl Fact {
                 "The top is weak where its size is less than {}.",
                 Piece::number(*critical, 4, "kg m²/s")
             ),
-            Self::CenterHeight { first, last } => {
-                let [first, last] = Piece::range([*first, *last], 4, "m");
-                sentence!(
-                    "The centre of mass rose from a height of {} to {}.",
-                    first,
-                    last
-                )
-            }
+            Self::CenterHeight { first, last } => sentence!(
+                "The centre of mass rose from a height of {}.",
+                span([*first, *last], 4, "m")
+            ),
             Self::HeldTheta {
                 least,
                 greatest,
