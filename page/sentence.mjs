@@ -66,7 +66,7 @@ const WRITTEN = {
   count: ({ count, noun }) => withUnit(count.toLocaleString("en"), count === 1 ? noun : plural(noun)),
   key: keyName,
   field: fieldName,
-  argument: ({ name, value }) => ARGUMENTS[name](value),
+  argument: ({ name, values }) => ARGUMENTS[name](values[0]),
 };
 
 /** A noun after a number other than 1, as the program forms it. */

@@ -933,7 +933,7 @@ const tests = {
               },
             },
             line({ text: "The data fix …: " }, { key: "initial.center_x_dot" }, { text: " and " }, { key: "initial.theta_dot" }, { text: " (correlation −0.989)." }),
-            line({ count: { count: 9, noun: "more pair" } }, { text: " with " }, { argument: { name: "all", value: null } }, { text: "." }),
+            line({ count: { count: 9, noun: "more pair" } }, { text: " with " }, { argument: { name: "all", values: [] } }, { text: "." }),
           ),
           section("Signals", { table: { header: texts(["", "samples", "σ", "RMS/σ", "uncorrelated", ""]), rows: [[[{ field: "/top/state.theta" }], ...texts(["300", "0.00536 rad (estimated)", "0.979", "p = 0.30", "1 above 5 σ"])]], left: 1 } }),
           section("Remarks", line({ text: "Measure φ, too, or hold " }, { key: "initial.psi_dot" }, { text: " at a known value." })),

@@ -145,14 +145,14 @@ const tests = {
   },
   "arguments are those of the page"() {
     for (const [argument, expected] of [
-      [{ name: "signal", value: "theta=Winkel (°)" }, "theta (°)"],
-      [{ name: "signal", value: "/top/state.theta=tilt:SIGMA" }, "“angles are right to ± SIGMA”"],
-      [{ name: "signal", value: "/top/state.theta:1mrad" }, "a table with the columns t and theta"],
-      [{ name: "signal", value: null }, "the line that names the columns"],
-      [{ name: "time", value: "t (ms)" }, "t (ms)"],
-      [{ name: "decimal", value: "," }, "semicolons or tabs between the cells"],
-      [{ name: "until", value: "4.995" }, "a file that ends at 4.995\u00a0s"],
-      [{ name: "set", value: null }, "the sliders"],
+      [{ name: "signal", values: ["theta=Winkel (°)"] }, "theta (°)"],
+      [{ name: "signal", values: ["/top/state.theta=tilt:SIGMA"] }, "“angles are right to ± SIGMA”"],
+      [{ name: "signal", values: ["/top/state.theta:1mrad"] }, "a table with the columns t and theta"],
+      [{ name: "signal", values: [] }, "the line that names the columns"],
+      [{ name: "time", values: ["t (ms)"] }, "t (ms)"],
+      [{ name: "decimal", values: [","] }, "semicolons or tabs between the cells"],
+      [{ name: "until", values: ["4.995"] }, "a file that ends at 4.995\u00a0s"],
+      [{ name: "set", values: [] }, "the sliders"],
     ]) {
       assert.equal(sentenceText([{ argument }]), expected);
     }

@@ -183,7 +183,7 @@ fn argument(argument: &Argument) -> String {
         "all" => "the entries of the report",
         name => name,
     };
-    match &argument.value {
+    match argument.values.first() {
         None => name.to_owned(),
         Some(_) if name == "columns" => list(name, argument),
         Some(_) if name == "overrides" => dict(name, argument),
@@ -194,13 +194,13 @@ fn argument(argument: &Argument) -> String {
 
 /// An argument whose values are a list.
 fn list(name: &str, argument: &Argument) -> String {
-    format!("{name}={:?}", argument.values().collect::<Vec<_>>())
+    format!("{name}={:?}", argument.values)
 }
 
 /// An argument whose values are those of keys.
 fn dict(name: &str, argument: &Argument) -> String {
     let mut entries = Vec::new();
-    for value in argument.values() {
+    for value in &argument.values {
         let (key, value) = value.split_once('=').unwrap_or((value, ""));
         entries.push(match value.parse::<f64>() {
             Ok(_) => format!("{key:?}: {value}"),

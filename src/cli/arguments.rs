@@ -3,6 +3,7 @@
 use crate::telemetry::encoding::Encoding;
 use clap::builder::PossibleValue;
 use clap::{Command, ValueEnum};
+use std::ops::{Bound, RangeBounds};
 use thiserror::Error;
 
 /// Heading in the help of the options that choose what is written.
@@ -38,42 +39,42 @@ impl ValueEnum for Encoding {
 /// A key of a scenario and the value that it is set to.
 pub(super) type Override = (String, String);
 
-/// Error in the value of an option.
+/// What the value of an option must be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-pub(super) enum ArgumentError {
-    /// `--set` without a key or a value.
-    #[error("must be KEY=VALUE, as in friction.k=0.02")]
-    Override,
-    /// A speed or another number that must be positive.
-    #[error("must be a positive number, e.g. 0.5")]
-    Positive,
-    /// A tolerance.
-    #[error("must be a number of 0 or more, e.g. 1e-9")]
-    Tolerance,
+#[error("must be {0}")]
+pub(super) struct ArgumentError(pub(super) &'static str);
+
+/// Reads a number of a range; `expected` says of which.
+pub(super) fn parse_number(
+    text: &str,
+    range: impl RangeBounds<f64>,
+    expected: &'static str,
+) -> Result<f64, ArgumentError> {
+    match text.parse() {
+        Ok(number) if range.contains(&number) => Ok(number),
+        Ok(_) | Err(_) => Err(ArgumentError(expected)),
+    }
 }
 
 /// Reads a positive number.
 pub(super) fn parse_positive(text: &str) -> Result<f64, ArgumentError> {
-    match text.parse::<f64>() {
-        Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
-        Ok(_) | Err(_) => Err(ArgumentError::Positive),
-    }
+    let positive = (Bound::Excluded(0.0), Bound::Excluded(f64::INFINITY));
+    parse_number(text, positive, "a positive number, e.g. 0.5")
 }
 
 /// Reads a number that is zero or positive.
 pub(super) fn parse_tolerance(text: &str) -> Result<f64, ArgumentError> {
-    match text.parse::<f64>() {
-        Ok(number) if number.is_finite() && number >= 0.0 => Ok(number),
-        Ok(_) | Err(_) => Err(ArgumentError::Tolerance),
-    }
+    let expected = "a number of 0 or more, e.g. 1e-9";
+    parse_number(text, 0.0..f64::INFINITY, expected)
 }
 
 /// Reads the value of `--set`.
 pub(super) fn parse_override(text: &str) -> Result<Override, ArgumentError> {
-    let (key, value) = text.split_once('=').ok_or(ArgumentError::Override)?;
-    match key.trim() {
-        "" => Err(ArgumentError::Override),
-        key => Ok((key.to_owned(), value.trim().to_owned())),
+    match text.split_once('=') {
+        Some((key, value)) if !key.trim().is_empty() => {
+            Ok((key.trim().to_owned(), value.trim().to_owned()))
+        }
+        Some(_) | None => Err(ArgumentError("KEY=VALUE, as in friction.k=0.02")),
     }
 }
 

@@ -19,7 +19,7 @@ const RULE: char = '\u{1}';
 pub(super) fn option(argument: &Argument) -> String {
     let name = argument.name;
     let mut options = Vec::new();
-    for value in argument.values() {
+    for value in &argument.values {
         // Column names need quotes, fields don't.
         options.push(match value.split_once('=') {
             Some((field, column)) => format!("--{name} {field}={}", quoted(column)),
@@ -215,11 +215,9 @@ mod tests {
                 "--signal theta=tilt --signal phi=azimuth",
             ),
         ] {
-            let mut values = values.iter().map(|value| (*value).to_owned());
             let argument = Argument {
                 name: "signal",
-                value: values.next(),
-                further: values.collect(),
+                values: values.iter().map(|value| (*value).to_owned()).collect(),
             };
             assert_eq!(option(&argument), expected);
         }

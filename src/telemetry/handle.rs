@@ -1,7 +1,6 @@
 //! Handles of fields and plots: they read values from messages and return names and units.
 
 use super::table::channel::Leaf;
-use super::table::frame;
 use crate::telemetry::message::{Message, Numbers};
 use crate::telemetry::topic::Topic;
 use nalgebra::{Quaternion, Vector3};
@@ -117,11 +116,6 @@ impl VectorField {
     /// The plot that shows it.
     pub const fn plot(self) -> Plot {
         self.0.plot()
-    }
-
-    /// Whether the components are along the axes of the body, and not along those of the world or the nodes.
-    pub fn is_in_body_axes(self) -> bool {
-        self.0.leaf().frame == frame::BODY
     }
 
     /// The value in a message; NaN if it is missing.

@@ -75,28 +75,20 @@ pub struct Count {
 pub struct Argument {
     /// Its name: that of the option, without dashes.
     pub name: &'static str,
-    /// A value for it.
-    pub value: Option<String>,
-    /// Further values, where it is given several times.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub further: Vec<String>,
+    /// The values for it, where it has some; several where it is given several times.
+    pub values: Vec<String>,
 }
 
 /// The way in which an interface writes an argument.
 pub type ArgumentStyle = fn(&Argument) -> String;
 
 impl Argument {
-    /// The values.
-    pub fn values(&self) -> impl Iterator<Item = &String> {
-        self.value.iter().chain(&self.further)
-    }
-
     /// The name and the values, for readers of no particular interface.
     pub fn plain(&self) -> String {
-        let values: Vec<&str> = self.values().map(String::as_str).collect();
-        match values[..] {
-            [] => self.name.to_owned(),
-            _ => format!("{} = {}", self.name, values.join(", ")),
+        if self.values.is_empty() {
+            self.name.to_owned()
+        } else {
+            format!("{} = {}", self.name, self.values.join(", "))
         }
     }
 }
@@ -198,29 +190,17 @@ impl Piece {
 
     /// An argument of the interface.
     pub fn argument(name: &'static str) -> Self {
-        Self::Argument(Argument {
-            name,
-            value: None,
-            further: Vec::new(),
-        })
+        Self::argument_with_all(name, Vec::new())
     }
 
     /// An argument of the interface with a value for it.
     pub fn argument_with(name: &'static str, value: impl Into<String>) -> Self {
-        Self::argument_with_all(name, value, Vec::new())
+        Self::argument_with_all(name, vec![value.into()])
     }
 
     /// An argument of the interface with several values for it.
-    pub fn argument_with_all(
-        name: &'static str,
-        first: impl Into<String>,
-        further: Vec<String>,
-    ) -> Self {
-        Self::Argument(Argument {
-            name,
-            value: Some(first.into()),
-            further,
-        })
+    pub fn argument_with_all(name: &'static str, values: Vec<String>) -> Self {
+        Self::Argument(Argument { name, values })
     }
 
     /// Two values of a quantity, for "from … to …": with the same decimals, and more than `digits` significant digits if

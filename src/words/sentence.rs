@@ -175,7 +175,7 @@ mod tests {
                 { "text": "at " },
                 { "time": { "text": "1.5000", "value": 1.5, "unit": "s", "has_unit": true } },
                 { "text": ", see " },
-                { "argument": { "name": "until", "value": "2" } },
+                { "argument": { "name": "until", "values": ["2"] } },
                 { "text": "." },
             ])
         );

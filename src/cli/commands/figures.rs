@@ -4,7 +4,7 @@ mod files;
 
 use self::files::FigureFiles;
 use crate::archive::publish::{Drafts, Existing};
-use crate::cli::arguments::OUTPUT;
+use crate::cli::arguments::{OUTPUT, parse_number};
 use crate::cli::commands::image::ImageFormat;
 use crate::cli::extension::{FeatureArguments as _, MapArguments, MapTable};
 use crate::cli::input::{OpenRun, open};
@@ -20,7 +20,6 @@ use clap::{Args, ValueEnum};
 use rayon::iter::{IntoParallelRefIterator as _, ParallelIterator as _};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use thiserror::Error;
 
 /// Arguments of `toprise figures`.
 #[derive(Args, Debug, PartialEq)]
@@ -50,7 +49,7 @@ pub(in crate::cli) struct FiguresArguments {
     sweep: MapArguments,
 
     /// Width from 80 to 400 mm; 130 or more gives two columns of plots
-    #[arg(long, value_name = "MM", default_value_t = 85.0, value_parser = parse_width, help_heading = OUTPUT)]
+    #[arg(long, value_name = "MM", default_value_t = 85.0, value_parser = |text: &str| parse_number(text, 80.0..=400.0, "from 80 to 400 (mm)"), help_heading = OUTPUT)]
     width: f64,
 
     /// Overwrite existing files.
@@ -60,18 +59,6 @@ pub(in crate::cli) struct FiguresArguments {
 
 fn names() -> PossibleValuesParser {
     FIGURES.iter().map(|figure| figure.name).into()
-}
-
-/// A width that figures can't have.
-#[derive(Debug, Error)]
-#[error("must be from 80 to 400 (mm)")]
-struct WidthError;
-
-fn parse_width(text: &str) -> Result<f64, WidthError> {
-    match text.parse() {
-        Ok(width) if (80.0..=400.0).contains(&width) => Ok(width),
-        Ok(_) | Err(_) => Err(WidthError),
-    }
 }
 
 /// The runs of the paper's figures: the first of all, the others only of figure 4.

@@ -3,7 +3,7 @@
 use crate::archive::publish::{
     Draft, Drafts, Existing, check_not_an_input, check_target, is_same_file,
 };
-use crate::cli::arguments::{Override, parse_override};
+use crate::cli::arguments::{ArgumentError, Override, parse_number, parse_override};
 use crate::cli::extension::{FeatureArguments as _, ShowFit, ShowFitArguments};
 use crate::cli::file_kind::FileKind;
 use crate::cli::input::open_scenario;
@@ -18,7 +18,8 @@ use crate::fit::{
 };
 use crate::run::scenario::Scenario;
 use crate::words::{Section, markdown};
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -96,7 +97,7 @@ pub(in crate::cli) struct FitArguments {
 
     /// How residuals count: squares, or huber for data with outliers
     #[arg(long, value_enum, default_value_t, hide_possible_values = true)]
-    loss: LossArgument,
+    loss: Loss,
 
     /// Multiply variances by χ²/ν, as if all standard deviations were wrong by one factor
     #[arg(long)]
@@ -107,7 +108,7 @@ pub(in crate::cli) struct FitArguments {
     compare: Vec<String>,
 
     /// Predict this part of the data at the end instead of fitting it, e.g. 0.2
-    #[arg(long, value_name = "PART", default_value = "0", hide_default_value = true, value_parser = parse_part)]
+    #[arg(long, value_name = "PART", default_value = "0", hide_default_value = true, value_parser = |text: &str| parse_number(text, 0.0..=0.9, "a number from 0 to 0.9"))]
     holdout: f64,
 
     /// Profile likelihood of parameters (comma-separated)
@@ -141,20 +142,16 @@ pub(in crate::cli) struct FitArguments {
 /// Width of figures, mm: two columns of plots.
 const FIGURE_WIDTH: f64 = 170.0;
 
-/// The loss of residuals, on the command line.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-enum LossArgument {
-    #[default]
-    Squares,
-    Huber,
-}
+impl ValueEnum for Loss {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Self::Squares, Self::Huber]
+    }
 
-impl From<LossArgument> for Loss {
-    fn from(argument: LossArgument) -> Self {
-        match argument {
-            LossArgument::Squares => Self::Squares,
-            LossArgument::Huber => Self::Huber,
-        }
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(match self {
+            Self::Squares => "squares",
+            Self::Huber => "huber",
+        }))
     }
 }
 
@@ -162,12 +159,10 @@ impl From<LossArgument> for Loss {
 type ParameterBounds = (String, [f64; 2]);
 
 /// The arguments of the command, resolved.
-struct FitPlan {
+struct FitPlan<'a> {
+    arguments: &'a FitArguments,
     request: Request,
     inputs: Vec<PathBuf>,
-    output: Option<PathBuf>,
-    best: Option<PathBuf>,
-    figures: Option<PathBuf>,
     show: Option<Box<dyn ShowFit>>,
     existing: Existing,
 }
@@ -254,7 +249,7 @@ fn show(progress: &Progress, state: fit::Progress) {
 }
 
 impl FitArguments {
-    fn plan(&self) -> Result<FitPlan, anyhow::Error> {
+    fn plan(&self) -> Result<FitPlan<'_>, anyhow::Error> {
         let inputs = self.inputs();
         let show = self.show.plan(())?;
         self.check_outputs(&inputs, show.as_deref())?;
@@ -266,12 +261,13 @@ impl FitArguments {
         };
         let data = fit::read(&self.data, &self.signals, &layout).map_err(FitFailure::from)?;
         Ok(FitPlan {
+            arguments: self,
             request: Request {
                 scenario,
                 data,
                 free: self.free.clone(),
                 bounds: self.bounds.clone(),
-                loss: self.loss.into(),
+                loss: self.loss,
                 origin: self.start,
                 until: self.until,
                 holdout: self.holdout,
@@ -280,9 +276,6 @@ impl FitArguments {
                 rescale: self.rescale,
             },
             inputs,
-            output: self.output.clone(),
-            best: self.best.clone(),
-            figures: self.figures.clone(),
             show,
             existing: Existing::forced(self.force),
         })
@@ -311,10 +304,7 @@ impl FitArguments {
                 .iter()
                 .any(|other| is_same_file(other, output))
             {
-                return Err(FitArgumentError::SameOutput {
-                    path: output.clone(),
-                }
-                .into());
+                bail!("two outputs are the same file, {}", output.display());
             }
         }
         // An input as an output is the graver mistake.
@@ -322,10 +312,10 @@ impl FitArguments {
             FileKind::Scenario.check("--scenario", best)?;
         }
         if let Some(directory) = self.figures.as_ref().filter(|path| path.is_file()) {
-            return Err(FitArgumentError::NoDirectory {
-                path: directory.clone(),
-            }
-            .into());
+            bail!(
+                "--figures {} is a file: name a directory",
+                directory.display()
+            );
         }
         for output in &outputs {
             check_target(output, Existing::forced(self.force))?;
@@ -346,19 +336,19 @@ impl FitArguments {
     }
 }
 
-impl FitPlan {
+impl FitPlan<'_> {
     /// Writes the files that were asked for, still without their names.
     fn write(&self, fitted: &Fit, drafts: &Drafts) -> Result<Vec<Draft>, anyhow::Error> {
         let mut written = Vec::new();
-        if let Some(path) = &self.best {
+        if let Some(path) = &self.arguments.best {
             let draft = self.create(drafts, path)?;
             written.push(write_scenario(draft, &fitted.scenario)?);
         }
-        if let Some(path) = &self.output {
+        if let Some(path) = &self.arguments.output {
             let draft = self.create(drafts, path)?;
             written.push(write_recording(draft, fitted, &self.request)?);
         }
-        if let Some(directory) = &self.figures {
+        if let Some(directory) = &self.arguments.figures {
             written.extend(self.write_figures(fitted, drafts, directory)?);
         }
         Ok(written)
@@ -446,18 +436,8 @@ fn parse_bound(text: &str) -> Result<ParameterBounds, FitArgumentError> {
     }
 }
 
-fn parse_finite(text: &str) -> Result<f64, FitArgumentError> {
-    match text.parse::<f64>() {
-        Ok(time) if time.is_finite() => Ok(time),
-        Ok(_) | Err(_) => Err(FitArgumentError::Finite),
-    }
-}
-
-fn parse_part(text: &str) -> Result<f64, FitArgumentError> {
-    match text.parse::<f64>() {
-        Ok(part) if (0.0..=0.9).contains(&part) => Ok(part),
-        Ok(_) | Err(_) => Err(FitArgumentError::Part),
-    }
+fn parse_finite(text: &str) -> Result<f64, ArgumentError> {
+    parse_number(text, f64::MIN..=f64::MAX, "a number")
 }
 
 /// Error in the value of an option.
@@ -467,16 +447,8 @@ enum FitArgumentError {
     Bound,
     #[error("the lower bound, {low}, must be less than the upper one, {high}")]
     BoundOrder { low: f64, high: f64 },
-    #[error("must be a number")]
-    Finite,
     #[error("a name in the list is empty")]
     EmptyName,
-    #[error("must be a number from 0 to 0.9")]
-    Part,
-    #[error("--figures {} is a file: name a directory", path.display())]
-    NoDirectory { path: PathBuf },
-    #[error("two outputs are the same file, {}", path.display())]
-    SameOutput { path: PathBuf },
 }
 
 #[cfg(test)]
@@ -491,7 +463,7 @@ mod tests {
         let arguments = parse::<FitArguments>(line).unwrap();
         assert_eq!(arguments.free, ["friction.k", "initial"]);
         assert_eq!(arguments.bounds, [("friction.k".to_owned(), [0.0, 0.1])]);
-        assert_eq!(arguments.loss, LossArgument::Huber);
+        assert_eq!(arguments.loss, Loss::Huber);
         for line in [
             "paper --free friction.k",
             "paper data.csv",

@@ -7,7 +7,6 @@ use crate::figures::Drawing;
 use anyhow::{Context as _, Error};
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
-use thiserror::Error;
 
 /// The format of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -16,14 +15,6 @@ pub(super) enum ImageFormat {
     Svg,
     /// Bitmap, 300 dpi
     Png,
-}
-
-/// A name that is that of no image.
-#[derive(Debug, Error)]
-#[error("--plot writes SVG or PNG: call it {}", name.display())]
-struct ImageNameError {
-    /// The path with a right extension.
-    name: PathBuf,
 }
 
 impl ImageFormat {
@@ -59,8 +50,9 @@ impl Plot {
         let format = ImageFormat::value_variants()
             .iter()
             .find(|format| extension.is_some_and(|own| own == format.extension()))
-            .ok_or_else(|| ImageNameError {
-                name: path.with_extension("svg"),
+            .with_context(|| {
+                let name = path.with_extension("svg");
+                format!("--plot writes SVG or PNG: call it {}", name.display())
             })?;
         check_not_an_input(path, inputs.iter().map(PathBuf::as_path))?;
         check_target(path, existing)?;

@@ -11,12 +11,11 @@ use crate::figures::{LawCurve, draw_laws};
 use crate::run::scenario::{Key, LAWS, Law, Preset, Scenario};
 use crate::run::suggestion::suggestion;
 use crate::words::{Section, Table};
-use anyhow::Error;
+use anyhow::{Error, bail};
 use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use thiserror::Error;
 
 /// Arguments of `toprise laws`.
 #[derive(Args, Debug, Default, PartialEq)]
@@ -32,22 +31,6 @@ pub(in crate::cli) struct LawsArguments {
     /// Overwrite existing files
     #[arg(long, help_heading = OUTPUT)]
     force: bool,
-}
-
-/// A name that no law has.
-#[derive(Debug, Error)]
-#[error("there is no law {name:?}{}; laws: {}", suggestion(name, LAWS.iter().map(|law| law.name)), LAWS.iter().map(|law| law.name).collect::<Vec<_>>().join(", "))]
-struct UnknownLaw {
-    name: String,
-}
-
-/// A law that has no coefficient of friction to draw.
-#[derive(Debug, Error)]
-#[error(
-    "{name} is an additional loss, which has no coefficient of friction against the slip speed"
-)]
-struct NotSliding {
-    name: &'static str,
 }
 
 /// The law that a word names.
@@ -151,7 +134,12 @@ impl NamedLaw {
             Ok(input) => input,
             Err(InputError::UnknownPreset(_)) => {
                 let name = word.display().to_string();
-                return Err(UnknownLaw { name }.into());
+                let laws: Vec<&str> = LAWS.iter().map(|law| law.name).collect();
+                bail!(
+                    "there is no law {name:?}{}; laws: {}",
+                    suggestion(&name, laws.iter().copied()),
+                    laws.join(", ")
+                );
             }
             Err(error) => return Err(error.into()),
         };
@@ -179,7 +167,10 @@ impl NamedLaw {
                 values.change("friction.law", law.name)?;
                 Ok(LawCurve::new(law.name, &Scenario::new(values)?))
             }
-            Self::Law(law) => Err(NotSliding { name: law.name }.into()),
+            Self::Law(law) => bail!(
+                "{} is an additional loss, which has no coefficient of friction against the slip speed",
+                law.name
+            ),
         }
     }
 }

@@ -4,15 +4,14 @@ mod arguments;
 mod file_plan;
 mod files;
 mod pace;
-mod plan;
 mod report;
 mod target;
 
 pub(super) use self::arguments::RunArguments;
+use self::arguments::RunPlan;
 pub(in crate::cli) use self::file_plan::FilePlan;
 pub(in crate::cli) use self::files::McapFile;
 use self::pace::Pace;
-use self::plan::RunPlan;
 use self::report::Recorded;
 pub(super) use self::report::RunReport;
 use self::target::McapTarget;

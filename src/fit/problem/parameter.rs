@@ -262,8 +262,8 @@ fn no_friction() -> Sentence {
         "the scenario has no friction; choose a law, e.g. with {}",
         Piece::argument_with_all(
             "set",
-            "friction.law=coulomb",
             vec![
+                "friction.law=coulomb".to_owned(),
                 "friction.k=0.03".to_owned(),
                 "friction.dissipation=full".to_owned()
             ]

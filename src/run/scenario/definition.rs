@@ -122,6 +122,25 @@ impl Scenario {
         Self::new(values)
     }
 
+    /// This scenario with some keys as another one has them; what that one lacks is removed.
+    ///
+    /// # Errors
+    /// As [`Scenario::new`].
+    pub fn with_keys_of<'k>(
+        &self,
+        other: &Self,
+        paths: impl IntoIterator<Item = &'k str>,
+    ) -> Result<Self, ScenarioError> {
+        let mut values = self.values.clone();
+        for path in paths {
+            match other.entries().find(|(key, _)| key.path == path) {
+                Some((key, value)) => values.insert(key, value.clone()),
+                None => values.remove(path),
+            }
+        }
+        Self::new(values)
+    }
+
     /// The scenario as TOML in canonical form: all keys in table order. Parsing it returns a bit-identical scenario.
     ///
     /// Recordings hold this text, so it has no words that a later version may improve.
@@ -161,6 +180,11 @@ impl Scenario {
     pub fn entries(&self) -> impl Iterator<Item = (&'static Key, &Value)> {
         KEYS.iter()
             .filter_map(|key| Some((key, self.values.get(key.path)?)))
+    }
+
+    /// The number of a key, if it is set.
+    pub fn number(&self, path: &str) -> Option<f64> {
+        self.values.optional_number(path)
     }
 
     /// The value of a key, if it is set.

@@ -63,53 +63,24 @@ pub struct Effect {
 #[derive(Clone, Debug)]
 pub struct KeyPlan {
     a: Scenario,
-    changes: Vec<KeyChange>,
+    /// The changes.
+    pub changes: Vec<KeyChange>,
     /// A before and after each change; before is A itself for changes that are possible alone.
     singles: Vec<(Option<Scenario>, Scenario)>,
     pairs: Vec<([usize; 2], Scenario)>,
 }
 
-/// Scenarios as tables, A and B.
-struct Tables([toml::Table; 2]);
+/// A, with the keys of recording of B, and B.
+struct Ends {
+    a: Scenario,
+    b: Scenario,
+}
 
-impl Tables {
-    fn new(a: &Scenario, b: &Scenario) -> Option<Self> {
-        let [mut a, b] = [a.to_toml().parse().ok()?, b.to_toml().parse().ok()?];
-        for key in OF_RECORDING {
-            set(&mut a, key, find(&b, key).cloned());
-        }
-        Some(Self([a, b]))
-    }
-
+impl Ends {
     /// A with some keys of B, if that is a scenario.
-    fn with<'k>(&self, keys: impl IntoIterator<Item = &'k String>) -> Option<Scenario> {
-        let [a, b] = &self.0;
-        let mut table = a.clone();
-        for key in keys {
-            set(&mut table, key, find(b, key).cloned());
-        }
-        Scenario::from_toml(&table.to_string()).ok()
-    }
-}
-
-fn find<'t>(table: &'t toml::Table, key: &str) -> Option<&'t toml::Value> {
-    match key.split_once('.') {
-        Some((outer, inner)) => table.get(outer)?.as_table()?.get(inner),
-        None => table.get(key),
-    }
-}
-
-/// Sets or removes a key.
-fn set(table: &mut toml::Table, key: &str, value: Option<toml::Value>) {
-    if let Some((outer, inner)) = key.split_once('.') {
-        let empty = || toml::Value::Table(toml::Table::new());
-        if let toml::Value::Table(table) = table.entry(outer).or_insert_with(empty) {
-            set(table, inner, value);
-        }
-    } else if let Some(value) = value {
-        table.insert(key.to_owned(), value);
-    } else {
-        table.remove(key);
+    fn with(&self, keys: &[String]) -> Option<Scenario> {
+        let paths = keys.iter().map(String::as_str);
+        self.a.with_keys_of(&self.b, paths).ok()
     }
 }
 
@@ -141,27 +112,30 @@ impl Effect {
 impl KeyPlan {
     /// The runs for two scenarios whose keys differ; `None` if fewer than two changes are possible.
     pub fn new(a: &Scenario, b: &Scenario, differing: &[KeyDifference]) -> Option<Self> {
-        let tables = Tables::new(a, b)?;
+        let ends = Ends {
+            a: a.with_keys_of(b, OF_RECORDING).ok()?,
+            b: b.clone(),
+        };
         let mut changes = Vec::new();
         for key in differing.iter().filter(|key| key.changes_the_run()) {
             if !OF_RECORDING.contains(&key.key.as_str()) {
                 changes.push(vec![key.key.clone()]);
             }
         }
-        let changes = possible_changes(&tables, changes)?;
+        let changes = possible_changes(&ends, changes)?;
         if changes.len() < 2 {
             return None;
         }
         let mut singles = Vec::new();
         for KeyChange { keys, after } in &changes {
-            let before = (!after.is_empty()).then(|| tables.with(after)).flatten();
-            singles.push((before, tables.with(after.iter().chain(keys))?));
+            let before = (!after.is_empty()).then(|| ends.with(after)).flatten();
+            singles.push((before, ends.with(&[&after[..], keys].concat())?));
         }
         let mut pairs = Vec::new();
         for (at, second) in changes.iter().enumerate() {
             for (of_first, first) in changes[..at].iter().enumerate() {
                 if first.after.is_empty() && second.after.is_empty() {
-                    let both = tables.with(first.keys.iter().chain(&second.keys));
+                    let both = ends.with(&[&first.keys[..], &second.keys].concat());
                     pairs.extend(both.map(|both| ([of_first, at], both)));
                 }
             }
@@ -171,7 +145,7 @@ impl KeyPlan {
             pairs.clear();
         }
         Some(Self {
-            a: tables.with([])?,
+            a: ends.a,
             changes,
             singles,
             pairs,
@@ -187,11 +161,6 @@ impl KeyPlan {
     /// Whether pairs of changes are simulated, too.
     pub fn has_pairs(&self) -> bool {
         !self.pairs.is_empty()
-    }
-
-    /// The changes.
-    pub fn changes(&self) -> &[KeyChange] {
-        &self.changes
     }
 
     /// Simulates the runs. `count` is called after each.
@@ -248,13 +217,13 @@ impl KeyPlan {
 
 /// Orders changes so that each is possible alone or after earlier ones. Keys that are not are joined. `None` if B itself is
 /// not possible.
-fn possible_changes(tables: &Tables, mut waiting: Vec<Vec<String>>) -> Option<Vec<KeyChange>> {
+fn possible_changes(ends: &Ends, mut waiting: Vec<Vec<String>>) -> Option<Vec<KeyChange>> {
     let mut found: Vec<KeyChange> = Vec::new();
     while !waiting.is_empty() {
         let next = waiting
             .iter()
             .enumerate()
-            .find_map(|(at, keys)| Some((at, prerequisites(tables, &found, keys)?)));
+            .find_map(|(at, keys)| Some((at, prerequisites(ends, &found, keys)?)));
         if let Some((at, after)) = next {
             let keys = waiting.remove(at);
             found.push(KeyChange { keys, after });
@@ -269,7 +238,7 @@ fn possible_changes(tables: &Tables, mut waiting: Vec<Vec<String>>) -> Option<Ve
 }
 
 /// The keys after which others can change: none, those of one earlier change, or those of all.
-fn prerequisites(tables: &Tables, known: &[KeyChange], keys: &[String]) -> Option<Vec<String>> {
+fn prerequisites(ends: &Ends, known: &[KeyChange], keys: &[String]) -> Option<Vec<String>> {
     let all: Vec<String> = known
         .iter()
         .flat_map(|change| change.keys.clone())
@@ -281,5 +250,5 @@ fn prerequisites(tables: &Tables, known: &[KeyChange], keys: &[String]) -> Optio
     bases.push(all);
     bases
         .into_iter()
-        .find(|base| tables.with(base).is_some() && tables.with(base.iter().chain(keys)).is_some())
+        .find(|base| ends.with(base).is_some() && ends.with(&[base, keys].concat()).is_some())
 }

@@ -2,7 +2,7 @@
 
 use crate::physics::math::{exp, ln};
 use crate::run::outcome;
-use crate::run::scenario::{Scenario, Value};
+use crate::run::scenario::{Scenario, find_key};
 use crate::run::simulation::sample_at;
 use crate::words::{Piece, Sentence, sentence};
 use schemars::JsonSchema;
@@ -110,11 +110,8 @@ pub fn find_match(
 
 /// The unit and the number of a key of a scenario, if it has a positive one.
 fn positive_number(scenario: &Scenario, key: &str) -> Option<(&'static str, f64)> {
-    let (key, value) = scenario.entries().find(|(known, _)| known.path == key)?;
-    match value {
-        Value::Number(number) if *number > 0.0 => Some((key.unit, *number)),
-        Value::Number(_) | Value::Text(_) => None,
-    }
+    let number = scenario.number(key).filter(|number| *number > 0.0)?;
+    Some((find_key(key).ok()?.unit, number))
 }
 
 /// The logarithm of the factor between two values that are tried first.

@@ -3,7 +3,7 @@
 use crate::analysis::diff::findings::finding::Finding;
 use crate::analysis::diff::findings::measure::measure;
 use crate::analysis::diff::findings::quantity::Quantity;
-use crate::run::scenario::{Scenario, Value};
+use crate::run::scenario::Scenario;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -69,9 +69,6 @@ pub fn sensitivities(
 
 /// A scenario with a number changed by a factor.
 fn scaled(scenario: &Scenario, key: &str, factor: f64) -> Option<Scenario> {
-    let (_, value) = scenario.entries().find(|(known, _)| known.path == key)?;
-    let Value::Number(number) = value else {
-        return None;
-    };
+    let number = scenario.number(key)?;
     scenario.with([(key, (factor * number).into())]).ok()
 }

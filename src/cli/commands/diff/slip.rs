@@ -11,8 +11,7 @@ use crate::figures::{LawCurve, draw_laws};
 use crate::run::scenario::Scenario;
 use crate::telemetry::side::Side;
 use crate::words::Section;
-use anyhow::Error;
-use thiserror::Error;
+use anyhow::{Context as _, Error};
 
 /// What the coefficients of friction do, and the normal forces, if they differ.
 pub(super) fn section(report: &Report) -> Section {
@@ -29,13 +28,6 @@ pub(super) fn section(report: &Report) -> Section {
         section.line(sentence);
     }
     section
-}
-
-/// A run without a law of friction that can be drawn.
-#[derive(Debug, Error)]
-#[error("--plot needs the scenarios of both runs, but {name} has none that this version can read")]
-struct NoScenario {
-    name: String,
 }
 
 /// The picture of both laws.
@@ -69,7 +61,11 @@ impl LawPlot {
 }
 
 /// The scenario of a run.
-fn scenario(run: &OpenRun) -> Result<Scenario, NoScenario> {
-    let scenario = run.subject().scenario();
-    scenario.ok_or_else(|| NoScenario { name: run.name() })
+fn scenario(run: &OpenRun) -> Result<Scenario, Error> {
+    run.subject().scenario().with_context(|| {
+        format!(
+            "--plot needs the scenarios of both runs, but {} has none that this version can read",
+            run.name()
+        )
+    })
 }

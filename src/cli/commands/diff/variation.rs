@@ -26,8 +26,7 @@ pub(super) struct VariationArguments {
 /// The further simulations, with what they need.
 #[derive(Debug)]
 pub(super) struct VariationPlan {
-    by_key: bool,
-    key: Option<String>,
+    arguments: VariationArguments,
     /// Whether sensitivities are computed.
     is_sensitive: bool,
     scenarios: [Option<Scenario>; 2],
@@ -46,8 +45,7 @@ impl VariationArguments {
             bail!("--by-key and --match need the scenarios of both runs");
         }
         Ok(VariationPlan {
-            by_key: self.by_key,
-            key: self.key.clone(),
+            arguments: self.clone(),
             is_sensitive,
             scenarios,
         })
@@ -62,14 +60,14 @@ impl VariationPlan {
         };
         let progress = Progress::for_state();
         let count = || progress.set_text("simulating".to_owned());
-        if self.by_key {
+        if self.arguments.by_key {
             let plan = KeyPlan::new(a, b, &report.setup.scenario).context(
                 "--by-key needs runs that differ in two keys that can change one after the other",
             )?;
             output::note(&announcement(&plan));
             report.by_key = Some(plan.compute(&report.findings, &count));
         }
-        if let Some(key) = &self.key {
+        if let Some(key) = &self.arguments.key {
             report.matched = Some(find_match(a, b, key, &count)?);
         }
         if self.is_sensitive {
@@ -83,7 +81,7 @@ impl VariationPlan {
 /// What will be simulated.
 fn announcement(plan: &KeyPlan) -> String {
     let mut changes = Vec::new();
-    for change in plan.changes() {
+    for change in &plan.changes {
         changes.push(change.keys.join(" and "));
     }
     format!(

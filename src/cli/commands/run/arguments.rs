@@ -1,14 +1,19 @@
 //! The arguments of `toprise run`.
 
 use super::file_plan::FilePlan;
-use super::plan::RunPlan;
 use crate::archive::input::Input;
 use crate::archive::publish::Existing;
+use crate::archive::recording::Recording;
+use crate::archive::supplements::about::About;
+use crate::archive::writer::Form;
 use crate::cli::arguments::{OUTPUT, Override, VIEWER, parse_override, parse_positive};
-use crate::cli::extension::{FeatureArguments as _, RowArgument, ShowRunArguments, SweepRow};
+use crate::cli::extension::{
+    FeatureArguments as _, RowArgument, ShowRun, ShowRunArguments, SweepRow,
+};
 use crate::cli::file_kind::FileKind;
 use crate::cli::input::{checked, read_about, run_name};
 use crate::physics::dynamics::Support;
+use crate::run::scenario::{Scenario, Values};
 use crate::telemetry::encoding::Encoding;
 use crate::telemetry::{Topic, Topics};
 use anyhow::{Error, bail};
@@ -61,6 +66,29 @@ pub(crate) struct RunArguments {
     /// Overwrite existing files
     #[arg(long, help_heading = OUTPUT)]
     force: bool,
+}
+
+/// A run and what becomes of it.
+#[derive(Debug)]
+pub(super) struct RunPlan {
+    /// The scenario that is run.
+    pub(super) scenario: Scenario,
+    /// The keys and values before the changes of `--set`.
+    pub(super) base: Values,
+    /// The form of the MCAP file.
+    pub(super) form: Form,
+    /// The topics that are recorded.
+    pub(super) topics: Topics,
+    /// The recording that is repeated, unless it is changed: what it says of its run is not about another.
+    pub(super) repeated: Option<Box<Recording>>,
+    /// What the recording says of itself.
+    pub(super) about: Option<About>,
+    /// Simulated time per real time; `None` for as fast as possible.
+    pub(super) speed: Option<f64>,
+    /// The files that are read and written.
+    pub(super) files: FilePlan,
+    /// Where it is shown.
+    pub(super) show: Option<Box<dyn ShowRun>>,
 }
 
 impl RunArguments {

@@ -1,6 +1,6 @@
 //! Figures of sweeps: their columns and runs.
 
-use crate::cli::arguments::{Override, parse_override};
+use crate::cli::arguments::{ArgumentError, Override, parse_override};
 use crate::cli::extension::{FeatureArguments, MapTable};
 use crate::figures::{CONTEXT_COLUMNS, Map};
 use crate::sweep::Columns;
@@ -9,7 +9,7 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 
 /// Arguments for a figure of a sweep.
-#[derive(Args, Debug, PartialEq)]
+#[derive(Args, Clone, Debug, PartialEq)]
 pub(in crate::cli) struct MapArguments {
     /// Draw the outcomes of a sweep: a map over --x and --y, or curves over --x
     #[arg(long, value_name = "TABLE", conflicts_with_all = ["runs", "only"], requires = "x")]
@@ -37,24 +37,16 @@ pub(in crate::cli) struct MapArguments {
     chosen: Vec<Override>,
 }
 
-/// `--where` without a column or a value.
-#[derive(Debug, thiserror::Error)]
-#[error("must be COLUMN=VALUE, as in scenario=paper")]
-struct WhereError;
-
 /// Reads the value of `--where`.
-fn parse_where(text: &str) -> Result<Override, WhereError> {
-    parse_override(text).map_err(|_| WhereError)
+fn parse_where(text: &str) -> Result<Override, ArgumentError> {
+    parse_override(text).map_err(|_| ArgumentError("COLUMN=VALUE, as in scenario=paper"))
 }
 
 /// A figure of a sweep.
 struct MapPlan {
     table: PathBuf,
     x: String,
-    y: Option<String>,
-    show: String,
-    /// Columns and the values that their rows must have.
-    chosen: Vec<Override>,
+    arguments: MapArguments,
 }
 
 impl FeatureArguments<(), Box<dyn MapTable>> for MapArguments {
@@ -69,9 +61,7 @@ impl FeatureArguments<(), Box<dyn MapTable>> for MapArguments {
         Ok(Some(Box::new(MapPlan {
             table: table.clone(),
             x: x.clone(),
-            y: self.y.clone(),
-            show: self.show.clone(),
-            chosen: self.chosen.clone(),
+            arguments: self.clone(),
         })))
     }
 }
@@ -88,13 +78,16 @@ impl MapTable for MapPlan {
     }
 
     fn read(&self) -> Result<Map, Error> {
+        let MapArguments {
+            y, show, chosen, ..
+        } = &self.arguments;
         let mut names = CONTEXT_COLUMNS.to_vec();
-        names.extend([self.x.as_str(), &self.show]);
-        names.extend(self.y.as_deref());
-        names.extend(self.chosen.iter().map(|(name, _)| name.as_str()));
+        names.extend([self.x.as_str(), show]);
+        names.extend(y.as_deref());
+        names.extend(chosen.iter().map(|(name, _)| name.as_str()));
         let columns = Columns::read(&self.table, &names)?;
         let chosen = self.chosen(&columns)?;
-        let mut map = Map::from_columns(&columns, &self.x, self.y.as_deref(), &self.show)?;
+        let mut map = Map::from_columns(&columns, &self.x, y.as_deref(), show)?;
         map.runs = chosen
             .into_iter()
             .map(|row| map.runs[row].clone())
@@ -107,7 +100,7 @@ impl MapPlan {
     /// The rows selected by --where.
     fn chosen(&self, columns: &Columns) -> Result<Vec<usize>, Error> {
         let mut rows: Vec<usize> = (0..columns.texts("scenario")?.len()).collect();
-        for (name, value) in &self.chosen {
+        for (name, value) in &self.arguments.chosen {
             let cells = columns.texts(name)?;
             let (met, left): (Vec<_>, Vec<_>) = rows
                 .into_iter()
