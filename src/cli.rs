@@ -160,21 +160,6 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// The features of the program, each with whether it has the feature, its commands, and its options of other commands.
-const FEATURES: [(&str, bool, &[&str]); 3] = [
-    ("fit", cfg!(feature = "fit"), &["fit"]),
-    (
-        "rerun",
-        cfg!(feature = "rerun"),
-        &["view", "--rrd", "--no-rrd", "--spawn", "--connect"],
-    ),
-    (
-        "sweep",
-        cfg!(feature = "sweep"),
-        &["sweep", "--row", "--sweep"],
-    ),
-];
-
 /// Adds to the error of an unknown command or option that it belongs to a feature that this program lacks.
 fn name_missing_feature(usage: &mut clap::Error) {
     let unknown = usage
@@ -183,33 +168,13 @@ fn name_missing_feature(usage: &mut clap::Error) {
     let Some(ContextValue::String(unknown)) = unknown else {
         return;
     };
-    for (feature, is_present, words) in FEATURES {
+    for (feature, is_present, words) in version::FEATURES {
         if !is_present && words.contains(&unknown.as_str()) {
             let tip = format!("toprise was built without the feature `{feature}`");
             let tips = ContextValue::StyledStrs(vec![StyledStr::from(tip)]);
             usage.insert(ContextKind::Suggested, tips);
             return;
         }
-    }
-}
-
-/// Replaces clap's tip for an unknown short option, which may be the first letter of a file's name.
-fn name_dashed_file(usage: &mut clap::Error, words: &[OsString]) {
-    let (Some(ContextValue::String(unknown)), Some(_)) = (
-        usage.get(ContextKind::InvalidArg),
-        usage.get(ContextKind::Suggested),
-    ) else {
-        return;
-    };
-    let mut words = words.iter().map(|word| word.to_string_lossy());
-    let file = words.find(|word| !unknown.starts_with("--") && word.starts_with(unknown.as_str()));
-    if let Some(file) = file {
-        let file = crate::words::sanitized(&file).into_owned();
-        let tip = format!("a file of this name is './{file}'");
-        usage.insert(
-            ContextKind::Suggested,
-            ContextValue::StyledStrs(vec![StyledStr::from(tip)]),
-        );
     }
 }
 
@@ -231,7 +196,6 @@ fn parse(words: &[OsString]) -> Result<Arguments, clap::Error> {
             .try_get_matches_from(sanitized)
             .err()
             .unwrap_or(error);
-        name_dashed_file(&mut error, words);
         name_missing_feature(&mut error);
         error
     })
@@ -325,11 +289,10 @@ mod tests {
     }
 
     #[test]
-    fn words_with_a_dash_are_numbers_or_name_a_file() {
+    fn words_with_a_dash_are_numbers() {
         for (line, expected) in [
             ("diff paper paper --rel -1", "must be a number of 0 or more"),
             ("diff paper paper --abs x", "must be a number of 0 or more"),
-            ("info -dash.toml", "a file of this name is './-dash.toml'"),
         ] {
             let line = format!("toprise {line}");
             let words: Vec<OsString> = line.split(' ').map(OsString::from).collect();

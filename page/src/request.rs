@@ -10,7 +10,7 @@ use serde::Deserialize;
 use serde_json::{Value as Json, json};
 use std::error::Error;
 use std::mem::take;
-use toprise::analysis::diff::{Agreement, Durations, Options, compare};
+use toprise::analysis::diff::{Agreement, Finding, Options, compare};
 use toprise::analysis::explain::{Chapter, explain};
 use toprise::analysis::subject::Subject;
 use toprise::archive::recording::Recording;
@@ -180,11 +180,9 @@ pub fn comparison<'a>(
     b: impl Into<Subject<'a>>,
 ) -> Result<Json, Box<dyn Error>> {
     let report = compare(a, b, &Options::default())?;
-    let differing = report
-        .differing()
-        .map(|finding| finding.cells(Durations::Readable));
+    let differing = report.differing().map(Finding::cells);
     let equal = report.findings.iter().filter(|finding| !finding.differs());
-    let equal = equal.map(|finding| finding.cells_of_equal(Durations::Readable));
+    let equal = equal.map(Finding::cells_of_equal);
     Ok(json!({
         "headline": report.headline(),
         "agreement": report.agreement.map(Agreement::sentence),

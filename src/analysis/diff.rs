@@ -46,7 +46,7 @@ pub use self::discrepancy::{Discrepancy, Residual};
 pub use self::error::{DiffError, ToleranceProblem};
 pub use self::findings::contrast::Contrast;
 pub use self::findings::finding::{Dependence, Finding};
-pub use self::findings::quantity::{Durations, EndCondition, Quantity};
+pub use self::findings::quantity::{EndCondition, Quantity};
 pub use self::integration_error::{IntegrationErrors, IntegratorError};
 pub use self::observer::Observer;
 pub use self::others::TopicBytes;
@@ -61,10 +61,8 @@ pub use self::variation::sensitivity::{MEASURED, Sensitivity, sensitivities};
 pub use crate::analysis::history::{PegSummary, RunSummary};
 pub use crate::analysis::subject::Subject;
 
-use self::pairing::{Limits, Paired, common_level, read_both};
+use self::pairing::{Limits, Paired, read_both};
 use crate::archive::recording::Recording;
-use crate::archive::verify::{Verdict as VerifyVerdict, verify};
-use crate::run::scenario::Scenario;
 use crate::run::time::seconds;
 use crate::telemetry::side::Side;
 use std::collections::BTreeSet;
@@ -110,16 +108,10 @@ pub fn compare_observed<'a>(
 
 /// Compares two runs of toprise.
 fn compare_runs(
-    inputs: [Subject<'_>; 2],
+    runs: [Subject<'_>; 2],
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Result<Report, DiffError> {
-    let resampled = resample(inputs)?;
-    let mut runs = inputs;
-    if let Some((side, scenario)) = &resampled {
-        // The set-up is compared as it was given, and the motion as it is sampled anew.
-        runs[side.index()] = Subject::Scenario(scenario);
-    }
     let topics = runs.map(Subject::topics);
     let mut fields = Vec::new();
     for topic in topics.iter().flatten() {
@@ -135,12 +127,11 @@ fn compare_runs(
     if options.topics.is_empty() {
         add_foreign_topics(&mut only_in, runs, options);
     }
-    let setup = setup::compare(inputs, only_in);
+    let setup = setup::compare(runs, only_in);
     let carry_on = observer.carry_on();
     let limits = Limits {
         topics: &common,
         until: None,
-        level: common_level(runs),
     };
     let paired = read_both(runs, &limits, options, observer, &carry_on)?;
     check_messages(runs, &paired)?;
@@ -162,11 +153,14 @@ fn compare_runs(
         }
         _ => Vec::new(),
     };
-    let mut report = Report::from_runs(runs, &paired, setup, others, integrations, options);
-    if let Some((side, _)) = resampled {
-        report.note_resampling(side);
-    }
-    Ok(report)
+    Ok(Report::from_runs(
+        runs,
+        &paired,
+        setup,
+        others,
+        integrations,
+        options,
+    ))
 }
 
 /// Checks that both runs have messages if one has, and that a damaged or interrupted run shares some with the other. Of
@@ -237,44 +231,6 @@ fn compare_bytes(
         topics.extend(compared.iter().cloned());
     }
     others::compare([a, b], &Vec::from_iter(topics), &mut |_| {}).0
-}
-
-/// The run that is simulated with the sampling period of the other, if neither period is a multiple of the other: one
-/// that is simulated anyway, or B.
-///
-/// # Errors
-/// [`DiffError::NotReproduced`] if both are recordings, and B has not exactly what its scenario gives: a new simulation
-/// can't stand for it then.
-fn resample(runs: [Subject<'_>; 2]) -> Result<Option<(Side, Scenario)>, DiffError> {
-    let [Some(a), Some(b)] = runs.map(Subject::scenario) else {
-        return Ok(None);
-    };
-    let periods = [a.sample_period_ns, b.sample_period_ns];
-    if periods[0].is_multiple_of(periods[1]) || periods[1].is_multiple_of(periods[0]) {
-        return Ok(None);
-    }
-    let (side, own, other) = match runs {
-        [Subject::Scenario(_), Subject::Recording(_)] => (Side::A, a, periods[1]),
-        [_, Subject::Scenario(_)] => (Side::B, b, periods[0]),
-        [Subject::Recording(_), Subject::Recording(recording)] => {
-            check_reproduced(recording, periods)?;
-            (Side::B, b, periods[0])
-        }
-    };
-    let resampled = own.with([("sampling.period", seconds(other).into())]);
-    Ok(resampled.ok().map(|scenario| (side, scenario)))
-}
-
-/// Checks that a recording has exactly what its scenario gives.
-fn check_reproduced(recording: &Recording, periods: [u64; 2]) -> Result<(), DiffError> {
-    match verify(recording, &|_| {}).map(|report| report.verdict) {
-        Ok(VerifyVerdict::Verified) => Ok(()),
-        Ok(VerifyVerdict::Incomplete | VerifyVerdict::Different) | Err(_) => {
-            Err(DiffError::NotReproduced {
-                periods: periods.map(seconds),
-            })
-        }
-    }
 }
 
 /// The topics that are compared, and those that only A and only B has. Ignored topics are left out, and others than those

@@ -210,7 +210,7 @@ impl Explainer {
     /// Creates an explainer of a run of this scenario.
     pub fn new(scenario: &Scenario) -> Self {
         Self {
-            history: RunHistory::new(Some(scenario), None),
+            history: RunHistory::new(Some(scenario)),
             observations: Observations::new(&scenario.model),
             scenario: scenario.clone(),
         }

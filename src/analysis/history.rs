@@ -6,7 +6,6 @@ mod cycle;
 pub(crate) mod energy;
 mod event;
 mod extent;
-pub(crate) mod level;
 mod peg;
 mod summary;
 
@@ -19,7 +18,6 @@ pub use self::summary::RunSummary;
 
 use self::curve::CubicCurve;
 use self::energy::Energies;
-use self::level::FirstCrossing;
 use crate::analysis::slip::SlipHistory;
 use crate::archive::format::{Entries, INVERSION_TIME, SAMPLE_COUNT, STOP_REASON, STOP_TIME};
 use crate::archive::recording::Missing;
@@ -71,16 +69,12 @@ pub(crate) struct RunHistory {
     pub(crate) energies: Option<Energies>,
     /// The angular momentum about the vertical, kg m²/s.
     pub(crate) vertical_momentum: Option<Extent>,
-    /// Time of inversion (θ = π/2), s: from the end record, otherwise interpolated between samples.
-    pub(crate) inverted: Option<f64>,
     /// Length of the path slipped, m.
     pub(crate) slip_path: Option<f64>,
     /// The slip, if the scenario is known.
     pub(crate) slip: Option<SlipHistory>,
     /// The normal force, if it is recorded.
     pub(crate) normal_force: Option<Extent>,
-    /// First crossing of the requested θ level, if there is one.
-    pub(crate) rise: Option<FirstCrossing>,
     /// The phases of a free peg.
     pub(crate) peg: Option<PegHistory>,
     /// The end record; `None` if the run did not end.
@@ -92,15 +86,13 @@ pub(crate) struct RunHistory {
 }
 
 impl RunHistory {
-    /// Creates an empty history; `scenario` is set if known. `level` is the θ level whose first crossing is recorded,
-    /// rad.
-    pub(crate) fn new(scenario: Option<&Scenario>, level: Option<f64>) -> Self {
+    /// Creates an empty history; `scenario` is set if known.
+    pub(crate) fn new(scenario: Option<&Scenario>) -> Self {
         Self {
             peg: scenario
                 .filter(|scenario| scenario.model.support.is_free())
                 .map(PegHistory::new),
             slip: scenario.map(SlipHistory::new),
-            rise: level.map(FirstCrossing::at_level),
             sample_period_ns: scenario.map(|scenario| scenario.sample_period_ns),
             ..Self::default()
         }
@@ -110,9 +102,6 @@ impl RunHistory {
     pub(crate) fn take(&mut self, message: &Message<'_>) {
         self.messages += 1;
         self.last_ns = self.last_ns.max(Some(message.time_ns));
-        if let Some(rise) = &mut self.rise {
-            rise.take(message);
-        }
         if let Some(peg) = &mut self.peg {
             peg.take(message);
         }
@@ -153,15 +142,6 @@ impl RunHistory {
             rates,
             terms: [f64::NAN; 3],
         };
-        // Between samples, until the end record says it exactly.
-        if let Some([_, last]) = self.states
-            && self.inverted.is_none()
-            && last.theta < FRAC_PI_2
-            && now.theta >= FRAC_PI_2
-        {
-            let part = (FRAC_PI_2 - last.theta) / (now.theta - last.theta);
-            self.inverted = Some(last.time + part * (now.time - last.time));
-        }
         let first = self.states.map_or(now, |[first, _]| first);
         self.states = Some([first, now]);
     }
@@ -208,7 +188,6 @@ impl RunHistory {
         self.end = end;
         self.missing = missing;
         self.has_gaps |= self.lacks(STATE);
-        self.inverted = self.end_number(INVERSION_TIME).or(self.inverted);
     }
 
     /// Whether messages of a topic are missing, so that their number is not that of the run.
@@ -248,9 +227,10 @@ impl RunHistory {
         number.is_finite().then_some(number)
     }
 
-    /// Whether the time of inversion is that of the end record.
-    pub(crate) fn has_exact_inversion(&self) -> bool {
-        self.end_number(INVERSION_TIME).is_some()
+    /// The first time at which the axis of a tippe top passes the horizontal downwards, s.
+    pub(crate) fn inverted(&self) -> Option<f64> {
+        let first = self.first(EventKind::Inverts).map(|event| event.time);
+        self.end_number(INVERSION_TIME).or(first)
     }
 
     /// Whether the recorded samples go to the end of the run.
@@ -272,6 +252,13 @@ impl RunHistory {
         self.end_number(STOP_TIME)
             .filter(|_| self.is_recorded_to_end())
             .or_else(|| self.last_ns.map(seconds))
+    }
+
+    /// Time at which the top had risen, s: of the event, or of the end if that is all that is recorded of it.
+    pub(crate) fn rise_time(&self) -> Option<f64> {
+        let is_rise = self.stop_reason() == Some(StopReason::Risen);
+        let end = self.end_number(STOP_TIME).filter(|_| is_rise);
+        self.first(EventKind::Risen).map(|event| event.time).or(end)
     }
 
     /// The first event of a kind.
@@ -339,7 +326,7 @@ impl RunHistory {
     /// The last time at which the axis passes the horizontal downwards, s.
     pub(crate) fn last_inversion(&self) -> Option<f64> {
         let last = self.events_of(EventKind::Inverts).last();
-        last.map(|event| event.time).or(self.inverted)
+        last.map(|event| event.time).or(self.inverted())
     }
 
     /// The phases of a free peg to the end of the run; empty if they are not known, as after a gap.
@@ -357,17 +344,13 @@ impl RunHistory {
 
     /// A summary.
     pub(crate) fn summary(&self) -> RunSummary {
-        let end_time = self.end_number(STOP_TIME);
-        let reason = self.end_entry(STOP_REASON).map(str::to_owned);
-        let is_rise = reason.as_deref() == Some(StopReason::Risen.name());
-        let risen = self.first(EventKind::Risen).map(|event| event.time);
         // It is constant about a fixed point. Under a free peg, friction has a torque about the vertical through the
         // centre of mass.
         let momentum = self.vertical_momentum.filter(|_| self.peg.is_none());
         RunSummary {
-            rise_time: risen.or(end_time.filter(|_| is_rise)),
-            stop_reason: reason,
-            stop_time: end_time,
+            rise_time: self.rise_time(),
+            stop_reason: self.end_entry(STOP_REASON).map(str::to_owned),
+            stop_time: self.end_number(STOP_TIME),
             nutations: (!self.cycles.is_empty() && !self.has_gaps && !self.lacks(NUTATION))
                 .then_some(self.cycles.len() as u64),
             energy_first: self.energies.map(|energies| energies.first),

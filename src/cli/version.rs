@@ -3,17 +3,25 @@
 use crate::archive::provenance::Build;
 use crate::telemetry::table;
 
-/// The features that this program was compiled with.
-const FEATURES: [(&str, bool); 3] = [
-    ("fit", cfg!(feature = "fit")),
-    ("rerun", cfg!(feature = "rerun")),
-    ("sweep", cfg!(feature = "sweep")),
+/// The features of the program, each with whether it has the feature, its commands, and its options of other commands.
+pub(super) const FEATURES: [(&str, bool, &[&str]); 3] = [
+    ("fit", cfg!(feature = "fit"), &["fit"]),
+    (
+        "rerun",
+        cfg!(feature = "rerun"),
+        &["view", "--rrd", "--no-rrd", "--spawn", "--connect"],
+    ),
+    (
+        "sweep",
+        cfg!(feature = "sweep"),
+        &["sweep", "--row", "--sweep"],
+    ),
 ];
 
 /// Version, telemetry version, features and build, for `--version`.
 pub(super) fn long() -> String {
     let mut features = vec!["cli"];
-    for (name, is_enabled) in FEATURES {
+    for (name, is_enabled, _) in FEATURES {
         if is_enabled {
             features.push(name);
         }

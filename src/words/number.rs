@@ -161,8 +161,8 @@ pub fn decimals_of_error(error: f64) -> usize {
     decimals(2, exponent(error, 2)).min(17)
 }
 
-/// Two values of a quantity, for "from … to …": both with the decimals and the power of ten that give the larger one
-/// `digits` significant digits. Each by itself if the smaller one would be zero.
+/// Two values of a quantity, for "from … to …": both with the decimals that give the larger one `digits` significant
+/// digits. Each by itself if the larger one has a power of ten, or the smaller one would be zero.
 pub fn pair(values: [f64; 2], digits: usize) -> [String; 2] {
     let largest = values.map(f64::abs).into_iter().fold(0.0, f64::max);
     let leading = exponent(largest, digits);
@@ -170,39 +170,21 @@ pub fn pair(values: [f64; 2], digits: usize) -> [String; 2] {
     let vanishes = values
         .iter()
         .any(|value| *value != 0.0 && exponent(*value, 1) < last);
-    if largest == 0.0 || !largest.is_finite() || vanishes {
-        return values.map(|value| significant(value, digits));
+    if largest > 0.0 && largest.is_finite() && PLAIN.contains(&leading) && !vanishes {
+        values.map(|value| fixed(value, decimals(digits, leading)))
+    } else {
+        values.map(|value| significant(value, digits))
     }
-    if PLAIN.contains(&leading) {
-        return values.map(|value| fixed(value, decimals(digits, leading)));
-    }
-    let power = raised(leading);
-    // As text and back, so that the mantissas are those of the decimal numbers.
-    values.map(|value| {
-        let mantissa = format!("{value:e}")
-            .split_once('e')
-            .and_then(|(digits, own)| {
-                format!("{digits}e{}", own.parse::<i32>().ok()? - leading)
-                    .parse()
-                    .ok()
-            })
-            .unwrap_or_default();
-        format!("{} × {power}", fixed(mantissa, digits.saturating_sub(1)))
-    })
 }
 
 /// The number of digits from `digits` on with which two values look different; `digits` if those that are known don't
 /// show a difference.
-pub(super) fn distinct_digits(
-    values: [f64; 2],
-    digits: usize,
-    format: fn([f64; 2], usize) -> [String; 2],
-) -> usize {
+pub(super) fn distinct_digits(values: [f64; 2], digits: usize) -> usize {
     /// More digits show the error of the integration.
     const MAX_DIGITS: usize = 9;
     (digits..=MAX_DIGITS)
         .find(|digits| {
-            let [first, last] = format(values, *digits);
+            let [first, last] = pair(values, *digits);
             first != last
         })
         .unwrap_or(digits)
@@ -297,13 +279,13 @@ mod tests {
     }
 
     #[test]
-    fn pairs_have_one_notation() {
+    fn pairs_have_one_notation_without_powers() {
         for (values, expected) in [
             ([0.005_900_4, 2.2e-4], ["0.005900", "0.000220"]),
-            ([5.9e-5, 2.2e-6], ["5.900 × 10⁻⁵", "0.220 × 10⁻⁵"]),
+            ([5.9e-5, 2.2e-6], ["5.900 × 10⁻⁵", "2.200 × 10⁻⁶"]),
             ([0.5, 0.02], ["0.5000", "0.0200"]),
-            ([-1.5e9, 2.26e7], ["−1.500 × 10⁹", "0.023 × 10⁹"]),
-            ([0.0, 3e-9], ["0.000 × 10⁻⁹", "3.000 × 10⁻⁹"]),
+            ([-1.5e9, 2.26e7], ["−1.500 × 10⁹", "2.260 × 10⁷"]),
+            ([0.0, 3e-9], ["0", "3.000 × 10⁻⁹"]),
             ([0.0, 0.0], ["0", "0"]),
             ([0.25, 3e-9], ["0.2500", "3.000 × 10⁻⁹"]),
         ] {

@@ -1,9 +1,7 @@
 //! Pieces of sentences.
 
 use super::count::counted;
-use super::number::{
-    Digits, decimals_of_error, distinct_digits, fixed, format, pair, probability, significant,
-};
+use super::number::{Digits, decimals_of_error, distinct_digits, fixed, format, pair, probability};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::borrow::Cow;
@@ -206,8 +204,9 @@ impl Piece {
     /// Two values of a quantity, for "from … to …": with the same decimals, and more than `digits` significant digits if
     /// they would look equal. The unit follows the second one, or both if only one has a power of ten.
     pub fn range(values: [f64; 2], digits: usize, unit: &'static str) -> [Self; 2] {
-        let texts = pair(values, distinct_digits(values, digits, pair));
-        let [mut first, last] = numbers(values, texts, unit);
+        let [first, last] = pair(values, distinct_digits(values, digits));
+        let mut first = Number::from_text(first, values[0], Cow::Borrowed(unit));
+        let last = Number::from_text(last, values[1], Cow::Borrowed(unit));
         first.has_unit &= first.has_power() != last.has_power();
         [first, last].map(Self::Number)
     }
@@ -215,8 +214,8 @@ impl Piece {
     /// Two values of a quantity, each with its unit, for different parts of a sentence; with more than `digits` significant
     /// digits if they would look equal.
     pub fn distinct(values: [f64; 2], digits: usize, unit: &'static str) -> [Self; 2] {
-        let digits = distinct_digits(values, digits, each);
-        numbers(values, each(values, digits), unit).map(Self::Number)
+        let digits = distinct_digits(values, digits);
+        values.map(|value| Self::number(value, digits, unit))
     }
 
     /// A magnitude in s, ms, µs or ns, with three digits.
@@ -246,16 +245,6 @@ impl Estimate {
             text
         }
     }
-}
-
-fn each(values: [f64; 2], digits: usize) -> [String; 2] {
-    values.map(|value| significant(value, digits))
-}
-
-fn numbers(values: [f64; 2], texts: [String; 2], unit: &'static str) -> [Number; 2] {
-    let [first, last] = texts;
-    [(first, values[0]), (last, values[1])]
-        .map(|(text, value)| Number::from_text(text, value, Cow::Borrowed(unit)))
 }
 
 /// The largest unit in which a time is at least 1, with the factor from seconds.

@@ -82,16 +82,6 @@ pub enum DiffError {
     /// Neither run has a message.
     #[error("nothing can be compared: neither run has a message in the topics that are compared")]
     NoMessages,
-    /// The samples of two recordings have few times in common, and B can't be sampled anew.
-    #[error(
-        "the sampling periods of A ({} s) and B ({} s) are no multiples of each other, and B can't be simulated with A's \
-         period because it does not have exactly what its scenario gives: `toprise verify` shows how it differs",
-        periods[0], periods[1]
-    )]
-    NotReproduced {
-        /// The sampling periods of A and B, s.
-        periods: [f64; 2],
-    },
     /// All topics are ignored.
     #[error("nothing can be compared: all topics are ignored")]
     AllIgnored,

@@ -158,14 +158,19 @@ fn stop_time_for(run: &RunHistory, reason: Option<StopReason>) -> Option<f64> {
     run.stop_time().filter(|_| run.stop_reason() == reason)
 }
 
-/// The first crossing times of the common level by θ, which depend on the nutation phase.
+/// The level at which both runs end as risen, rad.
+fn common_level(evidence: &Evidence<'_>) -> Option<f64> {
+    let [a, b] = evidence
+        .scenarios
+        .each_ref()
+        .map(|scenario| scenario.as_ref()?.stop.theta_risen);
+    a.filter(|level| b == Some(*level))
+}
+
+/// The times at which θ first crosses the common level, which depend on the nutation phase.
 fn first_reach(evidence: &Evidence<'_>) -> Option<Finding> {
-    let histories = evidence.histories();
-    let level = histories[0].rise.as_ref()?.level;
-    if !histories.into_iter().all(knows_first_crossing) {
-        return None;
-    }
-    let finding = evidence.compare_times(Quantity::FirstReach { level }, first_crossing)?;
+    let level = common_level(evidence)?;
+    let finding = evidence.compare_times(Quantity::FirstReach { level }, RunHistory::rise_time)?;
     let [a, b] = Side::BOTH.map(|side| largest_ripple(evidence, side));
     let by_nutation = a.zip(b).filter(|_| finding.difference.is_some());
     Some(Finding {
@@ -176,21 +181,10 @@ fn first_reach(evidence: &Evidence<'_>) -> Option<Finding> {
     })
 }
 
-fn knows_first_crossing(run: &RunHistory) -> bool {
-    let shortest = run.cycles.iter().map(|cycle| cycle.period).reduce(f64::min);
-    run.rise
-        .as_ref()
-        .is_some_and(|crossing| crossing.is_known(shortest))
-}
-
-fn first_crossing(run: &RunHistory) -> Option<f64> {
-    run.rise.as_ref()?.time()
-}
-
 /// The largest shift of the first crossing by the nutation of a run, s.
 fn largest_ripple(evidence: &Evidence<'_>, side: Side) -> Option<f64> {
     let recorded = evidence.histories()[side.index()];
-    let time = first_crossing(recorded)?;
+    let time = recorded.rise_time()?;
     // A recording may lack the nutations, but the simulation for the integration error has them.
     let simulated = evidence
         .integrations
@@ -202,14 +196,10 @@ fn largest_ripple(evidence: &Evidence<'_>, side: Side) -> Option<f64> {
     ripple(nutating, time)
 }
 
-/// The time at which a tippe top inverts and stays so to its end, if it is exact in both runs.
+/// The time at which a tippe top inverts and stays so to its end.
 fn inversion(evidence: &Evidence<'_>) -> Option<Finding> {
     let histories = evidence.histories();
-    let is_tippe = histories.into_iter().any(RunHistory::is_tippe_top);
-    let are_exact = histories
-        .into_iter()
-        .all(|run| inversion_time(run).is_none() || run.has_exact_inversion());
-    if !is_tippe || !are_exact {
+    if !histories.into_iter().any(RunHistory::is_tippe_top) {
         return None;
     }
     evidence.compare_times(Quantity::Inversion, inversion_time)
@@ -217,7 +207,7 @@ fn inversion(evidence: &Evidence<'_>) -> Option<Finding> {
 
 /// The time at which a top inverts, s. A top that swings back does not invert.
 fn inversion_time(run: &RunHistory) -> Option<f64> {
-    run.inverted.filter(|_| run.is_inverted_at_end())
+    run.inverted().filter(|_| run.is_inverted_at_end())
 }
 
 /// The energy lost by the last sample that both runs have.

@@ -329,7 +329,7 @@ impl RepeatedRun {
         for other in &self.others {
             let mut pairs = vec![
                 (self.own.stop_time(), other.stop_time()),
-                (self.own.inverted, other.inverted),
+                (self.own.inverted(), other.inverted()),
             ];
             for kind in EventKind::ALL {
                 let [own, other] = [&self.own, other].map(|run| Some(run.first(kind)?.time));

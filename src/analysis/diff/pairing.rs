@@ -20,7 +20,6 @@ use crate::analysis::slip::{SlipComparison, SlipHistory};
 use crate::analysis::subject::{ReadEnd, Subject};
 use crate::archive::memory::Owned;
 use crate::archive::recording::Condition;
-use crate::run::simulation::StopReason;
 use crate::run::time::seconds;
 use crate::telemetry::fields::{ENERGY, NUTATION};
 use crate::telemetry::side::Side;
@@ -93,7 +92,7 @@ impl Paired {
 
     /// Number of messages of A and B that were compared with each other.
     pub(super) fn pairs(&self) -> u64 {
-        self.compared().map(TopicTally::pairs).sum()
+        self.compared().map(|topic| topic.found.pairs).sum()
     }
 
     /// The time up to which both runs have messages, ns.
@@ -110,15 +109,6 @@ pub(super) struct Limits<'l> {
     pub(super) topics: &'l [String],
     /// The time up to which they are, s; up to the end if there is none.
     pub(super) until: Option<f64>,
-    /// The level of θ whose first crossing is of interest, rad.
-    pub(super) level: Option<f64>,
-}
-
-/// The level of θ that both runs may reach: the larger `stop.theta_risen`, rad.
-pub(super) fn common_level(runs: [Subject<'_>; 2]) -> Option<f64> {
-    // A run ends where θ falls to its own level, so the one with the larger never comes to the smaller.
-    let levels = runs.map(|run| run.scenario()?.stop.theta_risen);
-    levels.into_iter().flatten().reduce(f64::max)
 }
 
 enum Parcel {
@@ -183,8 +173,6 @@ struct Pairing<'o> {
     waiting: Vec<[VecDeque<Owned>; 2]>,
     /// Times between samples, ns.
     periods: [Option<u64>; 2],
-    /// The angles at which the runs end as risen, rad.
-    risen: [Option<f64>; 2],
     /// The time up to which messages are compared, s.
     until: f64,
 }
@@ -200,7 +188,6 @@ impl<'o> Pairing<'o> {
         let models = scenarios
             .each_ref()
             .map(|s| s.as_ref().map(|s| s.model.clone()));
-        let risen = scenarios.each_ref().map(|s| s.as_ref()?.stop.theta_risen);
         let missing = runs.map(missing_fields);
         let periods = scenarios
             .each_ref()
@@ -218,7 +205,7 @@ impl<'o> Pairing<'o> {
         let paired = Paired {
             topics: tallies,
             runs: scenarios.each_ref().map(|scenario| PairedRun {
-                history: RunHistory::new(scenario.as_ref(), limits.level),
+                history: RunHistory::new(scenario.as_ref()),
                 ..PairedRun::default()
             }),
             common: Default::default(),
@@ -232,7 +219,6 @@ impl<'o> Pairing<'o> {
             waiting: paired.topics.iter().map(|_| Default::default()).collect(),
             paired,
             periods,
-            risen,
             until: limits.until.unwrap_or(f64::INFINITY),
         }
     }
@@ -286,14 +272,6 @@ impl<'o> Pairing<'o> {
         run.losses = ended.losses;
         run.state = ended.state;
         run.history.finish(ended.end, ended.missing);
-        // The end record has the time of the rise even if the events are missing.
-        let is_rise = run.history.stop_reason() == Some(StopReason::Risen);
-        let time = run.history.stop_time().filter(|_| is_rise);
-        if let (Some(rise), Some(time)) = (&mut run.history.rise, time)
-            && self.risen[side.index()] == Some(rise.level)
-        {
-            rise.end_at(time);
-        }
     }
 
     fn take(&mut self, side: Side, message: Owned) -> Result<(), DiffError> {
@@ -383,14 +361,10 @@ impl<'o> Pairing<'o> {
             }
         }
         // Averages over nutations are compared as curves instead. Fields that a recording lacks are NaN.
-        if let Some(numbers) = &difference
-            && topic != NUTATION
-            && numbers.iter().all(|number| number.is_finite())
-        {
-            let texts = &[];
+        if topic != NUTATION && difference.iter().all(|number| number.is_finite()) {
             self.observer.difference(&Message {
-                numbers,
-                texts,
+                numbers: &difference,
+                texts: &[],
                 ..*a
             })?;
         }

@@ -196,7 +196,7 @@ impl Report {
         if has_equal_values && others.iter().all(|topic| topic.other_sequences == 0) {
             let sequences = paired
                 .compared()
-                .map(|topic| (topic.name(), topic.other_sequences()));
+                .map(|topic| (topic.name(), topic.found.other_sequences));
             notes.extend(others::note("Sequence numbers differ", sequences));
         }
         notes.extend(others::notes(&others));
@@ -331,7 +331,9 @@ fn verdict(
     if is_cut != [false; 2] || is_thinned || !is_whole {
         return Verdict::Agreeing;
     }
-    let has_same_sequences = paired.compared().all(|topic| topic.other_sequences() == 0);
+    let has_same_sequences = paired
+        .compared()
+        .all(|topic| topic.found.other_sequences == 0);
     if !paired.compared().all(TopicTally::is_identical) {
         Verdict::Equal
     } else if setup.is_same() && has_same_sequences && others.iter().all(TopicBytes::is_identical) {
@@ -349,22 +351,6 @@ fn has_more_than_other(side: Side, paired: &Paired, setup: &SetupDifferences) ->
 }
 
 impl Report {
-    /// Records that the run of this side was simulated with the sampling period of the other. The verdict cannot be
-    /// `Identical` then.
-    pub(super) fn note_resampling(&mut self, side: Side) {
-        // The samples of the recording itself were not compared.
-        if self.verdict != Verdict::Different {
-            self.verdict = Verdict::Agreeing;
-        }
-        let (own, other) = match side {
-            Side::A => ("A", "B"),
-            Side::B => ("B", "A"),
-        };
-        self.notes.push(format!(
-            "{own} was simulated with {other}'s sampling period, because neither sampling period is a multiple of the other."
-        ));
-    }
-
     /// Whether the scenarios differ (except name and description).
     pub fn has_other_scenarios(&self) -> bool {
         self.setup

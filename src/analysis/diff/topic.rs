@@ -7,7 +7,7 @@ use self::derived::Derived;
 use self::field::{FieldDifference, FieldTally};
 use super::tolerance::Tolerances;
 use crate::run::time::seconds;
-use crate::telemetry::fields::{EVENTS, NumberField, events};
+use crate::telemetry::fields::{NumberField, STATE};
 use crate::telemetry::side::Side;
 use crate::telemetry::{Message, Topic};
 use schemars::JsonSchema;
@@ -66,7 +66,7 @@ pub(super) struct TopicTally {
     /// Whether sequence numbers are compared.
     has_sequences: bool,
     /// The result so far, without fields.
-    found: ChannelDifference,
+    pub(super) found: ChannelDifference,
     /// Pairs with different texts.
     other_texts: u64,
 }
@@ -94,7 +94,11 @@ impl TopicTally {
                 [true, false] => fields_only_in[Side::B.index()].push(name),
             }
         }
-        let mut derived = Derived::for_topic(topic, tolerances);
+        let mut derived = if topic == STATE {
+            Derived::of_state(tolerances)
+        } else {
+            Vec::new()
+        };
         derived.retain(|derived| {
             derived
                 .sources()
@@ -145,15 +149,9 @@ impl TopicTally {
         }
     }
 
-    /// Compares two messages. Returns B − A of their numbers, if they can be compared; NaN where one lacks a number.
-    pub(super) fn add(&mut self, a: &Message<'_>, b: &Message<'_>) -> Option<Vec<f64>> {
+    /// Compares two messages. Returns B − A of their numbers; NaN where one lacks a number.
+    pub(super) fn add(&mut self, a: &Message<'_>, b: &Message<'_>) -> Vec<f64> {
         self.found.pairs += 1;
-        if self.topic == EVENTS && events::NAME.of(a) != events::NAME.of(b) {
-            // Events of two kinds have no numbers to compare.
-            self.other_texts += 1;
-            self.note_texts(a, b);
-            return None;
-        }
         self.found.other_sequences += u64::from(self.has_sequences && a.sequence != b.sequence);
         let mut is_same = a.texts == b.texts;
         self.other_texts += u64::from(!is_same);
@@ -178,7 +176,7 @@ impl TopicTally {
         }
         self.note_texts(a, b);
         let numbers = a.numbers.iter().zip(b.numbers);
-        Some(numbers.map(|(a, b)| b - a).collect())
+        numbers.map(|(a, b)| b - a).collect()
     }
 
     /// Records the first texts that differ.
@@ -201,16 +199,6 @@ impl TopicTally {
     /// The topic.
     pub(super) fn name(&self) -> &'static str {
         self.topic.name()
-    }
-
-    /// Number of messages of A and B that were compared with each other.
-    pub(super) fn pairs(&self) -> u64 {
-        self.found.pairs
-    }
-
-    /// Number of pairs with different sequence numbers.
-    pub(super) fn other_sequences(&self) -> u64 {
-        self.found.other_sequences
     }
 
     /// Whether all messages are paired and their values bit-identical.

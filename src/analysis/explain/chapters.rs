@@ -31,16 +31,16 @@ pub(super) fn motion(evidence: &Evidence) -> Vec<Fact> {
 /// Whether a tippe top turns over.
 fn inversion(evidence: &Evidence) -> Option<Fact> {
     let history = &evidence.history;
-    match history.inverted {
-        Some(_) if history.has_exact_inversion() && history.is_inverted_at_end() => {
+    match history.inverted() {
+        Some(_) if history.is_inverted_at_end() => {
             let time = history.last_inversion()?;
             Some(Fact::Inverted { time })
         }
-        Some(time) if history.has_exact_inversion() => Some(Fact::PassesHorizontal { time }),
+        Some(time) => Some(Fact::PassesHorizontal { time }),
         None if evidence.scenario.angles.theta < FRAC_PI_2 => Some(Fact::NotInverted {
             time: history.stop_time().unwrap_or(0.0),
         }),
-        _ => None,
+        None => None,
     }
 }
 

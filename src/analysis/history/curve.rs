@@ -107,40 +107,9 @@ pub(crate) fn lagrange(points: &[f64], x: f64) -> impl Iterator<Item = f64> + '_
     })
 }
 
-/// The cubic through two points `h` apart with given slopes, at the fraction `s` of the interval.
-pub(crate) fn hermite3([y0, d0]: [f64; 2], [y1, d1]: [f64; 2], h: f64, s: f64) -> f64 {
-    let r = 1.0 - s;
-    y0 + s * s * (3.0 - 2.0 * s) * (y1 - y0) + h * s * r * (r * d0 - s * d1)
-}
-
-/// The quintic through two points `h` apart with given first and second derivatives, at the
-/// fraction `s` of the interval.
-pub(crate) fn hermite5([y0, d0, c0]: [f64; 3], [y1, d1, c1]: [f64; 3], h: f64, s: f64) -> f64 {
-    let r = 1.0 - s;
-    let step = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
-    y0 + step * (y1 - y0)
-        + h * s * (r * r * r * (1.0 + 3.0 * s) * d0 - s * s * r * (1.0 + 3.0 * r) * d1)
-        + 0.5 * h * h * s * s * r * r * (r * c0 + s * c1)
-}
-
-/// The extreme value of the cubic through two points `h` apart with given slopes, if it lies between them.
-pub(crate) fn extreme([y0, d0]: [f64; 2], [y1, d1]: [f64; 2], h: f64) -> Option<f64> {
-    let changes_sign = d0 * d1 < 0.0;
-    if !changes_sign {
-        return None;
-    }
-    // The slope, a parabola in s, changes sign between 0 and 1.
-    let rise = (y1 - y0) / h;
-    let at = zero(d0, d1, |s| {
-        d0 + s * (6.0 * rise - 4.0 * d0 - 2.0 * d1) + 3.0 * s * s * (d0 + d1 - 2.0 * rise)
-    });
-    Some(hermite3([y0, d0], [y1, d1], h, at))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::math::{cos, sin};
 
     #[test]
     fn val_interpolates_cubics_exactly() {
@@ -151,28 +120,6 @@ mod tests {
         }
         assert_eq!(curve.at(-0.1), None);
         assert_eq!(curve.at(4.1), None);
-        let d = |x: f64| 2.0 - x * (1.0 - 0.75 * x);
-        let c = |x: f64| -1.0 + 1.5 * x;
-        for s in [0.0, 0.3, 1.0] {
-            let x = 1.0 + 0.5 * s;
-            let three = hermite3([f(1.0), d(1.0)], [f(1.5), d(1.5)], 0.5, s);
-            let ends = [[f(1.0), d(1.0), c(1.0)], [f(1.5), d(1.5), c(1.5)]];
-            let five = hermite5(ends[0], ends[1], 0.5, s);
-            assert!(
-                (three - f(x)).abs() < 1e-15 && (five - f(x)).abs() < 1e-15,
-                "{s}"
-            );
-        }
-    }
-
-    #[test]
-    fn val_interpolates_quintics_exactly() {
-        let f = |x: f64| [x * x * x * x * x, 5.0 * x * x * x * x, 20.0 * x * x * x];
-        for s in [0.2, 0.5, 0.9] {
-            let found = hermite5(f(1.0), f(3.0), 2.0, s);
-            let x: f64 = 1.0 + 2.0 * s;
-            assert!((found - f(x)[0]).abs() < 1e-12, "{s}: {found}");
-        }
     }
 
     #[test]
@@ -180,16 +127,5 @@ mod tests {
         let falling = CubicCurve::new([(0.0, 5.0), (1.0, 4.0), (2.0, 2.0), (3.0, 3.0)]);
         assert!((falling.first_reaches(4.0).unwrap() - 1.0).abs() < 1e-15);
         assert_eq!(falling.first_reaches(1.0), None);
-    }
-
-    #[test]
-    fn val_finds_the_extreme_of_a_sine() {
-        let h = 0.1;
-        let points: Vec<f64> = (0..=100).map(|i| f64::from(i) * h).collect();
-        let found = points
-            .windows(2)
-            .find_map(|x| extreme([sin(x[0]), cos(x[0])], [sin(x[1]), cos(x[1])], h));
-        // The cubic's error is h⁴/384 at most.
-        assert!((found.unwrap() - 1.0).abs() < 1e-4 / 384.0);
     }
 }

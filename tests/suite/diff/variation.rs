@@ -67,7 +67,7 @@ fn keys_change_in_an_order_that_is_possible() {
         let [a, b] = [a, b].map(|name| scenario(name, &[end]));
         let report = compare(&a, &b, &quick()).unwrap();
         let plan = KeyPlan::new(&a, &b, &report.setup.scenario).unwrap();
-        let changes = plan.changes().iter();
+        let changes = plan.changes.iter();
         let found: Vec<_> = changes
             .map(|change| {
                 let words = |keys: &[String]| keys.to_vec();

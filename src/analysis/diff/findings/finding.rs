@@ -1,6 +1,6 @@
 //! A finding: a pair of corresponding numbers, and how it is displayed.
 
-use super::quantity::{Durations, Quantity};
+use super::quantity::Quantity;
 use crate::analysis::diff::integration_error::IntegrationError;
 use crate::words::{Piece, Sentence, sentence};
 use schemars::JsonSchema;
@@ -165,16 +165,16 @@ impl Finding {
     }
 
     /// The cells of a table: what is compared with its unit, A's and B's number, B − A with its numerical error.
-    pub fn cells(&self, durations: Durations) -> [Sentence; 4] {
+    pub fn cells(&self) -> [Sentence; 4] {
         let [what, a, b] = self.own_cells();
-        [what, a, b, self.difference_cell(durations).into()]
+        [what, a, b, self.difference_cell().into()]
     }
 
     /// The cells of a table of equal numbers: what is compared with its unit, A's and B's number, and within what they are
     /// equal.
-    pub fn cells_of_equal(&self, durations: Durations) -> [Sentence; 4] {
+    pub fn cells_of_equal(&self) -> [Sentence; 4] {
         let [what, a, b] = self.own_cells();
-        [what, a, b, self.limit_cell(durations)]
+        [what, a, b, self.limit_cell()]
     }
 
     fn own_cells(&self) -> [Sentence; 3] {
@@ -189,40 +189,35 @@ impl Finding {
         }
     }
 
-    fn difference_cell(&self, durations: Durations) -> String {
+    fn difference_cell(&self) -> String {
         /// Errors below this fraction of the difference are not shown: they are below the displayed digits.
         const NEGLIGIBLE: f64 = 1e-3;
         let Some(difference) = self.difference else {
             return String::new();
         };
-        let text = self.quantity.format_difference(difference, durations);
+        let text = self.quantity.format_difference(difference);
         match self.integration_error {
             Some(error) if error > NEGLIGIBLE * difference.abs() => {
-                format!(
-                    "{text} ± {}",
-                    self.quantity.magnitude_in_table(error, durations)
-                )
+                format!("{text} ± {}", self.magnitude_cell(error))
             }
             _ => text,
         }
     }
 
-    fn limit_cell(&self, durations: Durations) -> Sentence {
+    /// An error or a change of the difference, in the unit that the head of the row has.
+    fn magnitude_cell(&self, magnitude: f64) -> Piece {
+        Piece::number(magnitude, 2, self.quantity.unit()).without_unit()
+    }
+
+    fn limit_cell(&self) -> Sentence {
         let error = self.integration_error.unwrap_or(0.0);
         match self.difference {
             None | Some(0.0) => "identical".into(),
             Some(difference) if difference.abs() <= error => {
-                sentence!(
-                    "{} (integration)",
-                    self.quantity.magnitude_in_table(error, durations)
-                )
+                sentence!("{} (integration)", self.magnitude_cell(error))
             }
             Some(_) if self.is_tolerated => "the tolerance".into(),
-            Some(_) => sentence!(
-                "{} (nutation)",
-                self.quantity
-                    .magnitude_in_table(self.ripple() + error, durations)
-            ),
+            Some(_) => sentence!("{} (nutation)", self.magnitude_cell(self.ripple() + error)),
         }
     }
 

@@ -1,8 +1,8 @@
 //! Numbers of other runs for the quantities of findings, whose levels and times stay as they are.
 
 use super::events::{count_hops, count_loops, final_roll, first_roll, first_time};
+use super::inversion_time;
 use super::quantity::Quantity;
-use super::{first_crossing, inversion_time};
 use crate::analysis::diff::topic::derived::axial_spin;
 use crate::analysis::history::{Cycle, RunHistory};
 use crate::analysis::subject::Subject;
@@ -17,11 +17,7 @@ pub(in crate::analysis::diff) fn measure(
     scenario: &Scenario,
     quantities: &[Quantity],
 ) -> Vec<Option<f64>> {
-    let level = quantities.iter().find_map(|quantity| match quantity {
-        Quantity::FirstReach { level } => Some(*level),
-        _ => None,
-    });
-    let mut history = RunHistory::new(Some(scenario), level);
+    let mut history = RunHistory::new(Some(scenario));
     let mut sampled = vec![None; quantities.len()];
     let ended = Subject::Scenario(scenario).read(&Topics::All, &mut |message, _| {
         history.take(message);
@@ -61,7 +57,7 @@ impl Quantity {
             Self::MeanCrossing { level, .. } => {
                 run.curve(|cycle| cycle.means[0]).first_reaches(level)
             }
-            Self::FirstReach { .. } => first_crossing(run),
+            Self::FirstReach { .. } => run.rise_time(),
             Self::Inversion => inversion_time(run),
             Self::FirstLoop => first_time(run, EventKind::LoopingBegins),
             Self::FirstEvent { event } => first_time(run, event),

@@ -6,15 +6,6 @@ use crate::words::{Number, Piece, Sentence, sentence};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// The way in which durations are written in a table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Durations {
-    /// In s, ms, µs or ns, whichever suits: for people.
-    Readable,
-    /// In seconds, which the head of the row has: for programs.
-    Seconds,
-}
-
 /// The quantity of a finding. Label, unit and digits follow from it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case")]
@@ -221,33 +212,15 @@ impl Quantity {
 
     /// A change of a number, in the unit of the quantity, for a table; "–" if it is not known.
     pub fn cell_of_change(self, change: Option<f64>) -> String {
-        change.map_or_else(
-            || "–".to_owned(),
-            |change| self.format_difference(change, Durations::Seconds),
-        )
+        change.map_or_else(|| "–".to_owned(), |change| self.format_difference(change))
     }
 
     /// The unit, empty for pure numbers.
     pub fn unit(self) -> &'static str {
         match self {
-            Self::End { .. }
-            | Self::MeanCrossing { .. }
-            | Self::FirstReach { .. }
-            | Self::Inversion
-            | Self::FirstLoop
-            | Self::FirstEvent { .. }
-            | Self::FirstRoll => "s",
+            // Numbers of events and of cycles, which the fields give the times of.
             Self::Loops { .. } | Self::Hops { .. } | Self::PhaseLead { .. } => "",
-            Self::FinalRollTheta
-            | Self::MeanTheta { .. }
-            | Self::AxisDistance { .. }
-            | Self::InclinationDistance { .. } => "rad",
-            Self::MeanPrecession { .. }
-            | Self::MeanSpin { .. }
-            | Self::AxialSpin { .. }
-            | Self::Amplitude { .. } => "rad/s",
-            Self::EnergyLost { .. } => "J",
-            Self::TorqueDifference { .. } => "N m",
+            _ => self.fields().first().map_or("", |field| field.unit()),
         }
     }
 
@@ -289,11 +262,9 @@ impl Quantity {
     }
 
     /// A difference, with its sign and the digits of the quantity.
-    pub(super) fn format_difference(self, difference: f64, durations: Durations) -> String {
+    pub(super) fn format_difference(self, difference: f64) -> String {
         if difference == 0.0 {
             "0".to_owned()
-        } else if self.is_time() && durations == Durations::Readable {
-            signed_duration(difference)
         } else if self.is_count() {
             format!("{difference:+}").replace('-', "−")
         } else {
@@ -307,15 +278,6 @@ impl Quantity {
             Piece::duration(magnitude)
         } else {
             Piece::number(magnitude, 2, self.unit())
-        }
-    }
-
-    /// A magnitude for a table whose head has the unit, unless it is a readable duration.
-    pub(super) fn magnitude_in_table(self, magnitude: f64, durations: Durations) -> Piece {
-        if self.is_time() && durations == Durations::Readable {
-            Piece::duration(magnitude)
-        } else {
-            Piece::number(magnitude, 2, self.unit()).without_unit()
         }
     }
 
@@ -339,12 +301,6 @@ impl Quantity {
             _ => None,
         }
     }
-}
-
-/// A duration with its sign.
-fn signed_duration(seconds: f64) -> String {
-    let sign = if seconds < 0.0 { "−" } else { "+" };
-    format!("{sign}{}", Piece::duration(seconds))
 }
 
 fn event_label(event: EventKind) -> String {

@@ -8,7 +8,7 @@ use crate::telemetry::fields::{NumberField, energy, events, nutation, state, tor
 
 impl Quantity {
     /// The fields that a number of this quantity is made of, the one with its unit first.
-    fn fields(self) -> Vec<NumberField> {
+    pub(super) fn fields(self) -> Vec<NumberField> {
         match self {
             Self::MeanCrossing { .. } => vec![nutation::START, nutation::THETA_MEAN],
             Self::End { .. }

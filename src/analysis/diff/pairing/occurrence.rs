@@ -45,7 +45,6 @@ pub(super) fn match_occurrences(
         b,
         is_whole,
         found: Vec::new(),
-        unmatched: Default::default(),
     };
     // With cycles by number and others by topic, partners would be in different groups.
     let has_cycles = topic == NUTATION && a.iter().chain(b).all(has_cycle_number);
@@ -59,7 +58,6 @@ pub(super) fn match_occurrences(
     for [of_a, of_b] in groups.into_values() {
         matching.match_group(&of_a, &of_b);
     }
-    matching.match_simultaneous();
     matching.into_order_of_time()
 }
 
@@ -85,7 +83,6 @@ struct Matching<'m> {
     b: &'m [Owned],
     is_whole: bool,
     found: Vec<Occurrence>,
-    unmatched: [Vec<usize>; 2],
 }
 
 impl Matching<'_> {
@@ -122,16 +119,18 @@ impl Matching<'_> {
             } else {
                 self.nearer(of_a, of_b, a.get(next_a + 1), b.get(next_b + 1))
             };
-            match order {
-                Ordering::Less => self.unmatched[0].push(of_a),
-                Ordering::Greater => self.unmatched[1].push(of_b),
-                Ordering::Equal => self.found.push(Occurrence::Both(of_a, of_b)),
-            }
+            self.found.push(match order {
+                Ordering::Less => Occurrence::OnlyA(of_a),
+                Ordering::Greater => Occurrence::OnlyB(of_b),
+                Ordering::Equal => Occurrence::Both(of_a, of_b),
+            });
             next_a += usize::from(order != Ordering::Greater);
             next_b += usize::from(order != Ordering::Less);
         }
-        self.unmatched[0].extend(&a[next_a..]);
-        self.unmatched[1].extend(&b[next_b..]);
+        self.found
+            .extend(a[next_a..].iter().map(|&of_a| Occurrence::OnlyA(of_a)));
+        self.found
+            .extend(b[next_b..].iter().map(|&of_b| Occurrence::OnlyB(of_b)));
     }
 
     /// `Equal` if two messages are partners; `Less` or `Greater` if the earlier one, of A or of B, has none because the
@@ -158,28 +157,6 @@ impl Matching<'_> {
             Some(next) if next.time_ns.abs_diff(to) < distance => alone,
             _ => Ordering::Equal,
         }
-    }
-
-    /// Matches what is left at equal times, although it differs in its group: a message whose kind was changed.
-    fn match_simultaneous(&mut self) {
-        let [mut a, mut b] = std::mem::take(&mut self.unmatched);
-        a.sort_unstable();
-        b.sort_unstable();
-        let (mut next_a, mut next_b) = (0, 0);
-        while let (Some(&of_a), Some(&of_b)) = (a.get(next_a), b.get(next_b)) {
-            let order = self.a[of_a].time_ns.cmp(&self.b[of_b].time_ns);
-            self.found.push(match order {
-                Ordering::Less => Occurrence::OnlyA(of_a),
-                Ordering::Greater => Occurrence::OnlyB(of_b),
-                Ordering::Equal => Occurrence::Both(of_a, of_b),
-            });
-            next_a += usize::from(order != Ordering::Greater);
-            next_b += usize::from(order != Ordering::Less);
-        }
-        self.found
-            .extend(a[next_a..].iter().map(|&of_a| Occurrence::OnlyA(of_a)));
-        self.found
-            .extend(b[next_b..].iter().map(|&of_b| Occurrence::OnlyB(of_b)));
     }
 
     /// All messages in the order of time; a pair counts at its earlier time.

@@ -4,7 +4,7 @@ use super::{Report, Verdict};
 use crate::analysis::diff::agreement::{Agreement, Precision};
 use crate::analysis::diff::findings::contrast;
 use crate::analysis::diff::findings::finding::Finding;
-use crate::analysis::diff::findings::quantity::{Durations, Quantity};
+use crate::analysis::diff::findings::quantity::Quantity;
 use crate::analysis::diff::tolerance::full_name;
 use crate::analysis::diff::topic::ChannelDifference;
 use crate::analysis::diff::topic::field::FieldDifference;
@@ -113,7 +113,7 @@ impl Report {
             lines.push(format!("{}: A {a}, B {b}", key.key));
         }
         for finding in self.differing() {
-            let [what, a, b, difference] = finding.cells(Durations::Readable);
+            let [what, a, b, difference] = finding.cells();
             let mut parts = Vec::new();
             if finding.a.is_some() || finding.b.is_some() {
                 parts.extend([format!("A {a}"), format!("B {b}")]);

@@ -1,11 +1,11 @@
-//! Differences that no single field contains: angles between directions or orientations, and ω·n.
+//! Differences of the state that no single field contains: angles between directions, and ω·n.
 
 use super::field::{FieldDifference, FieldTally};
 use crate::analysis::diff::tolerance::{Tolerance, Tolerances, full_name};
 use crate::physics::math::{atan2, cos, sin, unwrap_near};
-use crate::telemetry::fields::{NumberField, POSE, STATE, pose, state};
-use crate::telemetry::{Message, Topic};
-use nalgebra::{Quaternion, Vector3};
+use crate::telemetry::Message;
+use crate::telemetry::fields::{NumberField, STATE, state};
+use nalgebra::Vector3;
 
 /// The angle between the axes, in `/top/state`.
 pub(in crate::analysis::diff) const AXIS_ANGLE: &str = "angle between axes";
@@ -24,54 +24,33 @@ enum Derivation {
 
 /// A kind of derived difference.
 struct DerivedKind {
-    topic: Topic,
     name: &'static str,
     /// The fields that it is derived from.
     sources: fn() -> Vec<NumberField>,
     derivation: Derivation,
 }
 
-/// The derived differences of topics.
-static KINDS: [DerivedKind; 6] = [
+/// The derived differences of `/top/state`.
+static KINDS: [DerivedKind; 4] = [
     DerivedKind {
-        topic: STATE,
         name: "φ modulo 2π",
         sources: || vec![state::PHI],
         derivation: Derivation::Angle(|a, b| turn(state::PHI, a, b)),
     },
     DerivedKind {
-        topic: STATE,
         name: "ψ as a direction",
         sources: || vec![state::PSI],
         derivation: Derivation::Angle(|a, b| turn(state::PSI, a, b)),
     },
     DerivedKind {
-        topic: STATE,
         name: AXIS_ANGLE,
         sources: || vec![state::THETA, state::PHI],
         derivation: Derivation::Angle(|a, b| between_directions(&axis(a), &axis(b))),
     },
     DerivedKind {
-        topic: STATE,
         name: AXIAL_SPIN,
         sources: || vec![state::THETA, state::PHI_DOT, state::PSI_DOT],
         derivation: Derivation::Rate(axial_spin),
-    },
-    DerivedKind {
-        topic: POSE,
-        name: "angle between orientations",
-        sources: || pose::ORIENTATION.components().to_vec(),
-        derivation: Derivation::Angle(|a, b| {
-            between_orientations(pose::ORIENTATION.of(a), pose::ORIENTATION.of(b))
-        }),
-    },
-    DerivedKind {
-        topic: POSE,
-        name: "angle between axes",
-        sources: || pose::AXIS.components().to_vec(),
-        derivation: Derivation::Angle(|a, b| {
-            between_directions(&pose::AXIS.of(a), &pose::AXIS.of(b))
-        }),
     },
 ];
 
@@ -92,12 +71,6 @@ fn turn(field: NumberField, a: &Message<'_>, b: &Message<'_>) -> f64 {
     unwrap_near(field.of(b) - field.of(a), 0.0)
 }
 
-fn between_orientations(a: Quaternion<f64>, b: Quaternion<f64>) -> f64 {
-    // A quaternion and its negative are one orientation. The arc cosine would lose small angles.
-    let turn = a.conjugate() * b;
-    2.0 * atan2(turn.imag().norm(), turn.scalar().abs())
-}
-
 fn between_directions(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
     atan2(a.cross(b).norm(), a.dot(b))
 }
@@ -107,7 +80,6 @@ fn between_directions(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
 /// It has no tolerance of its own: it is beyond the tolerance where a field that it is derived from is.
 #[derive(Clone, Debug)]
 pub(super) struct Derived {
-    topic: Topic,
     name: &'static str,
     /// The fields that it is derived from, with their tolerances.
     sources: Vec<(NumberField, Tolerance)>,
@@ -116,17 +88,16 @@ pub(super) struct Derived {
 }
 
 impl Derived {
-    /// The derived numbers of a topic.
-    pub(super) fn for_topic(topic: Topic, tolerances: &Tolerances) -> Vec<Self> {
+    /// The derived numbers of `/top/state`.
+    pub(super) fn of_state(tolerances: &Tolerances) -> Vec<Self> {
         let mut derived = Vec::new();
-        for kind in KINDS.iter().filter(|kind| kind.topic == topic) {
+        for kind in &KINDS {
             let mut sources = Vec::new();
             for field in (kind.sources)() {
-                sources.push((field, tolerances.for_field(topic.name(), field.path())));
+                sources.push((field, tolerances.for_field(STATE.name(), field.path())));
             }
             let first = sources.first().map(|(_, tolerance)| *tolerance);
             derived.push(Self {
-                topic,
                 name: kind.name,
                 sources,
                 derivation: kind.derivation,
@@ -143,15 +114,11 @@ impl Derived {
 
     /// Adds a pair of messages.
     pub(super) fn add(&mut self, a: &Message<'_>, b: &Message<'_>) {
-        // Recorded quaternions are of unit length only within rounding, so that equal ones would have a tiny angle.
-        let is_same = a.numbers == b.numbers;
-        let is_beyond = !is_same
-            && self
-                .sources
-                .iter()
-                .any(|(field, tolerance)| !tolerance.allows(field.of(a), field.of(b)));
+        let is_beyond = self
+            .sources
+            .iter()
+            .any(|(field, tolerance)| !tolerance.allows(field.of(a), field.of(b)));
         let numbers = match self.derivation {
-            Derivation::Angle(_) if is_same => [0.0; 2],
             Derivation::Angle(angle) => [0.0, angle(a, b)],
             Derivation::Rate(number) => [number(a), number(b)],
         };
@@ -160,7 +127,7 @@ impl Derived {
 
     /// The name with that of the topic.
     pub(super) fn full_name(&self) -> String {
-        full_name(self.topic.name(), self.name)
+        full_name(STATE.name(), self.name)
     }
 
     /// The largest difference.
@@ -188,7 +155,6 @@ impl Derived {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::kinematics::{Euler, world_from_body};
     use std::f64::consts::{FRAC_PI_2, PI};
 
     fn assert_near(found: f64, expected: f64) {
@@ -211,15 +177,6 @@ mod tests {
             texts: &[],
         });
         assert_near(turn(state::PHI, &a, &b), 0.2);
-        let turned = world_from_body(Euler {
-            phi: 0.4,
-            theta: 0.0,
-            psi: 0.0,
-        });
-        assert_near(
-            between_orientations(Quaternion::identity(), -turned.into_inner()),
-            0.4,
-        );
         let right = between_directions(&Vector3::x(), &(2.0 * Vector3::z()));
         assert_near(right, FRAC_PI_2);
     }

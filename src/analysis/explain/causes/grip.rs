@@ -67,7 +67,7 @@ fn inversion(evidence: &Evidence, from: f64, theta_range: [f64; 2]) -> Option<In
     if !evidence.history.is_tippe_top() || !starts_upright {
         return None;
     }
-    match evidence.history.inverted {
+    match evidence.history.inverted() {
         None => Some(Inversion::Absent),
         Some(time) if time <= from && theta_range[0] > FRAC_PI_2 => Some(Inversion::Complete),
         Some(_) => None,

@@ -14,7 +14,7 @@ const INCLINATIONS: u32 = 64;
 pub(super) fn inverts(evidence: &Evidence) -> Option<Claim> {
     let history = &evidence.history;
     let observations = &evidence.observations;
-    if !history.is_tippe_top() || !history.has_exact_inversion() {
+    if !history.is_tippe_top() || history.inverted().is_none() {
         return None;
     }
     let jellett_deviation = evidence.summary.peg.as_ref()?.jellett_deviation?;
@@ -167,7 +167,7 @@ fn can_only_be_barred(evidence: &Evidence) -> bool {
     let friction = &evidence.scenario.model.friction;
     let starts_upright = evidence.scenario.angles.theta < FRAC_PI_2;
     let acts_by_force = friction.acts_at_contact() && !friction.has_losses();
-    acts_by_force && history.is_tippe_top() && starts_upright && history.inverted.is_none()
+    acts_by_force && history.is_tippe_top() && starts_upright && history.inverted().is_none()
 }
 
 /// An inclination of the axis.

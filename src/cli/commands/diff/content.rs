@@ -2,12 +2,11 @@
 
 use super::{slip, variation};
 use crate::analysis::diff::{
-    Averaged, ChannelDifference, ComparedRun, Deviation, Discrepancy, Durations, FieldDifference,
-    Finding, FirstDifference, IntegrationErrors, IntegratorError, KeyDifference, Report, Residual,
+    Averaged, ChannelDifference, ComparedRun, Deviation, Discrepancy, FieldDifference, Finding,
+    FirstDifference, IntegrationErrors, IntegratorError, KeyDifference, Report, Residual,
     TopicBytes, Verdict, full_name,
 };
 use crate::cli::extension::SPAWN_HINT;
-use crate::cli::output;
 use crate::telemetry::Topic;
 use crate::telemetry::side::Side;
 use crate::words::number::significant;
@@ -194,21 +193,12 @@ fn value(field: &FieldDifference, side: Side) -> String {
 pub(in crate::cli) fn findings(report: &Report, all: bool) -> Section {
     let mut section = Section::default();
     let shown: Vec<_> = report.differing().take(max_rows(all)).collect();
-    let cells = shown.iter().map(|finding| finding.cells(durations()));
+    let cells = shown.iter().map(|finding| finding.cells());
     section.table(Table::new(cells, 1, &columns("B − A")));
     for remark in shown.into_iter().filter_map(Finding::remark) {
         section.line(remark);
     }
     section
-}
-
-/// Programs that read the text in a pipe need one unit per row.
-fn durations() -> Durations {
-    if output::is_for_programs() {
-        Durations::Seconds
-    } else {
-        Durations::Readable
-    }
 }
 
 /// The numbers that are equal, and the integration errors. Without `--all` not of runs of one scenario, of which each number
@@ -219,9 +209,7 @@ pub(in crate::cli) fn equals(report: &Report, all: bool) -> Section {
         return section;
     }
     let equal = report.findings.iter().filter(|finding| !finding.differs());
-    let cells = equal
-        .take(max_rows(all))
-        .map(|finding| finding.cells_of_equal(durations()));
+    let cells = equal.take(max_rows(all)).map(Finding::cells_of_equal);
     section.table(Table::new(cells, 1, &columns("equal within")));
     if let Some(line) = no_numbers(report) {
         section.line(line);

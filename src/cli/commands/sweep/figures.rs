@@ -111,7 +111,7 @@ impl MapPlan {
                 bail!(
                     "{}: no run has {name} = {value}; {}",
                     self.table.display(),
-                    existing_values(existing.collect(), value)
+                    existing_values(existing.collect())
                 );
             }
             rows = met;
@@ -130,30 +130,15 @@ fn is_value(cell: Option<&str>, value: &str) -> bool {
 }
 
 /// Existing values, for the error when --where matches no row.
-fn existing_values(mut cells: Vec<String>, value: &str) -> String {
+fn existing_values(mut cells: Vec<String>) -> String {
     /// Maximum number of values listed.
     const SHOWN: usize = 4;
     cells.sort_unstable();
     cells.dedup();
-    let is_near = cells.len() > SHOWN && cells.iter().all(|cell| distance(cell, value).is_finite());
-    // After a rounded value was typed, its neighbours are what is looked for.
-    if is_near {
-        cells.sort_by(|a, b| distance(a, value).total_cmp(&distance(b, value)));
-    }
     let rest = if cells.len() > SHOWN { ", …" } else { "" };
     cells.truncate(SHOWN);
-    match (cells.len(), is_near) {
-        (0, _) => "none has a value".to_owned(),
-        (_, true) => format!("nearest values: {}", cells.join(", ")),
-        (_, false) => format!("values: {}{rest}", cells.join(", ")),
+    match cells.len() {
+        0 => "none has a value".to_owned(),
+        _ => format!("values: {}{rest}", cells.join(", ")),
     }
-}
-
-/// The distance of two numbers; infinite or NaN if one of them is.
-fn distance(cell: &str, value: &str) -> f64 {
-    (number_or_infinity(cell) - number_or_infinity(value)).abs()
-}
-
-fn number_or_infinity(text: &str) -> f64 {
-    text.parse().unwrap_or(f64::INFINITY)
 }
