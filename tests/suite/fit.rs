@@ -756,6 +756,7 @@ fn omits_parameters_that_a_gyroscope_cannot_determine() {
 }
 
 #[test]
+#[ignore = "takes minutes"]
 fn says_undecided_if_the_inclination_alone_is_coarse() {
     let degree = std::f64::consts::PI / 180.0;
     let data = measure(
@@ -882,6 +883,7 @@ fn cut_recording_gives_partial_result() {
 }
 
 #[test]
+#[ignore = "takes minutes"]
 fn intervals_across_minima_cover_the_truth() {
     // A pupil's video: the nutation is hardly above the noise, and any spin has its own cycle of noise.
     let truth = preset("full-coulomb")
@@ -974,6 +976,7 @@ fn rejects_data_that_no_motion_fits() {
 }
 
 #[test]
+#[ignore = "takes minutes"]
 fn minima_are_independent_of_the_start() {
     let truth = preset("full-coulomb");
     let data = measure(&truth, 30.0, 2.0, &[(state::THETA, 5e-3)], Some(7));

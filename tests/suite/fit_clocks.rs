@@ -55,6 +55,7 @@ fn offsets_are_as_exact_for_clocks_that_differ_by_much() {
 }
 
 #[test]
+#[ignore = "takes minutes"]
 fn minima_of_an_offset_are_compared_over_the_same_points() {
     // Of 3 s of θ̇ with this noise, a shift by one nutation, 44 ms, is excluded or not, as the noise has it.
     const EARLY: f64 = 0.4;
