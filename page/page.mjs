@@ -534,11 +534,20 @@ addEventListener("click", ({ target }) => {
   // A link to the address that is open already changes nothing in it, so there is no event.
   if (target.closest?.("a")?.getAttribute("href") === location.hash && location.hash) follow();
 });
-/** Takes a file that is dropped: a recording is verified, a table is fitted. */
-async function takeDropped(file) {
-  const content = await file.arrayBuffer();
-  if (isRecording(new Uint8Array(content))) await verifyPanel.take(file.name, new Uint8Array(content));
-  else await fitPanel.take(file.name, content);
+/** Takes files that are dropped, one after the other: recordings are verified, tables are fitted. */
+let taking = Promise.resolve();
+function takeDropped(files) {
+  for (const file of files) taking = taking.then(() => takeFile(file));
+}
+
+async function takeFile(file) {
+  try {
+    const content = await file.arrayBuffer();
+    if (isRecording(file.name, new Uint8Array(content))) await verifyPanel.take(file.name, new Uint8Array(content));
+    else await fitPanel.take(file.name, content);
+  } catch (error) {
+    verifyPanel.fail(file.name, `cannot be read (${error.message})`);
+  }
 }
 
 function markDrop(event, isOver) {
@@ -550,7 +559,7 @@ addEventListener("dragover", (event) => markDrop(event, true));
 addEventListener("dragleave", (event) => event.relatedTarget || markDrop(event, false));
 addEventListener("drop", (event) => {
   markDrop(event, false);
-  if (event.dataTransfer?.files.length > 0) takeDropped(event.dataTransfer.files[0]);
+  if (event.dataTransfer?.files.length > 0) takeDropped([...event.dataTransfer.files]);
 });
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
   draw();

@@ -93,11 +93,12 @@ function findingTable(findings, last) {
 }
 
 /** Shows the program's comparison of A and B, or a note instead: the differences first, equal numbers at the end. */
-export function showComparison(place, { error, headline, agreement, findings = [], remarks = [], equal = [] }) {
+export function showComparison(place, { error, headline, agreement, losses = [], findings = [], remarks = [], equal = [] }) {
   const paragraphs = (sentences) => sentences.map((textContent) => element("p", { textContent }));
   const lead = error ? [error] : [headline, agreement].filter(Boolean).map(sentenceText).map((text) => (text.endsWith(".") ? text : `${text}.`));
   place.replaceChildren(
     ...paragraphs(lead),
+    ...paragraphs(losses),
     ...findingTable(findings, "B − A"),
     ...paragraphs(remarks.map(sentenceText)),
     ...findingTable(equal, "equal within"),

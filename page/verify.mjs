@@ -8,10 +8,10 @@ import { sectionParts } from "./sections.mjs";
 /** The first bytes of MCAP files. */
 const MAGIC = [0x89, ...new TextEncoder().encode("MCAP0\r\n")];
 
-/** Whether bytes begin as an MCAP file does. */
-export const isRecording = (bytes) => MAGIC.every((byte, index) => bytes[index] === byte);
+/** Whether a file is one of MCAP, by its name or its content. */
+export const isRecording = (name, bytes) => name.endsWith(".mcap") || MAGIC.every((byte, index) => bytes[index] === byte);
 
-/** Where a report has its difference, its missing parts or its agreement. */
+/** The class of each verdict. */
 const TONES = { verified: "good", incomplete: "weak", different: "wrong" };
 
 export class VerifyPanel {
@@ -27,22 +27,40 @@ export class VerifyPanel {
 
   async read(file) {
     this.input.value = ""; // so that the same file can be chosen again
-    if (file) await this.take(file.name, new Uint8Array(await file.arrayBuffer()));
+    if (!file) return;
+    try {
+      await this.take(file.name, new Uint8Array(await file.arrayBuffer()));
+    } catch (error) {
+      this.fail(file.name, `cannot be read (${error.message})`);
+    }
   }
 
   /** Verifies the content of a file. The worker keeps it until the next one has been compared with it. */
   async take(name, bytes) {
-    at("verify").hidden = false;
-    at("verify").scrollIntoView();
-    this.show(null);
+    this.open();
     const turn = (this.turn = (this.turn ?? 0) + 1);
     at("verify-status").textContent = `${name}: verifying`;
     this.engine ??= new Engine(this.module, (text) => (at("verify-status").textContent = text));
     const response = await this.engine.send({ request: { verify: { file: name } }, file: bytes });
     if (turn !== this.turn) return;
-    at("verify-status").textContent = response.error ? `${name}: ${response.error}` : "";
-    at("verify-status").classList.toggle("wrong", Boolean(response.error));
-    if (!response.error) this.show(response);
+    at("verify-status").textContent = "";
+    if (response.error) this.fail(name, response.error);
+    else this.show(response);
+  }
+
+  /** Shows the panel without a result. */
+  open() {
+    at("verify").hidden = false;
+    at("verify").scrollIntoView();
+    at("verify-status").classList.remove("wrong");
+    this.show(null);
+  }
+
+  /** Says why there is no result. */
+  fail(name, reason) {
+    this.open();
+    at("verify-status").textContent = `${name}: ${reason}`;
+    at("verify-status").classList.add("wrong");
   }
 
   show(result) {
@@ -58,6 +76,7 @@ export class VerifyPanel {
     at("verify-scenario").parentElement.hidden = !scenario;
     at("verify-show").hidden = !request;
     showExplanation(at("verify-story"), at("verify-explanation"), explanation);
+    at("verify-why").hidden = at("verify-story").textContent === "" && at("verify-explanation").children.length === 0;
     at("verify-compared").hidden = !comparison;
     at("verify-before").textContent = comparison ? `A: ${comparison.file}, which was here before. B: this one.` : "";
     if (comparison) showComparison(at("verify-comparison"), comparison.report);

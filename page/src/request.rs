@@ -181,12 +181,16 @@ pub fn comparison<'a>(
 ) -> Result<Json, Box<dyn Error>> {
     let report = compare(a, b, &Options::default())?;
     let differing = report.differing().map(Finding::cells);
+    let losses = [("A", &report.a.losses), ("B", &report.b.losses)].into_iter();
+    let losses =
+        losses.flat_map(|(name, losses)| losses.iter().map(move |loss| format!("{name}: {loss}.")));
     let equal = report.findings.iter().filter(|finding| !finding.differs());
     let equal = equal.map(Finding::cells_of_equal);
     Ok(json!({
         "headline": report.headline(),
         "agreement": report.agreement.map(Agreement::sentence),
         "findings": differing.collect::<Vec<_>>(),
+        "losses": losses.collect::<Vec<_>>(),
         "remarks": report.remarks().collect::<Vec<_>>(),
         "equal": equal.collect::<Vec<_>>(),
     }))

@@ -219,13 +219,12 @@ fn compare_bytes(
     compared: &[String],
     options: &Options,
 ) -> Vec<TopicBytes> {
-    // Another version may word its schemas, and draw in its channels for viewers, what it likes. Messages for viewers that
-    // were logged at other times have lost theirs.
-    let is_one_form =
-        a.library() == b.library() && a.encoding() == b.encoding() && a.relogged() == b.relogged();
+    // Another version may word its schemas, and draw in its channels for viewers, what it likes.
+    let is_one_form = a.library() == b.library() && a.encoding() == b.encoding();
     let is_identical = is_one_form && paired.is_identical();
+    let has_views = is_identical && [a, b].iter().all(|run| run.relogged().is_none());
     let [mut topics, of_b] =
-        [a, b].map(|recording| foreign_topics(Subject::Recording(recording), is_identical));
+        [a, b].map(|recording| foreign_topics(Subject::Recording(recording), has_views));
     topics.retain(|topic| of_b.contains(topic) && !options.tolerances.ignores(topic));
     if is_identical && options.tolerances.ignored.is_empty() {
         topics.extend(compared.iter().cloned());

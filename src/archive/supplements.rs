@@ -189,8 +189,10 @@ fn copy_channels<W: Write + Seek>(
         let header = MessageHeader {
             channel_id: ids[message.position],
             sequence: message.sequence,
-            log_time: message.log_time,
-            publish_time: message.publish_time,
+            // On the clock of the run, if they were logged at other times.
+            log_time: message.time_ns,
+            publish_time: (message.publish_time.wrapping_sub(message.log_time))
+                .wrapping_add(message.time_ns),
         };
         writer.write_to_known_channel(&header, message.data)?;
     }

@@ -88,8 +88,8 @@ pub struct Report {
     /// Number of missing messages; for an interrupted run, only gaps. 0 if there is a difference, after which nothing is
     /// compared.
     pub missing: u64,
-    /// How the log times differ from the time stamps of the messages, which are compared then; absent if they are equal.
-    /// Channels for viewers are not compared.
+    /// How the log times differ from the time stamps of the messages; absent if they are equal. Messages are compared by
+    /// their stamps then, and those for viewers as a whole; sequence numbers are not compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub relogged: Option<Relogged>,
     /// Parts that can't be read, at most 1000.

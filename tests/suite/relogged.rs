@@ -25,6 +25,8 @@ fn relog(forgery: &mut Forgery, clock: Clock) {
         if let Record::Message(header, _) = record {
             header.log_time = clock(header.log_time, number);
             header.publish_time = header.log_time;
+            // As many writers do.
+            header.sequence = 0;
             number += 1;
         }
     });
@@ -93,6 +95,13 @@ fn verifies_content_of_relogged_messages() {
     assert_eq!(report.verdict, Verdict::Different);
     assert_eq!(report.difference.unwrap().place, "/top/energy");
     let mut forgery = original();
+    let (id, _) = forgery.id("/tf");
+    forgery.drop_messages(|message| message.channel_id == id && message.sequence > 0);
+    relog(&mut forgery, |time, _| time + REPLAYED);
+    let report = verified(&folder.write("view.mcap", forgery.bytes()));
+    assert_eq!(report.verdict, Verdict::Different);
+    assert_eq!(report.difference.unwrap().place, "/tf");
+    let mut forgery = original();
     let (id, _) = forgery.id("/top/energy");
     forgery.drop_messages(|message| message.channel_id == id && message.sequence == 7);
     relog(&mut forgery, |time, _| time + REPLAYED);
@@ -104,7 +113,15 @@ fn verifies_content_of_relogged_messages() {
 fn takes_few_wrong_log_times_for_damage() {
     let folder = Folder::new();
     let mut forgery = original();
-    relog(&mut forgery, |time, number| time + u64::from(number < 40));
+    forgery.each({
+        let mut number = 0;
+        move |record| {
+            if let Record::Message(header, _) = record {
+                header.log_time += u64::from(number < 40);
+                number += 1;
+            }
+        }
+    });
     let path = folder.write("a.mcap", forgery.bytes());
     let recording = Recording::open(&path).unwrap();
     assert_eq!(recording.relogged(), None);

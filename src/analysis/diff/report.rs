@@ -191,6 +191,10 @@ impl Report {
                 notes.push(format!("{name}: {error}."));
             }
         }
+        if runs.iter().any(|run| is_relogged(*run)) {
+            let note = "Channels for viewers are not compared: log times are not time stamps.";
+            notes.push(note.to_owned());
+        }
         // Numbers of different events differ as a matter of course.
         let has_equal_values = paired.compared().all(TopicTally::is_identical);
         if has_equal_values && others.iter().all(|topic| topic.other_sequences == 0) {
@@ -357,5 +361,13 @@ impl Report {
             .scenario
             .iter()
             .any(KeyDifference::changes_the_run)
+    }
+}
+
+/// Whether other software logged the messages of a run at other times.
+fn is_relogged(run: Subject<'_>) -> bool {
+    match run {
+        Subject::Scenario(_) => false,
+        Subject::Recording(recording) => recording.relogged().is_some(),
     }
 }

@@ -4,17 +4,17 @@
 //! messages at other times, but keeps what is in them: they are read by their stamps.
 
 use super::file::Recording;
-use crate::archive::container::section::{Buffers, MessageRecord, record_at};
+use crate::archive::container::section::{Buffers, FileSection, MessageRecord, record_at};
 use crate::run::time::seconds_and_nanoseconds;
 use crate::telemetry::encoding::{Decoder, Row};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt;
 
-/// Maximum number of messages that decide on the clock, and of sections that are searched for them. A few times that
-/// are wrong are damage, not a clock.
-const MAX_MESSAGES: usize = 100;
-const MAX_SECTIONS: usize = 16;
+/// Numbers of sections, spread over the file, and of messages in each that decide on the clock. A few times that are wrong
+/// are damage, not a clock.
+const SECTIONS: usize = 8;
+const MESSAGES: usize = 12;
 
 /// Log times that are not the time stamps of the messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
@@ -50,10 +50,10 @@ impl Recording {
     }
 }
 
-/// The first difference of a log time from its stamp, ns, if most of the first messages of the table have one. A single
-/// message is no clock.
+/// The first difference of a log time from its stamp, ns, if most messages of the table have one. A single message is no
+/// clock.
 fn find_offset(recording: &Recording) -> Option<i64> {
-    let offsets = first_offsets(recording);
+    let offsets = sample_offsets(recording);
     let mut differing = offsets.iter().filter(|offset| **offset != 0);
     let first = differing.next()?;
     let others = differing.count();
@@ -61,28 +61,32 @@ fn find_offset(recording: &Recording) -> Option<i64> {
     i64::try_from(*first).ok().filter(|_| is_clock)
 }
 
-/// Log time minus stamp of the first messages of the table, ns.
-fn first_offsets(recording: &Recording) -> Vec<i128> {
+/// Log time minus stamp of messages of the table, ns: of some in sections that are spread over the file, or else in the
+/// first that has any.
+fn sample_offsets(recording: &Recording) -> Vec<i128> {
     let mut stamps = Stamps::new(recording, Relogged { offset_ns: 0 });
-    let mut offsets = Vec::new();
-    let mut buffers = Buffers::default();
-    for section in recording.layout.sections.iter().take(MAX_SECTIONS) {
-        if section.load(&recording.source, &mut buffers).is_err() {
-            continue;
-        }
-        let mut position = 0;
-        while let Some(Ok((record, end))) = record_at(&buffers.records, position)
-            && offsets.len() < MAX_MESSAGES
-        {
-            position = end;
-            if let Some(message) = MessageRecord::parse(&record)
-                && let Some(stamp) = stamps.decode(recording, &message)
-            {
-                offsets.push(i128::from(message.log_time) - i128::from(stamp));
-            }
-        }
+    if stamps.decoders.iter().all(Option::is_none) {
+        return Vec::new();
     }
-    offsets
+    let mut buffers = Buffers::default();
+    let mut offsets_of = |section: &FileSection| {
+        if section.load(&recording.source, &mut buffers).is_err() {
+            return Vec::new();
+        }
+        stamps.offsets(recording, &buffers.records)
+    };
+    let sections = &recording.layout.sections;
+    let stride = sections.len().div_ceil(SECTIONS).max(1);
+    let spread: Vec<i128> = sections
+        .iter()
+        .step_by(stride)
+        .flat_map(&mut offsets_of)
+        .collect();
+    if !spread.is_empty() {
+        return spread;
+    }
+    let mut all = sections.iter().map(offsets_of);
+    all.find(|offsets| !offsets.is_empty()).unwrap_or_default()
 }
 
 /// Reads the time stamps of messages that were logged at other times.
@@ -111,6 +115,23 @@ impl Stamps {
                 .log_time
                 .saturating_add_signed(self.relogged.offset_ns.saturating_neg())
         })
+    }
+
+    /// Log time minus stamp of the first messages of the table among the records of a section, ns.
+    fn offsets(&mut self, recording: &Recording, records: &[u8]) -> Vec<i128> {
+        let mut offsets = Vec::new();
+        let mut position = 0;
+        while let Some(Ok((record, end))) = record_at(records, position)
+            && offsets.len() < MESSAGES
+        {
+            position = end;
+            if let Some(message) = MessageRecord::parse(&record)
+                && let Some(stamp) = self.decode(recording, &message)
+            {
+                offsets.push(i128::from(message.log_time) - i128::from(stamp));
+            }
+        }
+        offsets
     }
 
     fn decode(&mut self, recording: &Recording, message: &MessageRecord<'_>) -> Option<u64> {

@@ -20,6 +20,22 @@ pub(super) struct ChannelFingerprint {
     digest: u128,
 }
 
+impl ChannelFingerprint {
+    /// Adds a message's SHA-256.
+    fn add(&mut self, digest: Sha256) {
+        let mut half = [0; 16];
+        half.copy_from_slice(&digest.finalize()[..16]);
+        self.messages += 1;
+        // A sum, unlike an exclusive or, counts messages that are repeated.
+        self.digest = self.digest.wrapping_add(u128::from_le_bytes(half));
+    }
+
+    /// Adds the data of a message, whatever its head is.
+    pub(super) fn add_data(&mut self, data: &[u8]) {
+        self.add(Sha256::new_with_prefix(data));
+    }
+}
+
 impl Fingerprint {
     pub(super) fn add(&mut self, header: &MessageHeader, data: &[u8]) {
         let mut hasher = Sha256::new();
@@ -27,12 +43,10 @@ impl Fingerprint {
         hasher.update(header.log_time.to_le_bytes());
         hasher.update(header.publish_time.to_le_bytes());
         hasher.update(data);
-        let mut half = [0; 16];
-        half.copy_from_slice(&hasher.finalize()[..16]);
-        let channel = self.channels.entry(header.channel_id).or_default();
-        channel.messages += 1;
-        // A sum, unlike an exclusive or, counts messages that are repeated.
-        channel.digest = channel.digest.wrapping_add(u128::from_le_bytes(half));
+        self.channels
+            .entry(header.channel_id)
+            .or_default()
+            .add(hasher);
     }
 
     pub(super) fn add_undecoded(&mut self, message: &Undecoded<'_>) {

@@ -1,6 +1,7 @@
 //! Compares the messages of a file, in order of time, with those of a new run.
 
 use super::difference::Difference;
+use super::fingerprint::ChannelFingerprint;
 use super::rerun::{Expected, Rerun};
 use super::scope::Scope;
 use crate::archive::format::Entries;
@@ -8,8 +9,8 @@ use crate::archive::recording::{Losses, Recording, Selection, Undecoded};
 use crate::run::time::seconds;
 use crate::telemetry::Topic;
 use crate::telemetry::encoding::{DecodeError, Decoder, Row};
-use crate::words::plural;
-use std::collections::VecDeque;
+use crate::words::{counted, plural};
+use std::collections::{BTreeMap, VecDeque};
 
 /// The result of comparing messages.
 #[derive(Default)]
@@ -36,6 +37,9 @@ pub(super) struct RerunComparison<'r> {
     places: Vec<Option<usize>>,
     /// The decoder of each file channel that is in the table.
     decoders: Vec<Option<Decoder>>,
+    /// The recorded and the simulated messages of each channel for viewers, by the run's channel, if the messages were
+    /// logged at other times: which time they are of is not known then, so they are compared as a whole.
+    views: BTreeMap<usize, [ChannelFingerprint; 2]>,
     /// Simulated messages not yet found in the file.
     ahead: VecDeque<Expected>,
     /// The time up to which everything has been simulated, ns.
@@ -60,6 +64,7 @@ impl<'r> RerunComparison<'r> {
             rerun,
             scope,
             places,
+            views: BTreeMap::new(),
             ahead: VecDeque::new(),
             reached_ns: None,
             is_over: false,
@@ -86,6 +91,9 @@ impl<'r> RerunComparison<'r> {
             self.compared.missing = 0;
         } else if !self.recording.is_interrupted() {
             self.finish_run();
+            if self.compared.losses.is_empty() {
+                self.compared.difference = self.difference_of_views();
+            }
         }
         (self.compared, self.rerun.end())
     }
@@ -101,6 +109,8 @@ impl<'r> RerunComparison<'r> {
             return;
         };
         if !self.compares_views() && recorded.channel.is_view() {
+            let [of_file, _] = self.views.entry(channel).or_default();
+            of_file.add_data(recorded.data);
             return;
         }
         let found = self
@@ -153,9 +163,7 @@ impl<'r> RerunComparison<'r> {
     fn find(&mut self, channel: usize, recorded: &Undecoded<'_>) -> Option<usize> {
         loop {
             self.skip_until(recorded.time_ns);
-            let found = self.ahead.iter().position(|expected| {
-                expected.channel == channel && expected.sequence == recorded.sequence
-            });
+            let found = self.position(channel, recorded);
             let is_past = self
                 .reached_ns
                 .is_some_and(|reached| reached > recorded.time_ns);
@@ -166,10 +174,31 @@ impl<'r> RerunComparison<'r> {
         }
     }
 
+    /// The place of a recorded message among those that were simulated. Software that logs messages anew also numbers them
+    /// anew: then their times tell, and of simultaneous ones their data.
+    fn position(&self, channel: usize, recorded: &Undecoded<'_>) -> Option<usize> {
+        let mut expected = self.ahead.iter();
+        if !self.is_relogged {
+            return expected.position(|e| e.channel == channel && e.sequence == recorded.sequence);
+        }
+        let is_simultaneous = |e: &&Expected| e.channel == channel && e.time_ns == recorded.time_ns;
+        let same = expected.position(|e| is_simultaneous(&e) && e.data == recorded.data);
+        same.or_else(|| self.ahead.iter().position(|e| is_simultaneous(&e)))
+    }
+
     /// Simulates one more record.
     fn advance(&mut self) {
-        let ahead = &mut self.ahead;
-        let time = self.rerun.next(|expected| ahead.push_back(expected));
+        let (ahead, views) = (&mut self.ahead, &mut self.views);
+        let (header, is_relogged) = (self.rerun.header, self.is_relogged);
+        let time = self.rerun.next(|expected| {
+            let topic = header.channels[expected.channel].topic;
+            if is_relogged && Topic::find(topic).is_none() {
+                let [_, of_run] = views.entry(expected.channel).or_default();
+                of_run.add_data(&expected.data);
+            } else {
+                ahead.push_back(expected);
+            }
+        });
         self.is_over = time.is_none();
         self.reached_ns = time.or(self.reached_ns);
     }
@@ -181,8 +210,21 @@ impl<'r> RerunComparison<'r> {
         }
     }
 
-    /// Whether messages for viewers are compared: those of another version differ, and which time they are of is not
-    /// known if they were logged at other times.
+    /// The first channel for viewers whose messages are not those of the run. Those of another version may differ.
+    fn difference_of_views(&self) -> Option<Difference> {
+        if self.scope == Scope::Values || !self.is_relogged {
+            return None;
+        }
+        let differs =
+            |(_, [of_file, of_run]): &(&usize, &[ChannelFingerprint; 2])| of_file != of_run;
+        let (channel, both) = self.views.iter().find(differs)?;
+        let topic = self.rerun.header.channels[*channel].topic;
+        let texts = both.map(|of| Some(counted(of.messages, "message")));
+        Some(Difference::new(topic, "messages as a whole", texts))
+    }
+
+    /// Whether messages for viewers are compared one by one: those of another version differ, and which time they are of
+    /// is not known if they were logged at other times.
     fn compares_views(&self) -> bool {
         self.scope == Scope::Bytes && !self.is_relogged
     }

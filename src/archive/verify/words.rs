@@ -55,8 +55,6 @@ impl Report {
         }
         if let Some(check) = self.schemas {
             facts.push(("not compared", not_compared(check).to_owned()));
-        } else if self.relogged.is_some() {
-            facts.push(("not compared", "channels for viewers".to_owned()));
         }
         if !self.without.is_empty() {
             facts.push(("not recorded", self.without.join(", ")));
