@@ -32,5 +32,4 @@ pub use presets::{PRESETS, Preset};
 pub use schema::{SCHEMA_FILE, schema};
 pub use stop::Stop;
 pub use values::Values;
-#[cfg(any(feature = "sweep", feature = "fit"))]
 pub(crate) use values::find_key;
