@@ -534,17 +534,18 @@ addEventListener("click", ({ target }) => {
   // A link to the address that is open already changes nothing in it, so there is no event.
   if (target.closest?.("a")?.getAttribute("href") === location.hash && location.hash) follow();
 });
-/** Takes files that are dropped, one after the other: recordings are verified, tables are fitted. */
-let taking = Promise.resolve();
+/** Reads files that are dropped, one after the other: recordings are verified, tables are fitted. */
+let reading = Promise.resolve();
 function takeDropped(files) {
-  for (const file of files) taking = taking.then(() => takeFile(file));
+  for (const file of files) reading = reading.then(() => takeFile(file));
 }
 
 async function takeFile(file) {
   try {
     const content = await file.arrayBuffer();
-    if (isRecording(file.name, new Uint8Array(content))) await verifyPanel.take(file.name, new Uint8Array(content));
-    else await fitPanel.take(file.name, content);
+    // What comes of it is not waited for: it can be stopped, and then never comes.
+    if (isRecording(file.name, new Uint8Array(content))) verifyPanel.take(file.name, new Uint8Array(content));
+    else fitPanel.take(file.name, content);
   } catch (error) {
     verifyPanel.fail(file.name, `cannot be read (${error.message})`);
   }

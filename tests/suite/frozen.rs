@@ -205,6 +205,16 @@ fn regress_keeps_columns_of_archived_sweeps() {
     }
 }
 
+/// Members that were false in 1.0.0: a law without a fit had qualities and differences of 1.8e308, which are absent now,
+/// and the oddity of an estimated standard deviation, an optional member, was a guess from single values.
+const MENDED: [(&str, &str); 2] = [
+    (
+        "toprise.FitReport.json",
+        ".comparison: no alternative has all of {\"$ref\":\"#/$defs/Comparison\"}",
+    ),
+    ("toprise.FitReport.json", ".signals[].oddity is gone"),
+];
+
 #[test]
 fn regress_keeps_what_archived_schemas_have() {
     let folder = Folder::new();
@@ -223,7 +233,8 @@ fn regress_keeps_what_archived_schemas_have() {
                 // The report of a feature that this build lacks.
                 today = root().join("schemas").join(&name);
             }
-            let broken = broken(&json(&archived.join(&name)), &json(&today), usage);
+            let mut broken = broken(&json(&archived.join(&name)), &json(&today), usage);
+            broken.retain(|fault| !MENDED.contains(&(name.as_str(), fault.as_str())));
             assert!(
                 broken.is_empty(),
                 "{}, {name}: {broken:#?}",
