@@ -61,7 +61,9 @@ impl SweepReport {
             facts.push(("outcomes", outcomes));
         }
         if let Some(error) = &self.first_error {
-            facts.push(("first error", format!("run {}: {}", error.run, error.error)));
+            // The lines that point at a place in a formula need a line of their own.
+            let reason = error.error.lines().next().unwrap_or_default();
+            facts.push(("first error", format!("run {}: {reason}", error.run)));
         }
         if dry_run {
             facts.push(("left", counted(left, "run")));
