@@ -181,9 +181,13 @@ impl<'r> RerunComparison<'r> {
         if !self.is_relogged {
             return expected.position(|e| e.channel == channel && e.sequence == recorded.sequence);
         }
-        let is_simultaneous = |e: &&Expected| e.channel == channel && e.time_ns == recorded.time_ns;
-        let same = expected.position(|e| is_simultaneous(&e) && e.data == recorded.data);
-        same.or_else(|| self.ahead.iter().position(|e| is_simultaneous(&e)))
+        let mut simultaneous = expected
+            .enumerate()
+            .filter(|(_, e)| (e.channel, e.time_ns) == (channel, recorded.time_ns));
+        let first = simultaneous.next()?;
+        let mut all = std::iter::once(first).chain(simultaneous);
+        let same = all.find(|(_, e)| e.data == recorded.data);
+        Some(same.unwrap_or(first).0)
     }
 
     /// Simulates one more record.

@@ -62,7 +62,6 @@ impl About {
 
     /// The properties of `DataCite`'s JSON.
     pub fn to_datacite(&self) -> Map<String, Value> {
-        let text = |text: &Option<Text>| text.as_ref().map(|text| text.as_str().to_owned());
         let properties = json!({
             "creators": self.creators.iter().map(creator).collect::<Vec<_>>(),
             "titles": [{ "title": self.title.as_str() }],
@@ -78,7 +77,7 @@ impl About {
             }],
             "schemaVersion": SCHEMA,
             "doi": self.doi.as_ref().map(Doi::as_str),
-            "publisher": { "name": text(&self.publisher) },
+            "publisher": { "name": self.publisher.as_ref().map(Text::as_str) },
             "descriptions": self.description.iter().map(|text| json!({
                 "description": text.as_str(),
                 "descriptionType": "Abstract",
@@ -86,7 +85,7 @@ impl About {
             "subjects": self.keywords.iter().map(|keyword| json!({ "subject": keyword.as_str() })).collect::<Vec<_>>(),
             "fundingReferences": self.funders.iter().map(|funder| json!({
                 "funderName": funder.name.as_str(),
-                "awardNumber": text(&funder.award),
+                "awardNumber": funder.award.as_ref().map(Text::as_str),
             })).collect::<Vec<_>>(),
             "relatedIdentifiers": self.related.iter().map(related).collect::<Vec<_>>(),
         });
